@@ -28,27 +28,6 @@ def test_help_flows_at_any_width(call):
     assert whole == ['Fly with the full ROS graph, record to MCAP and write a report page.']
 
 
-def test_an_empty_folder_is_refused(call):
-    status, said = call('fly', '--out', '')
-    assert status == 2
-    assert (
-        said.err
-        == "Invalid value for '--out': the path is empty; give a folder or file; see --help.\n"
-    )
-
-
-@pytest.mark.parametrize(
-    'words', [('vehicle', 'show'), ('bag', 'info'), ('cfd', 'run'), ('launch',)], ids=' '.join
-)
-def test_a_place_that_cannot_be_used_is_one_sentence(call, words):
-    """A name that is too long; a folder that may not be entered ends so too, but not for root."""
-    status, said = call(*words, f'./{"long" * 80}.launch.py')
-    assert status == 2
-    assert 'long' in said.err
-    assert said.err.endswith('.\n')
-    assert len(said.err.splitlines()) == 1
-
-
 def test_only_the_verb_that_is_asked_for_is_loaded():
     """All of them take a second, and `lta bag info` a tenth of it."""
     code = (
@@ -95,11 +74,6 @@ def test_a_list_loads_no_verb():
     )
     done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True, check=True)
     assert done.stdout.split() == []
-
-
-def test_a_verb_comes_first(call):
-    status, said = call('--', 'fly')
-    assert (status, said.err) == (2, "Put the command before its options: 'lta fly ...'.\n")
 
 
 def test_options_of_several_values_may_stand_once():

@@ -3,31 +3,9 @@
 import socket
 
 from lta_report import cluster_server
-import pytest
 
 PARTS = ('--tls-ca', 'a.pem', '--tls-cert', 'b.pem')
 FILES = (*PARTS, '--tls-key', 'c.key')
-
-
-@pytest.mark.parametrize(
-    ('words', 'said'),
-    [
-        (('up', '--host', '0.0.0.0'), "A cluster on '0.0.0.0' runs any code"),
-        (('up', *PARTS), 'Give all of --tls-ca, --tls-cert and --tls-key'),
-        (('up', *FILES), 'a.pem, '),
-        (('up', '--host', 'no.such.host.invalid'), "The host 'no.such.host.invalid' is unknown"),
-        (('join', 'tcp://10.0.0.1:8786'), 'add --tls-ca, --tls-cert and --tls-key'),
-        (('join', 'tls://10.0.0.1:8786'), 'does not match the certificates'),
-        (('join', 'tcp://127.0.0.1:8786', *FILES), 'does not match the certificates'),
-        (('join', '127.0.0.1:8786'), 'give one such as tcp://127.0.0.1:8786'),
-        (('join', 'tcp://127.0.0.1:port'), 'give one such as tcp://127.0.0.1:8786'),
-    ],
-)
-def test_refusals_are_one_sentence(call, words, said):
-    status, output = call('cluster', *words)
-    assert status == 2
-    assert said in output.err
-    assert len(output.err.splitlines()) == 1
 
 
 def test_a_port_in_use_is_one_sentence(call):

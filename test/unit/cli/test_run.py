@@ -23,19 +23,3 @@ def test_a_python_file_gets_its_arguments(call, executed, tmp_path):
         sys.executable,
         [sys.executable, str(path), '--ros-args', '-r', '__ns:=/lta1'],
     )
-
-
-@pytest.mark.parametrize(
-    ('words', 'sentence'),
-    [
-        (('/no/own.py',), 'There is no Python file /no/own.py; check the path.'),
-        (
-            ('lta_vlc',),
-            "The executable of 'lta_vlc' is missing; write lta run lta_vlc NAME.",
-        ),
-    ],
-)
-def test_what_cannot_be_run_is_one_sentence(call, executed, words, sentence):
-    status, printed = call('run', *words)
-    assert (status, printed.err.strip()) == (2, sentence)
-    assert executed == []

@@ -216,13 +216,6 @@ def test_a_file_without_a_launch_is_one_sentence(write, text, sentence):
         find_launch(str(write(text)))
 
 
-def test_a_launch_that_is_not_there_is_one_sentence(tmp_path):
-    with pytest.raises(BadInput, match=r"^Unknown launch file 'fli'; known: emulated, fleet, fly"):
-        find_launch('fli')
-    with pytest.raises(BadInput, match=r'^There is no launch file .*none\.launch\.py; check the'):
-        find_launch(str(tmp_path / 'none.launch.py'))
-
-
 def test_a_fleet_of_one_is_the_flight_with_a_recorder_of_its_own():
     fleet = FLEET.build_plan({'n': '1'})
     alone = FLY.build_plan({'frame_prefix': 'lta1/', 'recorder': 'false'})

@@ -9,7 +9,7 @@ import subprocess
 import sys
 
 from lta_config.errors import BadInput
-from lta_report.workers import DaskWorkers, ItemFailure, LocalWorkers, open_workers
+from lta_report.workers import DaskWorkers, ItemFailure, LocalWorkers
 import pytest
 from waiting import PATIENCE, wait_until
 import worker_functions
@@ -129,11 +129,6 @@ def test_no_worker_outlives_the_command(tmp_path, number):
         command.wait()
     workers = [Path('/proc') / file.stem / 'cmdline' for file in tmp_path.glob('*.pid')]
     wait_until(lambda: not any(file.exists() for file in workers), 'the end of the workers')
-
-
-def test_workers_and_a_scheduler_exclude_each_other():
-    with pytest.raises(BadInput, match=r'^--workers has no effect with --scheduler'):
-        open_workers(abs, 2, 'tcp://127.0.0.1:1')
 
 
 def test_a_cluster_works_like_this_machine():

@@ -133,11 +133,6 @@ def test_a_lamp_that_faces_nowhere_is_refused(tmp_path):
     assert str(caught.value).endswith('.')
 
 
-def test_an_unknown_scenario_lists_the_known_ones():
-    with pytest.raises(BadInput, match=r"^Unknown scenario 'moon'; known: .*lamp_room.*\.$"):
-        load_scenario('moon')
-
-
 def test_a_start_within_the_goal_is_refused(tmp_path):
     path = written(tmp_path, 'start.position', {'value': [2.6, 0.0], 'unit': 'm'})
     with pytest.raises(BadInput, match='starts within its goal; move the start'):

@@ -48,34 +48,6 @@ def test_every_shipped_vehicle_is_a_start(call, tmp_path, model):
     assert '\nname: mine\n' in (tmp_path / 'mine.yaml').read_text('utf-8')
 
 
-def test_nothing_is_overwritten(call, tmp_path):
-    (tmp_path / 'a.yaml').write_text('mine')
-    status, said = call('new', 'a')
-    assert status == 2
-    assert said.err == 'a.yaml already exists; choose another one with --file.\n'
-    assert (tmp_path / 'a.yaml').read_text() == 'mine'
-
-
-@pytest.mark.parametrize(
-    ('words', 'sentence'),
-    [
-        (('new', 'My-Blimp'), "Invalid vehicle name 'My-Blimp'"),
-        (('new', 'a', '--from', 'nope'), "Unknown vehicle 'nope'; known: "),
-        (('new', 'a', '--file', 'no/such/a.yaml'), 'cannot be written'),
-        (('show', 'nope'), "Unknown vehicle 'nope'"),
-        (('diff', 'gtmab'), 'There is nothing to compare with'),
-        (('show', 'gtmab', '--out', '/proc/no/such'), 'cannot be created'),
-        (('show', 'rgblimp', '--gains'), 'rgblimp uses the control law glide'),
-        (('trim', 'no_bag'), 'no_bag'),
-    ],
-)
-def test_bad_input_is_one_sentence(call, words, sentence):
-    status, said = call(*words)
-    assert status == 2
-    assert sentence in said.err
-    assert said.err.count('\n') == 1
-
-
 def test_all_that_is_wrong_is_said_at_once(call, tmp_path):
     text = SHIPPED.replace('height: {value: 59.9', 'heigth: {value: 59.9', 1)
     text = text.replace(', source: "seed paper, 1S 250 mAh"', '')

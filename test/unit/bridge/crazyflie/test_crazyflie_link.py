@@ -417,15 +417,6 @@ def test_a_file_may_name_a_required_parameter_with_its_value(tmp_path):
 
 @pytest.mark.parametrize(
     'uri',
-    ['', 'radio', 'ftp://x', 'udp://', 'udp://host', 'udp://host:', 'radio://0/80/9M', 'usb://x'],
-)
-def test_a_uri_that_names_nothing_is_one_sentence(uri):
-    with pytest.raises(BadInput, match='is not a valid Crazyflie URI; give one such as radio'):
-        create_link(uri, (), time.time_ns)
-
-
-@pytest.mark.parametrize(
-    'uri',
     [
         'radio://0/80/2M/E7E7E7E7E7',
         'radio://0/80',

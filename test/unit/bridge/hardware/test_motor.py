@@ -180,15 +180,3 @@ def test_without_the_app_nothing_turns(drone, call, typed):
     assert status == 1
     assert 'lta.app is 0, but must be 3 (version of the app that flies duties; flash' in said.err
     assert at_rest(drone)
-
-
-def test_what_cannot_be_asked_is_one_sentence(call):
-    for words, sentence in (
-        (('m5',), "'m5'"),
-        (('m1', '--vehicle', 'multirotor'), 'cannot turn a single motor safely'),
-        (('m1', '--uri', 'nonsense'), 'is not a valid Crazyflie URI'),
-    ):
-        status, said = call('hardware', 'bench', *words)
-        assert status == 2
-        assert sentence in said.err
-        assert said.err.count('\n') == 1

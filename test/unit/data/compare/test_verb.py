@@ -61,39 +61,6 @@ def test_the_pictures_of_the_page_are_taken_if_asked_for(tmp_path, monkeypatch, 
     assert not (tmp_path / '2').exists()
 
 
-@pytest.mark.parametrize(
-    ('words', 'sentence'),
-    [
-        (['--pair', 'odom'], "Invalid pair 'odom'; write a topic of A"),
-        (['--pair', 'odom=nose'], "Flight B has no topic or channel 'nose'; its topics: odom."),
-        (['--pair', 'odom/nose=odom/nose'], "Topic 'odom' has no channel 'nose'; it has: pose"),
-        (
-            ['--topic', 'motors'],
-            "Topic 'motors' is not among the compared topics; choose from: odom.",
-        ),
-        (['--offset', 'soon'], "--offset is 'soon'; give a number"),
-        (['--offset', '3 m'], "--offset is '3 m'; give a number"),
-        (['--offset', '500'], 'The flights do not overlap in time'),
-        (['--tolerance', 'odom'], "--tolerance 'odom' is not of the form CHANNEL=VALUE"),
-        (['--tolerance', f'{Z}=-1'], f'The tolerance of {Z} is -1; it must be 0 or more.'),
-        (['--tolerance', f'{Z}=5 deg'], f"The tolerance of {Z} is '5 deg', but {Z} is in m;"),
-        (['--robot', 'lta7'], "Unknown robot 'lta7'; known: lta1"),
-        (['--align', 'motion'], 'No start of motion or commands was found'),
-        (
-            ['--pictures', 'p', '--no-page'],
-            '--pictures needs the page; remove --no-page.',
-        ),
-    ],
-)
-def test_bad_input_is_one_sentence(words, sentence, tmp_path, monkeypatch, capsys):
-    bag = write_motion(tmp_path / 'a', until=5.0)
-    assert run(monkeypatch, bag, bag, '--out', tmp_path / 'out', *words) == 2
-    told = capsys.readouterr().err
-    assert told.startswith(sentence)
-    assert told.count('\n') == 1
-    assert not (tmp_path / 'out').exists()
-
-
 def test_robots_of_one_bag_are_named_and_compared(tmp_path, monkeypatch, capsys):
     bag = tmp_path / 'pair'
     with BagWriter(bag, {}) as writer:

@@ -178,21 +178,6 @@ def test_the_command_lists_all_and_draws_some(call, bag, tmp_path):
     assert 'figure-unit-0' in page.read_text()
 
 
-@pytest.mark.parametrize(
-    ('words', 'sentence'),
-    [
-        (('none',), "No channel matches 'none'"),
-        (('motors', '--from', '5', '--to', '4'), '--from (5 s) must be less than --to (4 s)'),
-        (('motors', '--from', '99'), 'have no data between --from and --to'),
-    ],
-)
-def test_what_cannot_be_shown_is_one_sentence(call, bag, words, sentence):
-    status, said = call('bag', 'plot', bag, *words)
-    assert status == 2
-    assert sentence in said.err
-    assert said.err.count('\n') == 1
-
-
 def test_names_stay_whole_where_the_terminal_is_narrow():
     t = np.arange(100) / 10.0
     name = 'ground_truth/odom/pose.pose.position.x'

@@ -3,7 +3,6 @@
 import json
 
 from lta_cli.app import run_command_line
-import pytest
 
 
 def run(monkeypatch, *words):
@@ -20,18 +19,3 @@ def test_the_map_is_told(tmp_path, monkeypatch, capsys):
     assert own['sun']['idle'] < own['sun']['transmitting'] < own['sun']['hovering (paper)']
     assert '29 x dracula' in told['break_even_lux']
     assert (tmp_path / 'o' / 'report.html').is_file()
-
-
-@pytest.mark.parametrize(
-    ('words', 'told'),
-    [
-        (('--cell', 'kitronik', '--budget', '50'), 'One solar panel kitronik weighs 60.0 g'),
-        (('--vehicle', 'multirotor'), 'has no solar array'),
-        (('--cell', 'moon'), 'moon'),
-    ],
-)
-def test_what_cannot_be_is_one_sentence(tmp_path, monkeypatch, capsys, words, told):
-    assert run(monkeypatch, *words, '--out', str(tmp_path / 'o')) == 2
-    error = capsys.readouterr().err
-    assert told in error
-    assert error.count('\n') == 1

@@ -155,18 +155,3 @@ def test_the_verb_writes_a_page_and_numbers(tmp_path, monkeypatch, capsys):
     page = (folder / 'report.html').read_text()
     assert 'A fair criterion' in page
     assert 'mixes two panels' in page
-
-
-@pytest.mark.parametrize(
-    ('words', 'sentence'),
-    [
-        (('--budget', '50 cm'), 'The budget is in cm, but must be in kg or a compatible unit.'),
-        (('--budget', 'heavy'), 'The budget is "heavy", but must be a number and a unit'),
-        (('--vehicle', 'sblimp'), "Vehicle 'sblimp' has no charger for solar panels"),
-        (('other',), "Unknown cell table 'other'; known: seed_paper."),
-    ],
-)
-def test_bad_input_is_one_sentence(tmp_path, monkeypatch, capsys, words, sentence):
-    monkeypatch.setattr('sys.argv', ['lta', 'cells', *words, '--out', str(tmp_path / 'none')])
-    assert run_command_line() == 2
-    assert sentence in capsys.readouterr().err

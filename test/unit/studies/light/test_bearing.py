@@ -189,21 +189,3 @@ def test_both_verbs_write_a_table_and_a_page(tmp_path, monkeypatch, capsys):
     assert [ring['diodes'] for ring in printed['rings']] == [4, 8, 16] * 2
     assert len(printed['claims']) == 3
     assert (out / 'report.html').stat().st_size > 1000
-
-
-@pytest.mark.parametrize(
-    ('words', 'sentence'),
-    [
-        (('--place', 'moon'), 'moon'),
-        (('--range', 'far'), 'far'),
-        (('--range', '0.2'), '0.2'),
-        (('--vehicle', 'zeppelin'), 'zeppelin'),
-    ],
-)
-def test_bad_input_is_one_sentence(words, sentence, tmp_path, monkeypatch, capsys):
-    out = tmp_path / 'out'
-    status = lta('light', 'bearing', '--out', out, *words, monkeypatch=monkeypatch)
-    told = capsys.readouterr().err
-    assert status == 2
-    assert sentence in told
-    assert not out.exists()

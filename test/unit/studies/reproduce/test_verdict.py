@@ -19,7 +19,7 @@ from lta_studies.reproduce.report import (
     list_claim_findings,
     to_json,
 )
-from lta_studies.reproduce.run import select_rows, STORE
+from lta_studies.reproduce.run import STORE
 from lta_studies.reproduce.studies.indoors import PRINTED, rms_misfit
 from lta_studies.reproduce.study_result import average_over_seeds, MeasuredValue
 from lta_studies.reproduce.verdict import (
@@ -224,11 +224,6 @@ def test_a_changed_row_file_or_effort_is_another_row():
 
 def test_every_row_has_a_study_and_every_study_a_row():
     assert set(STUDIES) == set(list_shipped_names('paper'))
-
-
-def test_an_unknown_row_is_one_sentence():
-    with pytest.raises(BadInput, match='nobody'):
-        select_rows(['nobody'])
 
 
 def test_what_the_paper_leaves_for_later_is_no_claim_of_it():

@@ -285,30 +285,3 @@ def test_the_verb_tunes(call, tmp_path, monkeypatch):
     page = (folder / 'report.html').read_text(encoding='utf-8')
     assert 'Stability margins' in page
     assert page.count('class="plot"') == 6
-
-
-@pytest.mark.parametrize(
-    ('words', 'complaint'),
-    [
-        (('skye',), 'uses the control law omnidirectional'),
-        (('gtmab', '--least=5 g', '--most=1 g'), '--least must be the smaller one'),
-        (
-            ('gtmab', '--most=40 g'),
-            'can compensate a lift loss of 29.2 g, less than --most 40 g; choose a smaller --most',
-        ),
-        (('gtmab', '--most=6 m'), 'is not a mass'),
-        (('gtmab', '--number=kp'), 'kp'),
-    ],
-)
-def test_bad_orders_are_refused(call, tmp_path, words, complaint):
-    status, said = call('tune', *words, f'--out={tmp_path / "t"}')
-    assert status == 2
-    assert complaint in said.err
-    assert not (tmp_path / 't').exists()
-
-
-def test_a_place_that_cannot_be_written_is_refused_before_the_search(call, tmp_path):
-    (tmp_path / 'file').touch()
-    status, said = call('tune', 'gtmab', f'--out={tmp_path / "file" / "t"}')
-    assert status == 2
-    assert 'choose another folder with --out' in said.err

@@ -1,0 +1,193 @@
+"""
+What people type wrong: one table of commands, sentences and exit statuses, and rules for them all.
+
+`python test/golden/test_messages.py` renews the sentences of `messages.txt` (in the workspace);
+its commands, each followed by its answer, are added by hand. They are called in one process, in a
+folder with the files of `stage`.
+"""
+
+import ast
+from collections import defaultdict
+from contextlib import redirect_stderr, redirect_stdout
+import io
+import os
+from pathlib import Path
+import re
+import shlex
+import sys
+import tempfile
+
+from lta_cli import app
+import pytest
+from typer.main import get_command
+
+ROOT = Path(__file__).resolve().parents[2]
+TABLE = Path(__file__).with_name('messages.txt')
+GTMAB = (ROOT / 'config/vehicles/gtmab.yaml').read_text()
+SPOILT = {  # vehicle files with one mistake each
+    'unknown_key': ('about:', 'abuot: x\nabout:'),
+    'missing_unit': ('{value: 116.8, unit: g,', '{value: 116.8,'),
+    'wrong_unit': ('{value: 2, unit: g, source', '{value: 2, unit: parsec, source'),
+    'negative': ('value: 116.8', 'value: -116.8'),
+    'nan': ('value: 116.8', 'value: .nan'),
+    'text': ('value: 116.8', 'value: heavy'),
+    'no_yaml': ('schema: 3', 'schema: [2'),
+    'newer': ('schema: 3', 'schema: 99'),
+}
+
+
+def read_table():
+    """Return the rows: a command line, its exit status, its sentence."""
+    lines = TABLE.read_text(encoding='utf-8').splitlines()
+    rows = zip(lines[::2], lines[1::2], strict=True)
+    return [(command, *answer.strip().split(' ', 1)) for command, answer in rows]
+
+
+def stage(folder):
+    """Write what the commands of the table meet into a folder."""
+    (folder / 'empty').mkdir()
+    (folder / 'full').mkdir()
+    (folder / 'full/thesis.tex').write_text('mine')
+    (folder / 'text.txt').write_text('no table\n')
+    (folder / 'broken.yaml').write_text('a: [1')
+    (folder / 'list.yaml').write_text('- 1\n')
+    for name, (old, new) in SPOILT.items():
+        assert old in GTMAB
+        (folder / f'{name}.yaml').write_text(GTMAB.replace(old, new, 1))
+    sys.path.append(str(ROOT / 'test/unit'))
+    from report_flight import write_flight
+
+    write_flight(folder / 'flight', until=5.0)
+
+
+def answer(command, folder):
+    """Return the exit status and what a command line says, folders by their names."""
+    out, err = io.StringIO(), io.StringIO()
+    sys.argv = shlex.split(command)
+    with redirect_stdout(out), redirect_stderr(err):
+        status = app.run_command_line()
+    said = (out.getvalue() + err.getvalue()).strip()
+    return str(status), said.replace(str(folder), 'HERE').replace(str(ROOT), 'ROOT')
+
+
+ROWS = defaultdict(list)
+for row in read_table():
+    ROWS[row[0].split()[1]].append(row)
+
+
+@pytest.fixture(scope='module')
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp('here')
+    stage(folder)
+    return folder
+
+
+@pytest.fixture
+def here(folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    monkeypatch.setenv('COLUMNS', '120')
+    monkeypatch.setattr(sys, 'argv', ['lta'])
+    return folder
+
+
+@pytest.mark.parametrize('verb', ROWS)
+def test_what_is_typed_wrong_is_answered_as_in_the_table_and_nothing_is_made(here, verb):
+    before = sorted(here.iterdir())
+    wrong = [
+        f'{command}\n  {status} {sentence}\n  now: {" ".join(now)}'
+        for command, status, sentence in ROWS[verb]
+        if (now := answer(command, here)) != (status, sentence)
+    ]
+    assert not wrong, '\n'.join(wrong)
+    assert sorted(here.iterdir()) == before
+
+
+def list_commands(command, path=()):
+    """Yield the words and the parameters of each command."""
+    if hasattr(command, 'commands'):
+        for name, inner in command.commands.items():
+            yield from list_commands(inner, (*path, name))
+    else:
+        yield path, command.params
+
+
+# `lta run` passes on what it does not know
+COMMANDS = dict(list_commands(get_command(app.build_app())))
+COMMANDS.pop(('run',))
+
+
+@pytest.mark.parametrize('path', COMMANDS, ids=' '.join)
+def test_every_option_refuses_what_it_cannot_be(here, path):
+    """One that is not known, no number, none of its choices, an empty path."""
+    before, verb = sorted(here.iterdir()), ' '.join(path)
+    status, said = answer(f'lta {verb} --nonsense', here)
+    assert status == '2'
+    assert said.startswith('No such option: --nonsense')
+    places = [one for one in COMMANDS[path] if not one.opts[0].startswith('-') and one.required]
+    for one in COMMANDS[path]:
+        kind, name = one.type_descriptor.annotation, one.opts[0]
+        bad = "''" if 'Path' in str(kind) else 'x'
+        typed = kind in (int, float) or re.search('Literal|Fidelity|Path|.int]|.float]', str(kind))
+        if name.startswith('--') and typed and not getattr(one, 'is_flag', False):
+            words = ' '.join('nope' for _ in places)
+            status, said = answer(f'lta {verb} {words} {name} {bad}', here)
+            assert status == '2'
+            check_sentence(said)
+    assert sorted(here.iterdir()) == before
+
+
+def check_sentence(text):
+    """Assert the rules of messages: one line, one sentence that ends, no code, no shouting."""
+    assert '\n' not in text, text
+    assert text.endswith('.'), text
+    assert not re.search(r'Traceback|<class|object at 0x|\bErrno\b|\berror:|please|!', text), text
+    assert not re.search(r'  |\bNone\b', text), text
+
+
+def test_every_sentence_of_the_table_keeps_the_rules():
+    rows = read_table()
+    assert len(rows) > 150
+    assert len({command for command, _, _ in rows}) == len(rows)
+    for _, status, sentence in rows:
+        assert status == '2'
+        check_sentence(sentence)
+
+
+def list_literals():
+    """Yield the text of each BadInput in the sources, values as X, and where it is."""
+    for path in sorted([*ROOT.glob('src/lta_*/lta_*/**/*.py'), *ROOT.glob('config/**/*.py')]):
+        for node in ast.walk(ast.parse(path.read_text())):
+            called = isinstance(node, ast.Call) and ast.unparse(node.func) == 'BadInput'
+            if not called or not node.args:
+                continue
+            text = node.args[0]
+            parts = text.values if isinstance(text, ast.JoinedStr) else [text]
+            if all(isinstance(one, ast.Constant | ast.FormattedValue) for one in parts):
+                words = (str(one.value) if isinstance(one, ast.Constant) else 'X' for one in parts)
+                yield ''.join(words), f'{path.relative_to(ROOT)}:{node.lineno}'
+
+
+def test_every_sentence_of_the_sources_keeps_the_rules():
+    sentences = [(text, place) for text, place in list_literals() if text != 'X']
+    assert len(sentences) > 300
+    for text, place in sentences:
+        assert text.endswith(('.', 'X', '.)')), f'{place}: {text}'
+        assert not re.search(r'\bplease\b|!$|\berror:|  |\n', text), f'{place}: {text}'
+
+
+def renew():
+    """Write the table with the sentences of today; its commands stay."""
+    lines = TABLE.read_text(encoding='utf-8').splitlines()
+    commands = [line for line in lines if line.startswith('lta ')]
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name).resolve()
+        stage(folder)
+        os.chdir(folder)
+        os.environ['COLUMNS'] = '120'
+        rows = [(command, *answer(command, folder)) for command in dict.fromkeys(commands)]
+    text = ''.join(f'{command}\n  {status} {said}\n' for command, status, said in rows)
+    TABLE.write_text(text, encoding='utf-8')
+
+
+if __name__ == '__main__':
+    renew()
