@@ -61,27 +61,19 @@ class ParameterPrior(NamedTuple):
         longest: float = math.inf,
     ) -> Array:
         """
-        Return the values after a Newton step within bounds.
+        Return the values after a bounded Newton step.
 
-        What would leave its bounds stays at them, and the others move as is best beside it.
         `damping`: of the method of Levenberg and Marquardt. `longest`: how far a parameter may
         move, in prior deviations.
         """
         free = self.free
-        out, low, high = values.copy(), (self.low - values)[free], (self.high - values)[free]
-        own, force = inner[np.ix_(free, free)], pull[free]
-        own = own + damping * np.diag(np.diag(own))
-        change, moving = np.zeros(len(force)), np.ones(len(force), dtype=np.bool_)
-        while moving.any():
-            rest = force[moving] - own[np.ix_(moving, ~moving)] @ change[~moving]
-            change[moving] = np.linalg.solve(own[np.ix_(moving, moving)], rest)
-            inside = (change >= low) & (change <= high)
-            if inside[moving].all():
-                break
-            change = np.clip(change, low, high)
-            moving &= inside
+        out = values.copy()
+        own = inner[np.ix_(free, free)]
+        change = np.linalg.solve(own + damping * np.diag(np.diag(own)), pull[free])
         most = longest * self.deviation[free]
-        out[free] += np.clip(change, -most, most)
+        out[free] = np.clip(
+            values[free] + np.clip(change, -most, most), self.low[free], self.high[free]
+        )
         return out
 
 

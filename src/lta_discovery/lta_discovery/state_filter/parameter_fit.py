@@ -105,8 +105,8 @@ class _Search(Generic[Sums]):
 
     def expect_gain(self, at: _Point[Sums]) -> float:
         """Return by how much the best step lowers the cost, as far as the flights are linear."""
-        change = self.prior.step(at.values, at.sums.inner, at.sums.pull) - at.values
-        return float(change @ (at.sums.pull - 0.5 * at.sums.inner @ change))
+        after = self.prior.step(at.values, at.sums.inner, at.sums.pull)
+        return 0.5 * float((at.sums.pull * self.prior.free) @ (after - at.values))
 
     def has_settled(self, before: Array, after: Array) -> bool:
         """Return whether no parameter has moved far."""
