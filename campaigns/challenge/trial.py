@@ -14,7 +14,7 @@ from lta_discovery.discovery.run import DiscoveryRequest, study_usable_flights
 from lta_discovery.discovery.study import Discovery
 from lta_discovery.flights.bags import read_bags
 from lta_discovery.flights.usable_flights import select_usable_flights
-from lta_discovery.model.candidates import expand_vectors
+from lta_discovery.model.candidates import vector_components
 from lta_discovery.planning.equivalence_classes import load_class_map
 from lta_discovery.posterior.missing_elements import LEARNING, LINEARIZATIONS
 from lta_discovery.state_filter.linear_flight import FlightSystem
@@ -99,7 +99,7 @@ def compare_names(
     classes = load_class_map('all')
 
     def name_classes(names: Sequence[str]) -> set[str]:
-        return {classes.get(one, one) for one in expand_vectors(names)}
+        return {classes.get(one, one) for name in names for one in vector_components(name)}
 
     right = [name_classes([one]) for one in hidden]
     groups = [name_classes(one) for one in named]
