@@ -290,12 +290,12 @@ def describe_origin(rows: Rows) -> str:
         f'{row["date"]}'
         for row in rows.values()
     )
-    text = '; '.join(f'{count} cases of {words}' for words, count in counts.items()) + '.'
+    text = 'Cases: ' + '; '.join(f'{count} of {words}' for words, count in counts.items()) + '.'
     lateness = [row['late'] for row in rows.values() if 'late' in row]
     if lateness:
         text += f' The machine woke a sleeper {max(lateness):.2f} s too late at most.'
     if again := sum(row.get('again', 0) for row in rows.values()):
-        text += f' {again} cases were repeated, as the machine had stood still.'
+        text += f' Repeated, as the machine had stood still: {again}.'
     if (slower := max((row['slower'] for row in rows.values()), default=1)) > 1:
         text += f' Time passed up to {slower} times more slowly (`--slower`).'
     return text

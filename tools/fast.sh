@@ -4,7 +4,7 @@ set -eu
 limit=50 # s, beside the start
 files=$(.venv/bin/python tools/nearest_tests.py)
 if [ -z "$files" ]; then
-    echo 'No Python file under config, src or test differs from main: nothing to test.'
+    echo 'No Python file under campaigns, config, src or test differs from main: nothing to test.'
     exit 0
 fi
 status=0

@@ -37,7 +37,7 @@ def test_what_is_quick_runs(name, tmp_path, capsys):
     assert harness.run_campaign(name, words) == 0, capsys.readouterr()
     (rows,) = tmp_path.glob('*.jsonl')
     said = capsys.readouterr().out
-    assert f'{len(rows.read_text().splitlines())} cases of commit' in said
+    assert f'Cases: {len(rows.read_text().splitlines())} of commit' in said
 
 
 @pytest.fixture
