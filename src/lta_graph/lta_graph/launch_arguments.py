@@ -64,6 +64,7 @@ class DroneArguments(GraphArguments):
         'Whether the light board demodulates the lamp itself; then no demodulator node runs.',
     )
     live_port: int = setting(8765, 'Port of the live view.')
+    rviz: bool = setting(False, 'Whether to show the drone in RViz, which must be installed.')
 
 
 class EmulatedArguments(DroneArguments):
