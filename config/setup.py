@@ -37,6 +37,7 @@ setup(
         ('share/lta_config/fastdds', sorted(map(str, Path('fastdds').glob('*.xml')))),
         ('share/lta_config/foxglove', ['foxglove/lta.json']),
         ('share/lta_config/plotjuggler', ['plotjuggler/lta.xml']),
+        ('share/lta_config/rviz', ['rviz/lta.rviz']),
         ('share/lta_config/aero', sorted(map(str, Path('aero').glob('*.json')))),
         *(
             (f'share/lta_config/{folder}', sorted(map(str, Path(folder).glob('*.yaml'))))

@@ -64,6 +64,20 @@ def test_a_killed_node_is_named_and_ends_the_run(
     assert 'Traceback' not in run.text
 
 
+def test_a_node_that_hangs_is_named_on_the_console_and_its_return_too(
+    ros2_launch, flying, scenario, tmp_path
+):
+    room = scenario(radius='0.01 m', time_limit='600 s')
+    run = ros2_launch(FLY, f'scenario:={room}', f'bag:={tmp_path / "bag"}')
+    flying(0.5)
+    os.kill(run.node('estimator'), signal.SIGSTOP)
+    run.said('[lta1.controller]: inputs: waiting for messages on airspeed, odom from estimator')
+    os.kill(run.node('estimator'), signal.SIGCONT)
+    run.said('[lta1.controller]: inputs: OK again, all inputs arrive')
+    run.interrupt()
+    assert run.end() == 0
+
+
 @pytest.mark.parametrize(('name', 'last'), [('fly', 'description'), ('fleet', 'recorder')])
 @pytest.mark.parametrize(('number', 'status'), [(signal.SIGINT, 0), (signal.SIGTERM, 1)])
 def test_an_early_stop_leaves_no_traceback_no_node_and_no_file(

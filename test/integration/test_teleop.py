@@ -4,6 +4,7 @@ from random import random
 import signal
 
 from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import TwistStamped
 from lta_bridge.teleop.sticks import GamepadLayout
 from lta_control.cascade import Setpoint
 from lta_control.messages import from_setpoint
@@ -18,14 +19,15 @@ LAYOUT = GamepadLayout()
 
 
 class Cockpit:
-    """A drone at rest, a navigator that wants it to stay, and a gamepad."""
+    """A drone at rest, a navigator that wants it to stay, and a gamepad or a program."""
 
-    def __init__(self, peer):
+    def __init__(self, peer, device='joy', kind=Joy):
         self.peer, self.duties, self.facts = peer, [], {}
         self.axes, self.buttons = [0.0] * 6, [0] * 4
         peer.hear('motors', lambda motors: self.duties.append(max(map(abs, motors.duty))))
         peer.hear('/diagnostics', self._told)
-        self._joy = peer.offering('joy', Joy, 1)
+        self.command = lambda: Joy(axes=self.axes, buttons=self.buttons)
+        self._device = peer.offering(device, kind, 1)
         self._odom = peer.publisher('odom')
         self._pose, self._velocity = (
             peer.publisher('setpoint/pose'),
@@ -47,7 +49,8 @@ class Cockpit:
         pose, velocity = from_setpoint(now, Setpoint(1.5, 0.0, 0.0))
         self._pose.publish(pose)
         self._velocity.publish(velocity)
-        self._joy.publish(Joy(axes=self.axes, buttons=self.buttons))
+        if (command := self.command()) is not None:
+            self._device.publish(command)
 
     def press(self, button):
         self.buttons = [0] * 4
@@ -101,6 +104,32 @@ def test_a_stick_wins_until_handed_back_a_dead_teleop_lands_and_the_button_stops
         cockpit.until_motors('flying by a person')
         stop_for_good(cockpit)
         assert all(node.poll() is None for node in nodes)
+
+
+def test_a_program_flies_by_cmd_vel_and_its_silence_lands_the_drone(domain_id):
+    made = [
+        start('lta_bridge.nodes.teleop', '-p', 'device:=cmd_vel'),
+        start('lta_control.nodes.controller', '-p', 'armed:=true'),
+    ]
+    try:
+        with Peer(domain_id) as peer:
+            cockpit = Cockpit(peer, 'cmd_vel', TwistStamped)
+            cockpit.command = lambda: None
+            cockpit.until_motors('flying by the setpoint')
+            still = cockpit.duties[-1]
+            ahead = TwistStamped()
+            ahead.twist.linear.x = 0.3
+            cockpit.command = lambda: ahead
+            cockpit.until_motors('flying by a person')
+            peer.until(lambda: cockpit.duties[-1] > still + 0.02)
+            cockpit.command = lambda: None
+            # The navigator goes on talking, and is not listened to
+            cockpit.until_motors('holding')
+            cockpit.until_motors('landing')
+    finally:
+        for node in made:
+            node.send_signal(signal.SIGINT)
+            node.communicate(timeout=PATIENCE)
 
 
 def stop_for_good(cockpit):

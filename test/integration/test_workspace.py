@@ -202,7 +202,7 @@ def test_what_is_declared_is_what_is_installed(installed):
 
 def test_data_is_installed_with_lta_config(installed):
     share = installed / 'lta_config' / 'share' / 'lta_config'
-    kinds = ('.yaml', '.json', '.csv', '.npz', '.xml')
+    kinds = ('.yaml', '.json', '.csv', '.npz', '.xml', '.rviz')
     expected = {
         path.relative_to(ROOT / 'config')
         for path in (ROOT / 'config').rglob('*')

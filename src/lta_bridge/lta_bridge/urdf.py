@@ -2,9 +2,10 @@
 Convert a vehicle file to URDF, for RViz, Foxglove, robot_state_publisher and other tools.
 
 Links are the frames of the messages (docs/topics.md): `base_link` at the hull centre, FLU, with
-the mass and inertia of the whole vehicle and all its visuals; the sensors' frames fixed to it; and
-`rotor_NAME` for each rotor, z along its thrust. URDF has no ellipsoid, and a mesh file would have
-to be on the viewer's machine, so the hull is a stack of discs.
+all visuals; the sensors' frames fixed to it; `rotor_NAME` for each rotor, z along its thrust; and
+`cg_link` at the centre of gravity, with the mass and inertia of the whole vehicle: KDL, and with
+it robot_state_publisher, wants a root without inertia. URDF has no ellipsoid, and a mesh file
+would have to be on the viewer's machine, so the hull is a stack of discs.
 """
 
 from collections.abc import Iterator, Sequence
@@ -30,6 +31,7 @@ from lta_bridge.live.vehicle_shapes import BASE, draw_body
 from lta_model.vehicle import Vehicle
 
 Element = ElementTree.Element
+CG: Final = 'cg_link'
 DISCS: Final = 15  # per hull: the largest step at its side is 2 % of its radius
 CHIP: Final[Three] = (0.02, 0.02, 0.01)  # m, box drawn for a sensor
 CHIP_COLOUR: Final[Colour] = (0.85, 0.55, 0.10, 1.0)
@@ -41,7 +43,6 @@ def build_urdf(vehicle: Vehicle) -> str:
     """Return the URDF of a vehicle as XML text, in metres and kilograms."""
     robot = Element('robot', name=vehicle.file.name)
     base = ElementTree.SubElement(robot, 'link', name=BASE)
-    _add_inertial(base, vehicle)
     for shape in draw_body(vehicle).shapes:
         match shape:
             case EllipsoidShape():
@@ -57,6 +58,8 @@ def build_urdf(vehicle: Vehicle) -> str:
     sensors = {frame.name for frame in list_sensor_frames(vehicle)}
     for frame in list_fixed_frames(vehicle):
         link = _add_link(robot, frame)
+        if frame.name == CG:
+            _add_inertial(link, vehicle)
         if frame.name in sensors:
             _add_visual(link, BoxShape((0.0, 0.0, 0.0), CHIP, CHIP_COLOUR))
     ElementTree.indent(robot)
@@ -64,12 +67,13 @@ def build_urdf(vehicle: Vehicle) -> str:
 
 
 def list_fixed_frames(vehicle: Vehicle) -> list[SceneFrame]:
-    """Return the frames fixed to the vehicle: sensors and rotors."""
+    """Return the frames fixed to the vehicle: centre of gravity, sensors and rotors."""
     rotors = [
         SceneFrame(BASE, f'rotor_{rotor.name}', rotor.place, rotation_between(Z, rotor.axis))
         for rotor in vehicle.rotors
     ]
-    return [*list_sensor_frames(vehicle), *rotors]
+    gravity = SceneFrame(BASE, CG, _to_triple(vehicle.cg.tolist()), LEVEL)
+    return [gravity, *list_sensor_frames(vehicle), *rotors]
 
 
 def slice_into_discs(hull: EllipsoidShape) -> Iterator[CylinderShape]:
@@ -133,9 +137,8 @@ def _add_link(robot: Element, frame: SceneFrame) -> Element:
 
 
 def _add_inertial(link: Element, vehicle: Vehicle) -> None:
-    """Add mass, centre of gravity and inertia about it; with the gas, without added mass."""
+    """Add the mass, and the inertia about the link; with the gas, without added mass."""
     inertial = ElementTree.SubElement(link, 'inertial')
-    inertial.append(_build_origin(_to_triple(vehicle.cg.tolist()), LEVEL))
     ElementTree.SubElement(inertial, 'mass', value=f'{vehicle.mass:.9g}')
     tensor = vehicle.inertia
     names = {'ixx': (0, 0), 'ixy': (0, 1), 'ixz': (0, 2), 'iyy': (1, 1), 'iyz': (1, 2),

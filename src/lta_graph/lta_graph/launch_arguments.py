@@ -64,6 +64,7 @@ class DroneArguments(GraphArguments):
         'Whether the light board demodulates the lamp itself; then no demodulator node runs.',
     )
     live_port: int = setting(8765, 'Port of the live view.')
+    rviz: bool = setting(False, 'Whether to show the drone in RViz, which must be installed.')
 
 
 class EmulatedArguments(DroneArguments):
@@ -155,9 +156,13 @@ class FlyArguments(DroneArguments, PacedArguments):
     light_patience: float = setting(
         0.0, 'With light_board:=true, seconds to wait until the port exists.'
     )
-    teleop: bool = setting(False, 'Whether a person can take control with a gamepad.')
+    teleop: bool = setting(
+        False, 'Whether a person with a gamepad, or a program by cmd_vel, can take control.'
+    )
     teleop_device: str = setting(
-        'joy', 'With teleop:=true, the gamepad: /dev/input/js0, or joy for Joy messages.'
+        'joy',
+        'With teleop:=true, the gamepad: /dev/input/js0, joy for Joy messages, or cmd_vel for '
+        'velocities that a program sends.',
     )
     tracker: bool = setting(
         False,

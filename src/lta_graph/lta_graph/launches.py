@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, final
 
 from lta_config.errors import BadInput, unknown_name_error
+from lta_config.files import share_folder
 from lta_config.python_file import run_python_file
 from lta_config.settings import Settings
 from lta_graph.launch_arguments import (
@@ -190,7 +191,22 @@ DRONE_NODES = (
 
 def list_drone(arguments: FlyArguments) -> list[LaunchProcess]:
     """Return the graph of one drone."""
-    return [entry.build_process(arguments) for entry in DRONE_NODES if entry.starts(arguments)]
+    nodes = [entry.build_process(arguments) for entry in DRONE_NODES if entry.starts(arguments)]
+    return [*nodes, build_rviz(arguments)] if arguments.rviz else nodes
+
+
+def build_rviz(arguments: FlyArguments) -> LaunchProcess:
+    """Return RViz with the shipped view, whose topics are relative to the robot's namespace."""
+    return LaunchProcess(
+        'rviz2',
+        'rviz2',
+        name='rviz',
+        namespace=f'/{arguments.robot.strip("/")}',
+        parameters={'use_sim_time': arguments.use_sim_time},
+        words=('-d', str(share_folder() / 'rviz/lta.rviz')),
+        on_exit_shutdown=False,
+        sigterm_timeout=VIEWER_GRACE,
+    )
 
 
 def list_emulated(arguments: EmulatedArguments) -> list[LaunchProcess]:

@@ -4,11 +4,12 @@ import os
 import struct
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from geometry_msgs.msg import TwistStamped, Vector3
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_bridge.teleop.gamepad import Gamepad
 from lta_bridge.teleop.keyboard import HELD, Keyboard
-from lta_bridge.teleop.messages import JoyDevice, SetpointFollowers, SILENT
+from lta_bridge.teleop.messages import JoyDevice, SetpointFollowers, SILENT, TwistDevice
 from lta_bridge.teleop.steering import (
     HeadingAltitude,
     LEAD_TURN,
@@ -18,6 +19,7 @@ from lta_bridge.teleop.steering import (
 )
 from lta_bridge.teleop.sticks import apply_dead_zone, GamepadLayout, Sticks, to_sticks
 from lta_config.errors import BadInput
+from lta_graph.ros.stamps import to_stamp
 import pytest
 from sensor_msgs.msg import Joy
 
@@ -82,6 +84,47 @@ def test_a_tap_between_two_looks_counts_once_by_joy():
         device.receive(Joy(axes=[0.0] * 6, buttons=[0, 0, stop]), at)
     assert device.read_sticks(1.02) == Sticks(stop=True)
     assert device.read_sticks(1.04) == REST
+
+
+NOW_NS = 50_000_000_000
+
+
+def send_velocity(device, now, frame='', stamp_ns=0, **linear):
+    """Let a device get a velocity, with a turn of 0.3 rad/s to the left."""
+    message = TwistStamped()
+    message.header.frame_id, message.header.stamp = frame, to_stamp(stamp_ns)
+    message.twist.linear = Vector3(**linear)
+    message.twist.angular.z = 0.3
+    device.receive(message, now, NOW_NS)
+
+
+def test_a_velocity_is_a_share_of_the_largest_and_has_control_while_messages_come():
+    rates = TeleopRates(speed=0.4, turn=0.6, climb=0.2)
+    device = TwistDevice(lambda: rates, ('', 'base_link'))
+    assert device.read_sticks(0.0) is None
+    send_velocity(device, 1.0, x=0.1, y=0.7, z=-5.0)
+    assert device.read_sticks(1.0) == Sticks(0.25, 0.5, -1.0, take=True)
+    assert device.read_sticks(0.99 + SILENT) is not None
+    assert device.read_sticks(1.0 + SILENT) is None
+
+
+@pytest.mark.parametrize(
+    ('how', 'why'),
+    [
+        ({'x': float('nan')}, 'cmd_vel: '),
+        ({'frame': 'odom'}, "cmd_vel: in the frame 'odom', not base_link"),
+        ({'stamp_ns': NOW_NS - 600_000_000}, 'cmd_vel: its stamp is 0.6 s old'),
+        ({'stamp_ns': NOW_NS + 10_000_000_000}, 'cmd_vel: its stamp is inf s old'),
+    ],
+)
+def test_a_velocity_that_cannot_be_followed_counts_as_none_and_is_counted(how, why):
+    device = TwistDevice(TeleopRates, ('', 'base_link'))
+    send_velocity(device, 1.0, **how)
+    assert device.read_sticks(1.0) is None
+    assert device.unsound.count == 1
+    assert device.unsound.why.startswith(why)
+    send_velocity(device, 1.1, 'base_link', NOW_NS - 400_000_000)
+    assert device.read_sticks(1.1) is not None
 
 
 numbers = st.one_of(st.floats(width=32), st.sampled_from([-1.0, 0.0, 1.0]))

@@ -1,5 +1,5 @@
 """
-The teleop node: a person steers by gamepad, keyboard or Joy messages.
+The teleop node: a person steers by gamepad, keyboard or Joy messages, or a program by cmd_vel.
 
 It never arms. While the operator has control, it publishes this and their setpoints; controller
 and bridge follow these instead of the navigator's, with all their safety checks.
@@ -9,9 +9,15 @@ from pathlib import Path
 import sys
 import time
 
-from lta_bridge.teleop.gamepad import Gamepad, JOY, KEYBOARD
+from geometry_msgs.msg import TwistStamped
+from lta_bridge.teleop.gamepad import CMD_VEL, Gamepad, JOY, KEYBOARD
 from lta_bridge.teleop.keyboard import HELP, Keyboard
-from lta_bridge.teleop.messages import JoyDevice, SetpointFollowers, to_heading_altitude
+from lta_bridge.teleop.messages import (
+    JoyDevice,
+    SetpointFollowers,
+    to_heading_altitude,
+    TwistDevice,
+)
 from lta_bridge.teleop.steering import (
     check_time_mode,
     HeadingAltitude,
@@ -53,8 +59,8 @@ class TeleopSettings(Settings):
 
     device: str = setting(
         'joy',
-        'Input device: keyboard (of this terminal), a gamepad such as /dev/input/js0, or joy (Joy '
-        'messages).',
+        'Input device: keyboard (of this terminal), a gamepad such as /dev/input/js0, joy (Joy '
+        'messages), or cmd_vel (TwistStamped messages of a program).',
         fixed=True,
     )
     rates: TeleopRates = setting(
@@ -106,6 +112,17 @@ class Teleop(GraphNode):
                 Joy, 'joy', lambda message: joy.receive(message, time.monotonic()), TAPS
             )
             return joy
+        if settings.device == CMD_VEL:
+            frames = '', 'base_link', f'{self.frame_prefix}base_link'
+            twist = TwistDevice(lambda: self._settings.value.rates, frames)
+            self.soundness.unsound = self.undecodable = twist.unsound
+            self.create_subscription(
+                TwistStamped,
+                CMD_VEL,
+                lambda message: twist.receive(message, time.monotonic(), self.graph_time_ns()),
+                1,
+            )
+            return twist
         return Gamepad(Path(settings.device), settings.layout)
 
     def _on_odom(self, odom: Odometry) -> None:

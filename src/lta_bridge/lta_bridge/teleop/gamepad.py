@@ -17,13 +17,14 @@ from lta_config.errors import BadInput
 EVENT: Final = struct.Struct('<IhBB')  # time [ms], value, type, number
 BUTTON, AXIS, INITIAL = 0x01, 0x02, 0x80
 FULL: Final = 32767
-KEYBOARD, JOY = 'keyboard', 'joy'  # devices that are no gamepad of this machine
+# Devices that are no gamepad of this machine
+KEYBOARD, JOY, CMD_VEL = 'keyboard', 'joy', 'cmd_vel'
 REOPEN: Final = 1.0  # s between two attempts
 
 
 def require_gamepad(device: str) -> None:
-    """Raise `BadInput` for a gamepad that is not there; a keyboard and Joy need none."""
-    if device not in (KEYBOARD, JOY) and not Path(device).exists():
+    """Raise `BadInput` for a gamepad that is not there; the other devices need none."""
+    if device not in (KEYBOARD, JOY, CMD_VEL) and not Path(device).exists():
         raise _missing_gamepad_error(Path(device))
 
 

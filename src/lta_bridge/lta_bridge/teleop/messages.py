@@ -1,18 +1,22 @@
-"""Use Joy messages as a stick device, and extract heading and altitude from odometry."""
+"""Use Joy and Twist messages as stick devices, and get heading and altitude from odometry."""
 
+from collections.abc import Callable, Collection
 from typing import Final, final
 
 from diagnostic_msgs.msg import DiagnosticArray
-from lta_bridge.teleop.steering import HeadingAltitude
+from geometry_msgs.msg import TwistStamped
+from lta_bridge.teleop.steering import HeadingAltitude, TeleopRates
 from lta_bridge.teleop.sticks import GamepadLayout, Sticks, to_sticks
 from lta_control.messages import to_cascade_measurement
+from lta_graph.health import stamp_age
 from lta_graph.rejections import RejectionCount
 from lta_graph.ros.command_mux import COMMAND_SOURCE_TASK, HELD
 from lta_graph.ros.message_validation import find_fault
+from lta_graph.ros.stamps import from_stamp
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Joy
 
-SILENT: Final = 0.5  # s; joy_node repeats its message at 20 Hz
+SILENT: Final = 0.5  # s; joy_node repeats its message at 20 Hz, and so does who sends cmd_vel
 
 
 @final
@@ -51,6 +55,48 @@ class JoyDevice:
         if self._newest is None or silent:
             return None
         return to_sticks(self._layout, self._newest.axes, self._newest.buttons, tapped)
+
+    def close(self) -> None:
+        """Do nothing: the subscription belongs to the node."""
+
+
+@final
+class TwistDevice:
+    """
+    Follow velocities in the body frame, in place of a person; `rates` returns the largest ones.
+
+    Forward velocity (through the air), climb and turn rate count; what goes sideways does not, as
+    these vehicles steer by their heading. Who sends them has control while messages come. Then the
+    drone holds and lands, as without a gamepad. `frames`: names of the body frame. Attribute
+    `unsound`: messages in another frame, late or not finite, which count as none.
+    """
+
+    def __init__(self, rates: Callable[[], TeleopRates], frames: Collection[str]) -> None:
+        self._rates, self._frames = rates, frames
+        self.unsound = RejectionCount()
+        self._newest = Sticks()
+        self._received_at = -SILENT
+
+    def receive(self, message: TwistStamped, now: float, graph_ns: int) -> None:
+        """Take a message at a time [s], and at a graph time [ns]; without a stamp it is new."""
+        stamp_ns = from_stamp(message.header.stamp)
+        v, w = message.twist.linear, message.twist.angular
+        age = stamp_age(stamp_ns, graph_ns) if stamp_ns else 0.0
+        if why := find_fault(message):
+            self.unsound.add(f'cmd_vel: {why}')
+        elif message.header.frame_id not in self._frames:
+            self.unsound.add(f"cmd_vel: in the frame '{message.header.frame_id}', not base_link")
+        elif age > SILENT:
+            self.unsound.add(f'cmd_vel: its stamp is {age:.1f} s old, or of another clock')
+        else:
+            rates = self._rates()
+            full = (v.x, rates.speed), (w.z, rates.turn), (v.z, rates.climb)
+            forward, turn, climb = (max(-1.0, min(1.0, value / most)) for value, most in full)
+            self._newest, self._received_at = Sticks(forward, turn, climb, take=True), now
+
+    def read_sticks(self, now: float) -> Sticks | None:
+        """Return the sticks at a time [s]; None after `SILENT` without a message."""
+        return self._newest if now - self._received_at < SILENT else None
 
     def close(self) -> None:
         """Do nothing: the subscription belongs to the node."""

@@ -20,8 +20,9 @@ def urdf(
     """
     Print a vehicle as URDF, for RViz, Foxglove and robot_state_publisher.
 
-    Links match the message frames: base_link at the hull centre with mass, inertia and visuals,
-    the sensors, and rotor_NAME for each rotor. Aerodynamic added mass is not included.
+    Links match the message frames: base_link at the hull centre with all visuals, the sensors,
+    rotor_NAME for each rotor, and cg_link with mass and inertia. Aerodynamic added mass is not
+    included.
 
     Example: lta vehicle urdf gtmab --file gtmab.urdf
     """
