@@ -188,7 +188,9 @@ def _role_by_motion(
     group: ColumnGroup, topics: Mapping[str, Groups], table: Columns, usual: str
 ) -> str:
     """Return the role of a group whose names do not say it."""
-    if _part_of(group) not in topics.get(TOPICS[usual], {}):
+    members, part = topics.get(TOPICS[usual], {}), _part_of(group)
+    # An attitude in another form is the same one
+    if part not in members or (part == 'attitude' and members[part].kind != group.kind):
         return usual
     repeated = float(np.mean((np.diff(group.stack(table), axis=0) == 0.0).all(axis=1)))
     return 'setpoint' if repeated > HELD else 'estimate'
