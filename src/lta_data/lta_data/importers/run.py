@@ -10,8 +10,8 @@ from lta_bridge.bag.writer import prepare_empty_folder
 from lta_config.errors import BadInput, to_one_line
 from lta_config.schema.import_file import load_mapping
 from lta_data.bag.bag_folder import find_bag
-from lta_data.importers.draft.log_clocks import Clocks, estimate_clocks, set_clocks, share_clocks
 from lta_data.importers.formats import detect_format, find_format
+from lta_data.importers.log_clocks import Clocks, estimate_clocks, set_clocks, share_clocks
 from lta_data.importers.log_provenance import build_provenance
 from lta_data.importers.log_to_bag import write_log_bag
 from lta_data.importers.mapping_choice import (

@@ -81,6 +81,13 @@ FORMS = {
     'Crazyflie with its gyroscope': Form(
         lambda f: crazyflie(f) | three('gyro.', DEGREES * f['w']) | three('acc.', f['a'] / 9.81)
     ),
+    'Crazyflie with compressed states': Form(
+        lambda f: {'timestamp': np.round(1e3 * f['t']) + 99.0}
+        | place(f, 'stateEstimateZ.', 1e3) | three('stateEstimateZ.v', 1e3 * world_velocity(f))
+        | angles(f, 'stabilizer.roll stabilizer.pitch stabilizer.yaw', (1, -1, 1))
+        | dict(zip(('stateEstimateZ.rateRoll', 'stateEstimateZ.ratePitch',
+                    'stateEstimateZ.rateYaw'), 1e3 * f['w'].T, strict=True)), 'pqvw',
+    ),
     'pitch inverted, by the gyroscope': Form(
         lambda f: timed(f) | place(f) | angles(f, signs=(1, -1, 1)) | three('w', f['w']), 'pqw'
     ),

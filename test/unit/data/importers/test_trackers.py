@@ -60,6 +60,7 @@ def test_bodies_units_and_the_rate_are_those_of_the_file(
     source.write_text(write(f, bodies) + '\n')
     draft = draft_mapping(source, {})
     assert draft.choices.questions == []
+    assert draft.text.count('- topic:') == 1
     series = import_draft(draft, source, tmp_path)
     np.testing.assert_allclose(np.diff(series.time), 0.02, atol=1e-6)
     np.testing.assert_allclose(series.vector('pose.pose.position'), f['p'], atol=1e-5)

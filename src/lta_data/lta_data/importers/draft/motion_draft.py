@@ -37,7 +37,7 @@ NORTH_EAST_DOWN: Final = ('n', 'e', 'd')
 EAST_NORTH_DOWN: Final = ('e', 'n', 'd')
 LENGTHS: Final = {'m': 1.0, 'cm': 0.01, 'mm': 0.001}
 DEGREE: Final = np.pi / 180.0
-RATE_UNITS: Final = {'rad/s': 1.0, 'deg/s': 180.0 / np.pi}
+RATE_UNITS: Final = {'rad/s': 1.0, 'deg/s': 180.0 / np.pi, 'mrad/s': 1e3}
 NEAR: Final = 0.7  # logarithm of a factor, within which noise can move it
 UNRELATED: Final = 0.3  # explained share of a motion below which two contradict each other
 UNLIKE: Final = 1.3  # times as much unexplained decides between two frames
@@ -298,11 +298,15 @@ def _draft_rates(
                        ('deg/s', f'up to {size:.1f} deg/s')]  # fmt: skip
             unit = choices.decide(key, options, f'The rates reach {size:.3g}.')
     unit = choices.override(key, unit)
-    parts['rates'] = _build_vector(group, unit)
+    scale = 1.0 / RATE_UNITS.get(unit, 1.0)
+    if unit == 'mrad/s':  # as stateEstimateZ of a Crazyflie
+        parts['rates'] = _build_vector(group, 'rad/s', scale)
+    else:
+        parts['rates'] = _build_vector(group, unit)
     if frame == 'world' and fit.share > AGREE:
         parts['rates']['frame'] = 'world'
     choices.add_reason(f'{topic}: rates', group.columns, unit, why)
-    return DEGREE if unit == 'deg/s' else 1.0
+    return scale
 
 
 def _draft_position(

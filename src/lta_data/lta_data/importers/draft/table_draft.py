@@ -75,10 +75,10 @@ def draft_table(
         whole = parse_column_name(name.replace('/', '_') + '_columns')
         singles = [single._replace(stem=(*whole.stem, *single.stem)) for single in singles
                    if single.stem] if len(table) > 2 else singles  # fmt: skip
-    taken = {column for group in groups for column in group.columns}
-    taken |= {time.entry.get('column'), time.entry.get('fraction')}
-    rest = [column for column in numbers if column not in taken]
-    groups += find_state_vectors(rest, numbers, time.seconds)
+    grouped = {column for group in groups for column in group.columns}
+    times = [time.entry.get(key) for key in ('column', 'fraction')]
+    arrays = [column for column in numbers if column not in (*grouped, *times)]
+    groups += find_state_vectors(arrays, numbers, time.seconds)
     candidates = groups
     groups = choose_body(settle_kinds(groups, numbers, time.seconds), numbers, choices)
     lost = {c for one in candidates for c in one.columns if not one.kind} - {
@@ -110,7 +110,6 @@ def draft_table(
         axes = axes or _inertial_axes(inertial, time, table, choices)
     entries = [entry | ({'table': name} if name else {}) for entry in entries]
     taken = [column for group in groups for column in group.columns]
-    times = [time.entry.get(key) for key in ('column', 'fraction')]
     rest = [single for single in singles if single.column not in (*times, *taken)]
     entries += draft_scalars(name, table, rest, choices)
     used = {column for entry in entries for column in list_columns(entry)}
@@ -188,7 +187,9 @@ def _role_by_motion(
     group: ColumnGroup, topics: Mapping[str, Groups], table: Columns, usual: str
 ) -> str:
     """Return the role of a group whose names do not say it."""
-    if _part_of(group) not in topics.get(TOPICS[usual], {}):
+    members, part = topics.get(TOPICS[usual], {}), _part_of(group)
+    # An attitude in another form is the same one
+    if part not in members or (part == 'attitude' and members[part].kind != group.kind):
         return usual
     repeated = float(np.mean((np.diff(group.stack(table), axis=0) == 0.0).all(axis=1)))
     return 'setpoint' if repeated > HELD else 'estimate'
