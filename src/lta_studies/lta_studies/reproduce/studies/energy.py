@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Final
 
 from lta_config.command_line import format_lta_command
-from lta_energy.harvest import charging_power, HarvestCurve, LAMPS, WHITE_LED
+from lta_energy.harvest import charging_power, HarvestCurve, LAMPS, LightSource, WHITE_LED
 from lta_flight.flight_spec import build_vehicle_scenario_stack, load_spec
 from lta_model.electrical.panel import cell_spectral_factor, SolarArrayModel
+from lta_model.light.spectral_factor import luminous_efficacy
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_studies.energy import paper
 from lta_studies.energy.budget.report import (
@@ -39,7 +40,7 @@ from lta_studies.energy.hover.run import (
 )
 from lta_studies.reproduce.flights import fly_draws
 from lta_studies.reproduce.recording import record_flight, relative_bag_path
-from lta_studies.reproduce.studies.cells import draw_cell
+from lta_studies.reproduce.studies.cells import draw_cell, draw_efficacy
 from lta_studies.reproduce.study_result import (
     collect_draws,
     MeasuredValue,
@@ -118,8 +119,14 @@ def measure_draw(request: RowStudyRequest, seed: int) -> dict[str, float]:
     assert array is not None
     cell = array.cell_file.name
     panel = SolarArrayModel.from_cell_file(draw_cell(cell, seed), array.series, array.parallel)
-    harvest = HarvestCurve(panel, cell_spectral_factor(cell, WHITE_LED))
-    return {'hover': hover, 'fly': fly, **measure_charging(body, harvest, fly, hover)}
+    harvest = HarvestCurve(panel, cell_spectral_factor(cell, luminous_efficacy(WHITE_LED)))
+    lamps = {
+        name: lamp._replace(
+            efficacy_ratio=draw_efficacy(lamp.spectrum, seed) / luminous_efficacy(lamp.spectrum)
+        )
+        for name, lamp in LAMPS.items()
+    }
+    return {'hover': hover, 'fly': fly, **measure_charging(body, harvest, fly, hover, lamps)}
 
 
 def record_flights(folder: Path) -> str:
@@ -188,12 +195,16 @@ def measure_hover(comparison: HoverComparison) -> dict[str, MeasuredValue]:
 
 
 def measure_charging(
-    body: Vehicle, harvest: HarvestCurve, fly: float, hover: float
+    body: Vehicle,
+    harvest: HarvestCurve,
+    fly: float,
+    hover: float,
+    lamps: Mapping[str, LightSource] = LAMPS,
 ) -> dict[str, float]:
     """Return the net charging power and charging ratios at 80 klux, by kind of light."""
     net = {
         NAMES[name]: charging_power(harvest, body.charger, lamp, LUX) - body.loads.idle
-        for name, lamp in LAMPS.items()
+        for name, lamp in lamps.items()
     }
     powers = {
         'paper_fly': sum(paper.NAVIGATION) / 2.0, 'paper_hover': paper.HOVER,
