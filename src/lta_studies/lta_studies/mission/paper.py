@@ -21,8 +21,8 @@ WORDS: Final = (
     'charging, 3 : 1 to its hover power 444 mW. Its 18 minutes an hour are neither 15 (only '
     'flying) nor 20 (only hovering), but one third flying and two thirds hovering. At 80 '
     'klx a white LED that flickers like the beacon gives less than half the power of a '
-    'steady one, and the sun gives about three times as much. So all the ratios are possible at the '
-    'same illuminance.'
+    'steady one, and the sun gives about three times as much. So all the ratios are possible at '
+    'the same illuminance.'
 )
 
 

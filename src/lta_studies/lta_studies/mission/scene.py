@@ -142,9 +142,7 @@ class MissionScene:
         weights = flight.craft.power.panel_weights
         if irradiance > 0.0:
             # Sun and lamps are one ambient light here; their mean factor is exact
-            lamps = array_spectral_factor(
-                self.vehicle.file.energy, luminous_efficacy(WHITE_LED)
-            )
+            lamps = array_spectral_factor(self.vehicle.file.energy, luminous_efficacy(WHITE_LED))
             weights = weights._replace(ambient=(light.sun + lamps * light.lamps) / irradiance)
         power = flight.craft.power._replace(ambient=irradiance, panel_weights=weights)
         craft = flight.craft._replace(power=power)

@@ -1,6 +1,4 @@
-"""
-Write the pages of docs/ on the paper: the answers, the rows behind them, and its inconsistencies.
-"""
+"""Write the pages of docs/ on the paper: main claims, all rows, and its inconsistencies."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -148,7 +146,7 @@ def format_results(row: PaperRow, name: str, stored: StoredRow) -> list[str]:
     """Return our value for a claim, and the draws that agree."""
     claim = row.claims[name]
     return [
-        format_measured(row, name, stored) if claim.measure else MISSING,
+        format_measured(row, name, stored),
         format_shares(name, claim, stored) or MISSING,
     ]
 

@@ -85,6 +85,8 @@ DISCOVERY: Final = (
     'numbers and tested on the others, as discovery does with flights. A cause that '
     'explains only one number is marked as a guess.'
 )
+
+
 def build_report(rows: Sequence[PaperRow], stored_rows: StoredRows) -> Report:
     """Return the report of a reproduction."""
     return Report(

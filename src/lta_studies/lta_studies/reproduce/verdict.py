@@ -95,7 +95,10 @@ def judge_reading(name: str, claim: PaperClaim, measure: str, stored: StoredRow)
     rule, summary = claim.rule, find_summary(name, measure, stored)
     assert rule is not None
     if summary is None:
-        return judge_undrawn(rule, claim.value, stored.values[measure])
+        value = stored.values[measure]
+        # Flights without draws and without an interval decide nothing
+        single = claim.flights is not None and math.isnan(value.low)
+        return None if single else judge_undrawn(rule, claim.value, value)
     share = wilson_interval(round(summary.share * summary.drawn), summary.drawn)
     failures, successes = tolerated_shares(rule, rate=claim.flights == 'rate')
     if share.low >= 1.0 - failures:
@@ -214,7 +217,7 @@ def format_summary(measure: PaperMeasure, summary: DrawSummary) -> str:
 def format_measured(row: PaperRow, name: str, stored: StoredRow) -> str:
     """Format our value of a claim's first reading, with nine of ten draws or its interval."""
     claim = row.claims[name]
-    if claim.measure not in stored.values:
+    if claim.measure is None or claim.measure not in stored.values:
         return MISSING
     measure, value = row.measures[claim.measure], stored.values[claim.measure]
     summary = find_summary(name, claim.measure, stored)

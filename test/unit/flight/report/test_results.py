@@ -124,7 +124,11 @@ def test_flight_that_ends_early_has_not_reached(tmp_path):
 @pytest.mark.parametrize(
     ('missing', 'unknown', 'known'),
     [
-        ('ground_truth/odom', ['success', 'forward_airspeed', 'heading_drift', 'energy'], ['snr_end']),
+        (
+            'ground_truth/odom',
+            ['success', 'forward_airspeed', 'heading_drift', 'energy'],
+            ['snr_end'],
+        ),
         ('odom', ['altitude_estimate_error', 'heading_drift'], ['forward_airspeed', 'energy']),
         ('battery', ['energy', 'power', 'cruise_power'], ['forward_airspeed']),
         ('light/bearing', ['bearing_error', 'bearing_share'], ['snr_start', 'lamp_error']),

@@ -112,7 +112,9 @@ def test_a_rate_is_shown_by_few_failures_of_single_flights():
 
     def judge(arrived, **changed):
         claims = {'share': {**content, **changed}}
-        row = validate_content(PaperRow, {**CONTENT, 'measures': measures, 'claims': claims}, 'row')
+        row = validate_content(
+            PaperRow, {**CONTENT, 'measures': measures, 'claims': claims}, 'row'
+        )
         draws = {'share': {'share': DrawSummary(200, arrived / 200, 1.0, 1.0, 1.0)}}
         return judge_claim('share', row.claims['share'], stored(draws, share=1.0))
 
@@ -158,6 +160,9 @@ def test_what_was_not_drawn_needs_its_whole_interval():
     assert judge(7.3, 7.0, 8.0) is ClaimVerdict.AGREES
     assert judge(7.3, 7.0, 9.0) is ClaimVerdict.CHANCE
     assert judge(9.3, 9.0, 9.6) is ClaimVerdict.DIFFERS
+    assert judge(7.3) is ClaimVerdict.AGREES
+    claim = claim.model_copy(update={'flights': 'single'})
+    assert judge(7.3) is ClaimVerdict.CHANCE
 
 
 def test_a_verdict_needs_all_readings():

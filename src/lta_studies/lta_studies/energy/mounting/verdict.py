@@ -15,7 +15,6 @@ from lta_vehicle.figures.mass_budget import DEGREES
 LAMP_LUX = 80e3  # lx, seed paper
 
 
-
 def mean_light_share(study: MountingStudy) -> dict[str, float]:
     """Return the light on the panels in series, mean over the lights, by mount. [1]"""
     return {

@@ -25,8 +25,8 @@ class BearingScore:
 
     readings: int  # number of readings
     snr: float  # median SNR of the best diode
-    # Median error of the paper's estimator with its 95 % interval, the 95 % quantile of the errors,
-    # and the share without a bearing
+    # Median error of the paper's estimator with its 95 % interval, the 95 % quantile of the
+    # errors, and the share without a bearing
     paper: float
     paper_interval: tuple[float, float]
     paper_most: float
@@ -109,7 +109,7 @@ def median_interval(errors: Array) -> tuple[float, float]:
 
 
 def median_normal_error(deviations: Array) -> float:
-    """Return the median of absolute normal errors, one of each deviation; NaN if there are none."""
+    """Return the median of absolute normal errors, one of each deviation; NaN of none."""
     finite = deviations[np.isfinite(deviations)]
     if not finite.size:
         return math.nan

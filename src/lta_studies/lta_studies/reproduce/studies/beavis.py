@@ -39,9 +39,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Fly both platforms in the paper's tasks, and the variants of BEAVIS."""
     # Following a swinging heading is the longest manoeuvre.
     manoeuvres = MANOEUVRES[:2] if request.quick else MANOEUVRES
-    judged = [
-        (name, each) for name in (BOTH if request.quick else JUDGED) for each in manoeuvres
-    ]
+    judged = [(name, each) for name in (BOTH if request.quick else JUDGED) for each in manoeuvres]
     flights = fly_entries(judged, request.seeds if request.quick else RATE_SEEDS)
     pairs = judged
     if not request.quick:
