@@ -39,14 +39,16 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Fly both platforms in the paper's tasks, and the variants of BEAVIS."""
     # Following a swinging heading is the longest manoeuvre.
     manoeuvres = MANOEUVRES[:2] if request.quick else MANOEUVRES
-    judged = [(name, each) for name in (BOTH if request.quick else JUDGED) for each in manoeuvres]
-    flights = fly_entries(judged, request.seeds if request.quick else RATE_SEEDS)
-    pairs = judged
+    rate_pairs = [
+        (name, each) for name in (BOTH if request.quick else JUDGED) for each in manoeuvres
+    ]
+    flights = fly_entries(rate_pairs, request.seeds if request.quick else RATE_SEEDS)
+    pairs = rate_pairs
     if not request.quick:
         changed = [(name, each) for name, own in CHANGED.items() for each in own]
         rows = fly_entries(changed, request.seeds).rows
         flights = ComparisonFlights(flights.comparison, [*flights.rows, *rows])
-        pairs = [*judged, *changed]
+        pairs = [*rate_pairs, *changed]
     values: dict[str, MeasuredValue] = {}
     for name, manoeuvre in pairs:
         values[f'{name}_{manoeuvre}_held'] = flights.success_share(name, manoeuvre)
