@@ -19,7 +19,7 @@ from lta_flight.report.view import FlightView
 
 from campaigns.harness import Campaign, Case, Row, Rows
 
-PAPER: Final = {'path_length': 7.3, 'search_time': 8.4, 'airspeed': 0.5}
+PAPER: Final = {'path_length': 7.3, 'search_time': 8.4, 'forward_airspeed': 0.5}
 
 
 def run(case: Case, options: Namespace) -> Row:

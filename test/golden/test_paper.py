@@ -16,7 +16,8 @@ from pathlib import Path
 from kept_figures import kepts_in
 from lta_report.report_page import render_report
 from lta_report.study import StudyOptions
-from lta_studies.reproduce.report import build_report, format_markdown_page, IMAGES
+from lta_studies.reproduce.paper_pages import build_pages
+from lta_studies.reproduce.report import build_report, IMAGES
 from lta_studies.reproduce.run import reproduce_rows, ReproductionRequest, select_rows
 from lta_studies.reproduce.verdict import judge_claims
 import pytest
@@ -96,15 +97,23 @@ def test_the_page_tells_what_was_found(rows, studied):
             assert picture.command
 
 
-def test_the_document_is_made_of_the_full_run_and_of_the_rows_as_they_are():
+def test_the_pages_are_made_of_the_full_run_and_of_the_rows_as_they_are():
     told = json.loads((HERE / 'paper_full.json').read_text(encoding='utf-8'))
     kepts = kepts_in(told)
     docs = HERE.parents[1] / 'docs'
     rows = [row for row in ROWS if row.name in kepts]
-    report = build_report(rows, kepts)
-    assert (docs / 'paper.md').read_text(encoding='utf-8') == format_markdown_page(report)
+    for name, text in build_pages(rows, kepts).items():
+        assert (docs / name).read_text(encoding='utf-8') == text
     for row in rows:
         first = kepts[row.name].pictures[0]
         assert (docs / IMAGES / f'{row.name}-{first.name}.png').exists()
         found = {name: str(each) for name, each in judge_claims(row, kepts[row.name]).items()}
         assert found == told['rows'][row.name]['verdicts']
+
+
+def test_the_pages_are_short():
+    docs = HERE.parents[1] / 'docs'
+    assert (docs / 'paper.md').stat().st_size <= 4096
+    # 25 kB
+    assert (docs / 'paper_rows.md').stat().st_size <= 25 * 1024
+    assert sum(bool(claim.headline) for row in ROWS for claim in row.claims.values()) == 15

@@ -6,7 +6,7 @@ A cell file is a commercial solar panel with its data-sheet values at standard c
 derives the single-diode model from these numbers. A table of cells is as printed.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Annotated, Literal
 
@@ -124,17 +124,14 @@ class BuiltArrays(StrictModel):
 
 
 class CellTable(StrictModel):
-    """A table of cells; `lights` are kinds of light by their luminous efficacy."""
+    """A table of cells; `lights` are the spectra under which its arrays are compared."""
 
     schema_version: SchemaVersion
     name: Name
     about: str
     rows: Annotated[Mapping[Name, CellTableRow], Field(min_length=1)]
     arrays: BuiltArrays
-    lights: Annotated[
-        Mapping[Name, Annotated[Quantity, si_quantity('lm/W', above=0.0, sourced=True)]],
-        Field(min_length=1),
-    ]
+    lights: Annotated[Sequence[Name], Field(min_length=1)]
 
 
 def load_cell_table(name: str) -> CellTable:

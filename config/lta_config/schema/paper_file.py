@@ -106,6 +106,10 @@ class AgreementRule(StrictModel):
         return self
 
 
+def _bounds_one_side(rule: AgreementRule) -> bool:
+    return (rule.least is None) != (rule.most is None)
+
+
 class PaperClaim(StrictModel):
     """One statement of the paper."""
 
@@ -122,6 +126,10 @@ class PaperClaim(StrictModel):
     construction: str = ''  # why the claim holds by construction; '' if it could have failed
     # Measure that is 'yes' if an agreement says nothing, as anything would agree
     vacuous: str | None = None
+    # Whether each draw flies once, and the paper prints a figure of a single flight, or claims a
+    # rate at which flights succeed
+    flights: Literal['single', 'rate'] | None = None
+    headline: str = ''  # its line on the first page; '' if it is not there
     untested: str = ''  # why it cannot be tested
     finding: str = ''  # the result
     gap: str = ''  # what would close a difference
@@ -142,6 +150,8 @@ class PaperClaim(StrictModel):
             raise ValueError('needs either "measure" and "rule", or a reason in "untested"')
         if self.rule is not None and self.rule.within is not None and self.value is None:
             raise ValueError('has a rule with "within", but no "value" to compare with; add it')
+        if self.flights == 'rate' and (self.rule is None or not _bounds_one_side(self.rule)):
+            raise ValueError('has "flights: rate", so its rule needs either "least" or "most"')
         if bool(self.reading) != bool(self.readings):
             raise ValueError('has only one of "reading" and "readings"; give both or neither')
         return self

@@ -7,7 +7,7 @@ Wavelengths are in nanometres and increase.
 from collections.abc import Sequence
 from functools import cache
 from itertools import pairwise
-from typing import Annotated
+from typing import Annotated, Literal
 
 from lta_config.files import (
     check_exactly_one,
@@ -43,11 +43,20 @@ class EmissionPeak(StrictModel):
     height: Positive
 
 
+class EfficacyRange(StrictModel):
+    """Range of the luminous efficacy of lights of a kind; the spectrum itself has one value."""
+
+    range: Annotated[tuple[Positive, Positive], Field(strict=False)]
+    unit: Literal['lm/W']
+    range_source: str
+
+
 class LightSpectrum(StrictModel):
     """
     Spectral power of a light, by exactly one of a table, peaks, or a black body's temperature.
 
-    `total` is the integral of a table over all wavelengths, also those that it leaves out.
+    `total` is the integral of a table over all wavelengths, also those that it leaves out. The
+    luminous efficacy follows from the spectrum; `efficacy` is the range of lights of this kind.
     """
 
     schema_version: SchemaVersion
@@ -58,6 +67,7 @@ class LightSpectrum(StrictModel):
     total: Positive | None = None  # in the unit of the points, times nm
     peaks: list[EmissionPeak] | None = None
     temperature: Annotated[float, Field(ge=500.0, le=20_000.0, strict=False)] | None = None  # K
+    efficacy: EfficacyRange | None = None
 
     @model_validator(mode='after')
     def _check_kind(self) -> 'LightSpectrum':

@@ -6,8 +6,8 @@ therefore the mean of the powers with the lamp on and off, not the power in the 
 Neglected: the charger holds one voltage through both phases. All lamps are white LEDs.
 
 At the break-even illuminance the harvest equals the load. Illuminance alone does not fix the
-radiant power: a white LED emits about 300 lm per radiant watt and the sun 110, so the same
-illuminance from the sun carries 2.7 times the power. A beacon with a duty cycle of one half
+radiant power: a white LED emits 326 lm per radiant watt and the sun 109, by their spectra, so the
+same illuminance from the sun carries 3.0 times the power. A beacon with a duty cycle of one half
 carries half the power of a steady lamp.
 """
 
@@ -24,9 +24,10 @@ from lta_model.electrical.panel import (
     find_max_power_point,
     SolarArrayModel,
 )
+from lta_model.light.spectral_factor import luminous_efficacy, STANDARD_LIGHT
 import numpy as np
 
-WHITE_LED = 300.0  # lm/W, of the lamps of a day
+WHITE_LED: Final = 'white_led'  # spectrum of all lamps
 LOWEST_IRRADIANCE, HIGHEST_IRRADIANCE, TABLE_POINTS = (
     1e-2,
     2000.0,
@@ -58,14 +59,17 @@ class HarvestCurve:
     @classmethod
     def of_energy(cls, energy: EnergyBlock) -> Self:
         """Return the harvest of the array of a vehicle file."""
-        return cls(SolarArrayModel.from_energy(energy), array_spectral_factor(energy, WHITE_LED))
+        return cls(
+            SolarArrayModel.from_energy(energy),
+            array_spectral_factor(energy, luminous_efficacy(WHITE_LED)),
+        )
 
     @classmethod
     def of_cells(cls, cell: str, series: int, parallel: int) -> Self:
         """Return the harvest of so many strings of so many cells."""
         return cls(
             SolarArrayModel.from_cells(cell, series, parallel),
-            cell_spectral_factor(cell, WHITE_LED),
+            cell_spectral_factor(cell, luminous_efficacy(WHITE_LED)),
         )
 
     def __call__(self, light: PanelIrradiance) -> float:
@@ -83,18 +87,23 @@ BISECTIONS = 60  # of bisection
 
 
 class LightSource(NamedTuple):
-    """Luminous efficacy [lm per radiant watt] and duty cycle of a kind of light."""
+    """Spectrum, duty cycle and luminous efficacy of a kind of light."""
 
-    efficacy: float
-    duty: float
-    sun: bool = False
+    spectrum: str
+    duty: float = 1.0
+    # Luminous efficacy of another light of this kind, by that of the spectrum [1]
+    efficacy_ratio: float = 1.0
+
+    @property
+    def efficacy(self) -> float:
+        """Luminous flux by radiant flux. [lm/W]"""
+        return self.efficacy_ratio * luminous_efficacy(self.spectrum)
 
 
 LAMPS: Final[Mapping[str, LightSource]] = {
-    # [lm per radiant watt], duty cycle
-    'white LED': LightSource(300.0, 1.0),
-    'flickering LED': LightSource(300.0, 0.5),
-    'sun': LightSource(110.0, 1.0, sun=True),
+    'white LED': LightSource(WHITE_LED),
+    'flickering LED': LightSource(WHITE_LED, 0.5),
+    'sun': LightSource(STANDARD_LIGHT),
 }
 
 
@@ -103,7 +112,7 @@ def irradiance_from_lux(lamp: LightSource, lux: float) -> PanelIrradiance:
     # Flickering light goes into the beacon term, because harvest is averaged over its phases
     if lamp.duty < 1.0:
         return DARK._replace(beacon=lux / lamp.efficacy, duty=lamp.duty)
-    if lamp.sun:
+    if lamp.spectrum == STANDARD_LIGHT:
         return DARK._replace(sun=lux / lamp.efficacy)
     return DARK._replace(lamps=lux / lamp.efficacy)
 

@@ -13,7 +13,7 @@ from lta_flight.report.results import FlightResults
 from lta_sim.readings import FlightOutcome
 import pytest
 
-RESULTS = FlightResults(success=True, path_length=6.0, search_time=12.0, closest=0.9)
+RESULTS = FlightResults(success=True, path_length=6.0, search_time=12.0, closest_horizontal=0.9)
 
 
 @pytest.fixture

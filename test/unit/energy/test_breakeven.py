@@ -11,9 +11,9 @@ from lta_energy.harvest import (
     LAMPS,
     LightSource,
 )
-from lta_energy.irradiance import PanelIrradiance
 from lta_model.electrical.charger import ChargerModel
 from lta_model.electrical.panel import cell_spectral_factor, find_max_power_point, SolarArrayModel
+from lta_model.light.spectral_factor import luminous_efficacy
 import pytest
 
 ENERGY = load_vehicle_file('gtmab').energy
@@ -36,10 +36,9 @@ def test_the_charger_gives_the_load_there_and_less_below():
 
 def test_the_same_lux_of_the_sun_go_further_by_their_efficacy():
     # The cells make 1.115 times as much of a watt of the LED
-    factor = cell_spectral_factor('anysolar', 300.0)
-    assert lux('white LED', 0.12) / lux('sun', 0.12) == pytest.approx(
-        300.0 / 110.0 / factor, rel=1e-6
-    )
+    led, sun = luminous_efficacy('white_led'), luminous_efficacy('sun')
+    factor = cell_spectral_factor('anysolar', led)
+    assert lux('white LED', 0.12) / lux('sun', 0.12) == pytest.approx(led / sun / factor, rel=1e-6)
     assert 1.9 < lux('flickering LED', 0.12) / lux('white LED', 0.12) < 2.0
 
 
@@ -47,7 +46,7 @@ def test_idling_by_hand():
     """97 mW behind 85 %, and 22 mW, behind 95 %: 143.3 mW of the array."""
     needed = (0.097 / 0.85 + 0.022) / 0.95
     voltage, current = find_max_power_point(
-        SolarArrayModel.from_energy(ENERGY), lux('sun', 0.097) / 110.0
+        SolarArrayModel.from_energy(ENERGY), lux('sun', 0.097) / luminous_efficacy('sun')
     )
     assert voltage * current == pytest.approx(needed, rel=5e-4)
 
@@ -56,18 +55,15 @@ def test_what_no_light_feeds_never_breaks_even():
     assert lux('white LED', 1.333) == math.inf
 
 
-def test_the_lamps_and_their_light_by_hand():
-    assert {
-        'white LED': LightSource(300.0, 1.0),
-        'flickering LED': LightSource(300.0, 0.5),
-        'sun': LightSource(110.0, 1.0, sun=True),
-    } == LAMPS
-    assert irradiance_from_lux(LightSource(300.0, 1.0), 600.0) == PanelIrradiance(
-        0.0, 2.0, 0.0, 1.0
-    )
-    assert irradiance_from_lux(LightSource(300.0, 0.5), 600.0) == PanelIrradiance(
-        0.0, 0.0, 2.0, 0.5
-    )
+def test_lamps_have_the_efficacy_of_their_spectrum_and_by_hand_their_light():
+    """Lux become watts by the same spectrum that gives the current of the cells."""
+    led = luminous_efficacy('white_led')
+    assert [lamp.efficacy for lamp in LAMPS.values()] == [led, led, luminous_efficacy('sun')]
+    assert irradiance_from_lux(LAMPS['white LED'], 2.0 * led) == (0.0, 2.0, 0.0, 1.0)
+    assert irradiance_from_lux(LAMPS['flickering LED'], 2.0 * led) == (0.0, 0.0, 2.0, 0.5)
+    # Another LED of 10 % fewer lumens by watt has more watts by lux
+    other = LightSource('white_led', efficacy_ratio=0.9)
+    assert irradiance_from_lux(other, 1.8 * led).lamps == pytest.approx(2.0)
 
 
 def test_up_to_a_hundred_thousand_lux_are_looked_at():

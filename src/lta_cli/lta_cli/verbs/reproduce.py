@@ -2,15 +2,14 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-import sys
 from typing import Annotated
 
-from lta_cli.options.common_options import plain_console
 from lta_cli.options.study_command import study_command, StudyRun
 from lta_config.schema.paper_file import PaperRow
 from lta_report.report import Report, TextTable
 from lta_report.report_terminal import print_table
-from lta_studies.reproduce.report import build_report, format_markdown_page
+from lta_studies.reproduce.paper_pages import write_pages
+from lta_studies.reproduce.report import build_report
 from lta_studies.reproduce.run import (
     reproduce_rows,
     ReproductionRequest,
@@ -39,7 +38,15 @@ def reproduce(
             max=10_000,
         ),
     ] = None,
-    as_markdown: Annotated[bool, typer.Option('--markdown', help='Print docs/paper.md.')] = False,
+    markdown: Annotated[
+        Path | None,
+        typer.Option(
+            help='Write the pages paper.md, paper_rows.md and paper_inconsistencies.md into this '
+            'folder.',
+            exists=True,
+            file_okay=False,
+        ),
+    ] = None,
     *,
     run: StudyRun,
 ) -> Report:
@@ -49,7 +56,7 @@ def reproduce(
     A row is a file in config/paper with the paper's claims, their location in the paper, the
     measured quantities, and the acceptance rule. All rows use the same vehicle, gains, lamp and
     room; exceptions are listed. What is assumed is drawn from the ranges in the files of vehicle,
-    cells and rows: a claim agrees or differs if 95 % of the draws do.
+    cells, lights and rows: a claim agrees or differs if surely 95 % of the draws do.
 
     Finished rows are stored in the folder of the results, runs/paper (with --quick
     runs/paper-quick) by default, and repeating the command resumes. A change of the code or of a
@@ -62,9 +69,6 @@ def reproduce(
 
     Example: lta reproduce --quick
     """
-    if as_markdown:
-        # stdout holds only the Markdown page
-        run.console = plain_console(stderr=True)
     rows = select_rows(names or [])
     if listed:
         print_table(build_row_table(rows), run.console)
@@ -73,10 +77,10 @@ def reproduce(
     folder = run.open_folder(Path('runs') / ('paper-quick' if run.quick else 'paper'))
     names = [row.name for row in rows]
     order = ReproductionRequest(tuple(names), run.quick, folder, run.options, draws)
-    report = build_report(rows, reproduce_rows(order, rows, run.console))
-    if as_markdown:
-        sys.stdout.write(format_markdown_page(report))
-    return report
+    stored = reproduce_rows(order, rows, run.console)
+    if markdown is not None:
+        write_pages(markdown, rows, stored)
+    return build_report(rows, stored)
 
 
 def build_row_table(rows: Sequence[PaperRow]) -> TextTable:

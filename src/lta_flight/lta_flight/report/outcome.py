@@ -23,7 +23,10 @@ def describe_outcome(results: FlightResults) -> str:
     """Return the outcome in one sentence."""
     if results.success is None:
         return 'A recorded flight; the bag does not show whether it reached a lamp'
-    count, near = int(results.lamps or 1), format_amount(results.closest, 'm', 1) + ' horizontally'
+    count, near = (
+        int(results.lamps or 1),
+        format_amount(results.closest_horizontal, 'm', 1) + ' horizontally',
+    )
     if results.altitude is not None:
         near += f', at a mean height of {format_amount(results.altitude, "m", 1)}'
     way = f'over {format_amount(results.path_length, "m", 1)}'
@@ -54,8 +57,9 @@ def build_tiles(results: FlightResults) -> list[Tile]:
         Tile('Path', format_number(r.path_length), 'm',
              f'{"shortest way" if (r.lamps or 1) > 1 else "straight line"} to the goal '
              f'{format_amount(r.straight_length, "m")}'),
-        Tile('Airspeed', format_number(r.airspeed), 'm/s',
-             f'true mean \N{PLUS-MINUS SIGN} {format_number(r.airspeed_spread)} m/s in cruise'),
+        Tile('Forward airspeed', format_number(r.forward_airspeed), 'm/s',
+             f'true mean \N{PLUS-MINUS SIGN} {format_number(r.forward_airspeed_spread)} m/s '
+             'in cruise'),
         Tile('Altitude', format_number(r.altitude), 'm',
              f'RMS error to the set-point {format_amount(r.altitude_error, "cm", 1, 100.0)}'),
         Tile('Direction of the lamp', format_number(r.lamp_error, 1, DEGREES), '° RMS error',
@@ -124,7 +128,7 @@ def build_table(results: FlightResults, *, with_paper: bool = True) -> list[Outc
             format_amount(r.search_time, 's', 1), '8.4 s'),
         OutcomeRow('time from take-off to the goal', format_amount(r.flight_time, 's', 1)),
         OutcomeRow('true forward airspeed in cruise, mean and standard deviation',
-            format_spread(r.airspeed, r.airspeed_spread, 'm/s'), '0.5 m/s'),
+            format_spread(r.forward_airspeed, r.forward_airspeed_spread, 'm/s'), '0.5 m/s'),
         OutcomeRow('mean altitude of the hull centre in cruise',
             format_amount(r.altitude, 'm'), '0.5 m'),
         OutcomeRow('altitude error to the set-point in cruise, RMS',

@@ -58,11 +58,13 @@ class FlightResults:
     straight_length: float | None = result_field(
         'm', 'shortest horizontal path to the goal circle, via the lamps of the route'
     )
-    closest: float | None = result_field(
+    closest_horizontal: float | None = result_field(
         'm', 'smallest horizontal distance to the lamp that was targeted last'
     )
-    airspeed: float | None = result_field('m/s', 'mean true forward airspeed in cruise')
-    airspeed_spread: float | None = result_field(
+    forward_airspeed: float | None = result_field(
+        'm/s', 'mean true forward airspeed in cruise; sideways motion is not in it'
+    )
+    forward_airspeed_spread: float | None = result_field(
         'm/s', 'standard deviation of the true forward airspeed in cruise'
     )
     altitude: float | None = result_field('m', 'mean true altitude of the hull centre in cruise')
@@ -220,7 +222,7 @@ def compute_goal_metrics(view: FlightDataSource, phases: FlightPhases) -> dict[s
         'search_time': end - phases.search,
         'path_length': path,
         'straight_length': goal.shortest_path_length,
-        'closest': float(np.nanmin(away)) if np.isfinite(away).any() else np.nan,
+        'closest_horizontal': float(np.nanmin(away)) if np.isfinite(away).any() else np.nan,
     }
 
 
@@ -232,8 +234,8 @@ def compute_cruise_metrics(view: FlightDataSource, phases: FlightPhases) -> dict
     cruising = is_cruising(view, phases, truth.time)
     speed, height = truth.speed[cruising], truth.z[cruising]
     metrics = {
-        'airspeed': mean_or_nan(speed),
-        'airspeed_spread': float(np.std(speed)) if len(speed) else np.nan,
+        'forward_airspeed': mean_or_nan(speed),
+        'forward_airspeed_spread': float(np.std(speed)) if len(speed) else np.nan,
         'altitude': mean_or_nan(height),
         'heading_error': rms(view.goal.lamp_direction(truth)[cruising]),
     }

@@ -148,7 +148,7 @@ def compute_figures(
         'straight_length': shortest_path_length(
             (x, y), [stop[:2] for stop in goal.stops], goal.radius
         ),
-        'closest': outputs['closest'],
+        'closest_horizontal': outputs['closest'],
         'lamp_error': divide_or_nan(outputs['squares'], outputs['bearings']) ** 0.5,
         'lamp_share': divide_or_nan(outputs['bearings'], outputs['blocks']),
         'energy': outputs['energy'] if aloft > 0.0 else math.nan,

@@ -93,7 +93,7 @@ def build_tiles(rows: Sequence[SweepRow]) -> list[Tile]:
         Tile('Reached', format_number(100 * share.value if completed else None, 1), '%', ends),
         *(build_summary_tile(rows, *words) for words in (
             ('search_time', 'Time to the lamp', 's', 1), ('path_length', 'Path', 'm', 2),
-            ('airspeed', 'Airspeed', 'm/s', 2), ('energy', 'Energy', 'J', 1))),
+            ('forward_airspeed', 'Forward airspeed', 'm/s', 2), ('energy', 'Energy', 'J', 1))),
         Tile('Flights', str(len(rows)), '',
              f'{broken} could not be flown; {wall:.0f} s of computing time'),
     ]  # fmt: skip

@@ -8,13 +8,11 @@ and 1523 to 1544 mW. A ratio r against a power P implies a net charging power of
 
 from typing import Final, NamedTuple
 
-from lta_energy.harvest import HarvestCurve
-from lta_energy.irradiance import DARK
-from lta_model.electrical.charger import charger_output, ChargerModel
+from lta_energy.harvest import charging_power, HarvestCurve, LAMPS
+from lta_model.electrical.charger import ChargerModel
 from lta_report.report import TextTable
 
 LUX: Final = 80e3  # lx, seed paper
-LED, SUN = 300.0, 110.0  # lm/W
 HOVER, NAVIGATE, IDLE = 1.333, 1.533, 0.097  # W, the paper's; 1.533 is the middle of 1523 to 1544
 HOUR: Final = 60.0  # min
 WORDS: Final = (
@@ -23,8 +21,8 @@ WORDS: Final = (
     'charging, 3 : 1 to its hover power 444 mW. Its 18 minutes an hour are neither 15 (only '
     'flying) nor 20 (only hovering), but one third flying and two thirds hovering. At 80 '
     'klx a white LED that flickers like the beacon gives less than half the power of a '
-    'steady one, and the sun gives 2.7 times as much. So all the ratios are possible at the '
-    'same illuminance.'
+    'steady one, and the sun gives about three times as much. So all the ratios are possible at '
+    'the same illuminance.'
 )
 
 
@@ -47,9 +45,9 @@ def compute_charging_ratios(
     power in flight [W].
     """
     lights = {
-        'here: steady white LED': DARK._replace(lamps=LUX / LED),
-        'here: white LED, on half of the time': DARK._replace(beacon=LUX / LED, duty=0.5),
-        'here: sun': DARK._replace(sun=LUX / SUN),
+        'here: steady white LED': 'white LED',
+        'here: white LED, on half of the time': 'flickering LED',
+        'here: sun': 'sun',
     }
     ratios = [
         ChargingRatio('paper: charge to fly', NAVIGATE / 4.0, 4.0, HOUR / 4.0),
@@ -57,7 +55,7 @@ def compute_charging_ratios(
         ChargingRatio('paper: 18 minutes an hour', NAVIGATE * 0.3, HOUR / 18.0, 18.0),
     ]
     for name, light in lights.items():
-        net = charger_output(charger, harvest(light)) - idle
+        net = charging_power(harvest, charger, LAMPS[light], LUX) - idle
         ratios.append(ChargingRatio(name, net, flight / net, HOUR * net / flight))
     return ratios
 

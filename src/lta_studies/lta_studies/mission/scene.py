@@ -27,6 +27,7 @@ from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec, loa
 from lta_model.electrical.panel import array_spectral_factor
 from lta_model.light.field import LightField
 from lta_model.light.lamp import BeaconLamp
+from lta_model.light.spectral_factor import luminous_efficacy
 from lta_model.mass_properties import half_axes
 from lta_model.scenario import Scenario
 from lta_sim.light_link import build_light_link, LightLink
@@ -141,7 +142,7 @@ class MissionScene:
         weights = flight.craft.power.panel_weights
         if irradiance > 0.0:
             # Sun and lamps are one ambient light here; their mean factor is exact
-            lamps = array_spectral_factor(self.vehicle.file.energy, WHITE_LED)
+            lamps = array_spectral_factor(self.vehicle.file.energy, luminous_efficacy(WHITE_LED))
             weights = weights._replace(ambient=(light.sun + lamps * light.lamps) / irradiance)
         power = flight.craft.power._replace(ambient=irradiance, panel_weights=weights)
         craft = flight.craft._replace(power=power)

@@ -22,6 +22,7 @@ class DrawSummary(NamedTuple):
     # 5 % and 95 % quantiles of the draws; NaN for words [SI]
     low: float = math.nan
     high: float = math.nan
+    missing: int = 0  # draws without a value, such as the path of a flight that did not arrive
 
 
 def summarize_draws(
@@ -32,10 +33,11 @@ def summarize_draws(
     if isinstance(values[0], str):
         return DrawSummary(len(values), share, Counter(values).most_common(1)[0][0])
     numbers = [value for value in values if not isinstance(value, str) and math.isfinite(value)]
+    missing = len(values) - len(numbers)
     if not numbers:
-        return DrawSummary(len(values), share, math.nan)
+        return DrawSummary(len(values), share, math.nan, missing=missing)
     low, middle, high = map(float, np.quantile(numbers, [0.05, 0.5, 0.95]))
-    return DrawSummary(len(values), share, middle, low, high)
+    return DrawSummary(len(values), share, middle, low, high, missing)
 
 
 def is_satisfied(rule: AgreementRule, printed: Quantity | None, value: float | str) -> bool:

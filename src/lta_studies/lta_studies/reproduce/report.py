@@ -1,7 +1,6 @@
-"""Build the report of a reproduction, and its page docs/paper.md."""
+"""Build the report of a reproduction; `paper_pages` has the pages of docs/."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 import math
 from typing import Any, Final
 
@@ -19,7 +18,6 @@ from lta_report.report import (
     TextSection,
     TextTable,
 )
-from lta_report.report_markdown import render_markdown
 from lta_studies.reproduce.stored_row import encode_values, StoredPicture, StoredRow
 from lta_studies.reproduce.verdict import (
     ClaimVerdict,
@@ -39,13 +37,15 @@ CLAIM_HEADS: Final = (
 )  # fmt: skip
 COLORS: Final[Mapping[str, CellColor]] = {
     ClaimVerdict.AGREES: 'good', ClaimVerdict.BEYOND: 'good', ClaimVerdict.DIFFERS: 'bad',
-    ClaimVerdict.UNTESTED: 'soft', ClaimVerdict.LEFT_OUT: 'soft', ClaimVerdict.UNCERTAIN: 'soft',
+    ClaimVerdict.UNTESTED: 'soft', ClaimVerdict.LEFT_OUT: 'soft', ClaimVerdict.READING: 'soft',
+    ClaimVerdict.CHANCE: 'soft', ClaimVerdict.NUMBERS: 'soft',
     ClaimVerdict.CONSTRUCTION: 'soft', ClaimVerdict.VACUOUS: 'soft',
 }  # fmt: skip
 # Remark after the place of a claim, by the source of its number
 SOURCES: Final = {
     'printed': '', 'read': ' (read from text)', 'comment': ' (LaTeX comment)', 'future': '',
 }  # fmt: skip
+OPEN: Final = (ClaimVerdict.READING, ClaimVerdict.CHANCE, ClaimVerdict.NUMBERS)
 IMAGES: Final = 'images/paper'  # written by --pictures docs/images/paper
 ABOUT: Final = (
     'Every experiment of the paper (Huang et al. 2025), repeated in this system: what the '
@@ -54,24 +54,25 @@ ABOUT: Final = (
 METHOD: Final = (
     'The measures are those of the files as they are, with 95 % intervals over the seeds in '
     'brackets (Student for means, Wilson for shares). Then every number that is assumed, in the '
-    'vehicle, in the cells and in what the paper does not print of its scenes, is drawn from the '
-    'range that its file gives, and measured again, each draw with a seed of its own. A claim '
-    'agrees if its rule holds in at least 95 % of the draws, and differs if it fails in at least '
-    '95 % of them; anything between is within our uncertainty. Where the words of a claim allow '
-    'several readings, all are measured, and a verdict needs all of them (--quick leaves some '
-    'out, so that its verdicts are preliminary). Claims that hold by '
+    'vehicle, in the cells, in the lights and in what the paper does not print of its scenes, is '
+    'drawn from the range that its file gives, and measured again, each draw with a seed of its '
+    'own. A reading of a claim agrees if its rule surely holds in 95 % of the draws (lower end of '
+    "Wilson's interval), and differs if it surely fails in 95 % of them; a claim needs all of its "
+    'readings. The rest is open, for one of three reasons: readings of the words contradict each '
+    'other; single flights were flown, whose chance decides; or our numbers are not known well '
+    'enough. Where the paper prints a figure of one flight, it differs only if it is outside of '
+    'the interval of nine of ten flights that arrive; those that do not are counted apart. Where '
+    'a rate of success is claimed and each draw flies once, so few flights may go the other way '
+    "that, by Markov's inequality, 95 % of the draws have the rate. Claims that hold by "
     'construction, and agreements that say nothing because anything would agree, are counted '
-    'apart. For each claim that cannot be tested, the reason is given. All rows use the same '
-    'GT-MAB file, gains, lamp and room; deviations are listed.'
+    'apart. For each claim that cannot be tested, the reason is given.'
 )
 KNOWN_BEFORE: Final = (
-    'What was known when: the rules of agreement were written with the rows, on 2026-11-21. By '
-    'then the commands for photodiodes, strategies, platforms, mounting, cells and energy, which '
-    'measure much of the same, had been run, so that no rule was written blind; those of rows 5, '
-    '7 and 11 were written when their results were known. Ranges, readings, and the claims on '
-    'linear drag, on the weight of diodes, on the overshoot of DGA and on how flights fail '
-    'outdoors were added on 2026-11-26, when all results without draws were known. No rule that '
-    'existed was changed then; row 3 has a small perturbation since.'
+    'What was known when: the rules were written with the rows, on 2026-11-21, after the commands '
+    'for photodiodes, strategies, platforms, mounting, cells and energy had been run; those of '
+    'rows 5, 7 and 11 when their results were known. Ranges and readings were added on '
+    '2026-11-26. On 2026-11-29, with all results known, verdicts came to need intervals, and '
+    'claims that test our assumptions and not the paper were withdrawn; no rule was changed.'
 )
 UNDRAWN: Final = (
     '**These measures are of a run without draws, and in part of older code: the verdicts of this '
@@ -84,26 +85,6 @@ DISCOVERY: Final = (
     'numbers and tested on the others, as discovery does with flights. A cause that '
     'explains only one number is marked as a guess.'
 )
-MARKDOWN_HEAD: Final = """# The paper, reproduced
-
-`./lta reproduce` runs every experiment of the paper (Huang, Xu and Zúñiga Zamalloa, *Exploiting
-Light To Enhance The Endurance and Navigation of Lighter-Than-Air Micro-Drones*, 2025) in this
-system. This file is generated from the results; none of our figures is typed by hand.
-
-<!-- not run: minutes; test_paper.py runs the quick rows -->
-```sh
-./lta reproduce --list            # the rows
-./lta reproduce --quick           # one seed, without the long parts: under three minutes
-./lta reproduce                   # all seeds; resumes where it was stopped
-./lta reproduce indoors energy    # some rows
-./lta reproduce --markdown > docs/paper.md
-```
-
-The command also writes a page with every picture, table and figure, and records the plotted
-flights as bags in its folder. Pictures that show no flight (vehicle files, cells, light blocks,
-bearings on a bench) only have a command. A row is a file in `config/paper`: what the paper says
-and where, what is measured, and the rule for agreement. The ranges of what is assumed are in the
-files of vehicle and cells (`range`), those of scenes in the row."""
 
 
 def build_report(rows: Sequence[PaperRow], stored_rows: StoredRows) -> Report:
@@ -139,15 +120,6 @@ def build_report(rows: Sequence[PaperRow], stored_rows: StoredRows) -> Report:
     )
 
 
-def format_markdown_page(report: Report) -> str:
-    """Return the text of docs/paper.md."""
-    # The headline and the method introduce the summary, which needs no heading then
-    summary, _, *rest = report.blocks
-    assert isinstance(summary, TextTable)
-    text = render_markdown([replace(summary, heading=''), *rest], IMAGES)
-    return f'{MARKDOWN_HEAD}\n\n**{report.headline}** {METHOD}\n\n{KNOWN_BEFORE}\n\n{text}\n'
-
-
 def count_all_verdicts(
     rows: Sequence[PaperRow], stored_rows: StoredRows
 ) -> dict[ClaimVerdict, int]:
@@ -166,11 +138,13 @@ def format_headline(rows: Sequence[PaperRow], stored_rows: StoredRows) -> str:
         counts[each]
         for each in (ClaimVerdict.AGREES, ClaimVerdict.CONSTRUCTION, ClaimVerdict.VACUOUS)
     )
+    open_ = [counts[each] for each in OPEN]
     text = (
         f"Of the paper's {count} claims, {agreeing} agree ({counts[ClaimVerdict.CONSTRUCTION]} by "
         f'construction, {counts[ClaimVerdict.VACUOUS]} where anything would), '
-        f'{counts[ClaimVerdict.DIFFERS]} differ, {counts[ClaimVerdict.UNCERTAIN]} are within our '
-        f'uncertainty and {counts[ClaimVerdict.UNTESTED]} cannot be tested'
+        f'{counts[ClaimVerdict.DIFFERS]} differ, {sum(open_)} are open (how the paper is read '
+        f'{open_[0]}, chance of single flights {open_[1]}, our numbers {open_[2]}) and '
+        f'{counts[ClaimVerdict.UNTESTED]} cannot be tested'
     )
     left = counts[ClaimVerdict.LEFT_OUT]
     text += f'; {left} were not measured in this run.' if left else '.'
@@ -281,7 +255,7 @@ def list_claim_findings(row: PaperRow, stored: StoredRow) -> list[str]:
         # Why it cannot be tested, else what was found
         finding = fill_measures_or_blank(claim.untested or claim.finding, row, stored)
         by = fill_measures_or_blank(claim.construction, row, stored)
-        open_ = verdicts[name] in (ClaimVerdict.DIFFERS, ClaimVerdict.UNCERTAIN)
+        open_ = verdicts[name] in (ClaimVerdict.DIFFERS, *OPEN)
         gap = fill_measures_or_blank(claim.gap, row, stored) if open_ else ''
         texts = [finding, f'By construction: {by}' if by else '', f'**{gap}**' if gap else '']
         if any(texts):

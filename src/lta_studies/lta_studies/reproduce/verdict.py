@@ -1,10 +1,19 @@
 """
 Judge whether a claim agrees with what is measured here, by the rule in its file.
 
-A claim agrees if the rule holds in at least 95 % of the draws from the ranges of what is assumed,
-in each of its readings; it differs if the rule fails in at least 95 % of them, in each reading.
-Anything between is within our uncertainty. A measure that depends on nothing assumed, or that was
-not drawn, counts as it is.
+A reading of a claim agrees if its rule surely holds in at least 95 % of the draws from the ranges
+of what is assumed: the lower end of Wilson's interval of the share is 95 % or more. It differs if
+the upper end is 5 % or less. A claim agrees or differs if all of its readings do. Any other claim
+is open, because of how the paper is read (one reading agrees and another differs), because single
+flights were flown, or because our numbers are not known well enough.
+
+Each draw flies once. If the claim is about the rate at which flights succeed, a draw shows one
+outcome and not the rate. By Markov's inequality a share P(p < L) of the draws with a rate p below
+L makes at least (1 - L) P(p < L) of all flights fail, so that few failures bound it. If the paper
+prints a figure of one flight, it differs where that figure is outside of the interval in which
+nine of ten single flights lie.
+
+A measure that was not drawn counts as it is, with its whole interval over the seeds if it has one.
 """
 
 from collections import Counter
@@ -15,8 +24,14 @@ from typing import Final
 
 from lta_config.quantity import format_with_unit, Quantity
 from lta_config.schema.paper_file import AgreementRule, PaperClaim, PaperMeasure, PaperRow
+from lta_flight.sweep.statistics import wilson_interval
 from lta_report.formatting import format_number, MISSING
-from lta_studies.reproduce.agreement import DrawSummary, is_satisfied, SURE
+from lta_studies.reproduce.agreement import (
+    agreement_bounds,
+    DrawSummary,
+    is_satisfied,
+    SURE,
+)
 from lta_studies.reproduce.stored_row import StoredRow
 from lta_studies.reproduce.study_result import MeasuredValue
 
@@ -34,7 +49,9 @@ class ClaimVerdict(StrEnum):
 
     AGREES = 'agrees'
     DIFFERS = 'differs'
-    UNCERTAIN = 'within our uncertainty'
+    READING = 'open: how the paper is read'
+    CHANCE = 'open: chance of single flights'
+    NUMBERS = 'open: our numbers'
     UNTESTED = 'cannot be tested'
     CONSTRUCTION = 'agrees by construction'
     VACUOUS = 'agrees, but says nothing'
@@ -53,11 +70,18 @@ def judge_claim(name: str, claim: PaperClaim, stored: StoredRow) -> ClaimVerdict
         return ClaimVerdict.LEFT_OUT
     # --quick may leave out readings; its verdicts are preliminary
     measured = [each for each in claim.measures.values() if each in stored.values]
-    shares = [satisfied_share(name, claim, measure, stored) for measure in measured]
-    if all(share <= 1.0 - SURE for share in shares):
+    readings = {each: judge_reading(name, claim, each, stored) for each in measured}
+    states = set(readings.values())
+    if states == {False}:
         return ClaimVerdict.DIFFERS
-    if not all(share >= SURE for share in shares):
-        return ClaimVerdict.UNCERTAIN
+    if states >= {True, False}:
+        return ClaimVerdict.READING
+    if None in states:
+        undrawn = any(
+            state is None and find_summary(name, measure, stored) is None
+            for measure, state in readings.items()
+        )
+        return ClaimVerdict.CHANCE if claim.flights or undrawn else ClaimVerdict.NUMBERS
     if claim.construction:
         return ClaimVerdict.CONSTRUCTION
     empty = stored.values.get(claim.vacuous or '')
@@ -66,13 +90,51 @@ def judge_claim(name: str, claim: PaperClaim, stored: StoredRow) -> ClaimVerdict
     return ClaimVerdict.AGREES
 
 
-def satisfied_share(name: str, claim: PaperClaim, measure: str, stored: StoredRow) -> float:
-    """Return the share of the draws of a measure that satisfies the rule of a claim."""
-    summary = find_summary(name, measure, stored)
-    if summary is not None:
-        return summary.share
-    assert claim.rule is not None
-    return float(is_satisfied(claim.rule, claim.value, stored.values[measure].value))
+def judge_reading(name: str, claim: PaperClaim, measure: str, stored: StoredRow) -> bool | None:
+    """Return whether a reading of a claim agrees (true) or differs (false); None if neither."""
+    rule, summary = claim.rule, find_summary(name, measure, stored)
+    assert rule is not None
+    if summary is None:
+        value = stored.values[measure]
+        # Flights without draws and without an interval decide nothing
+        single = claim.flights is not None and math.isnan(value.low)
+        return None if single else judge_undrawn(rule, claim.value, value)
+    share = wilson_interval(round(summary.share * summary.drawn), summary.drawn)
+    failures, successes = tolerated_shares(rule, rate=claim.flights == 'rate')
+    if share.low >= 1.0 - failures:
+        return True
+    if claim.flights == 'single' and claim.value is not None:
+        return None if summary.low <= claim.value.si <= summary.high else False
+    return False if share.high <= successes else None
+
+
+def tolerated_shares(rule: AgreementRule, *, rate: bool) -> tuple[float, float]:
+    """
+    Return up to which share of draws may fail a rule that holds, and satisfy one that does not.
+
+    `rate`: whether each draw shows a single outcome, and the rule bounds the rate of them.
+    """
+    doubt = 1.0 - SURE
+    if not rate:
+        return doubt, doubt
+    low, high = agreement_bounds(rule, None)
+    # By Markov's inequality; a rate is bounded on one side
+    if math.isfinite(low):
+        return doubt * (1.0 - low), doubt * low
+    return doubt * high, doubt * (1.0 - high)
+
+
+def judge_undrawn(
+    rule: AgreementRule, printed: Quantity | None, measured: MeasuredValue
+) -> bool | None:
+    """Return whether a value with its interval over the seeds agrees; None if only a part does."""
+    value, low, high, _ = measured
+    if isinstance(value, str) or math.isnan(low) or math.isnan(high):
+        return is_satisfied(rule, printed, value)
+    least, most = agreement_bounds(rule, printed)
+    if high < least or low > most:
+        return False
+    return True if least <= low and high <= most else None
 
 
 def find_summary(name: str, measure: str, stored: StoredRow) -> DrawSummary | None:
@@ -143,11 +205,40 @@ def format_draws(row: PaperRow, name: str, stored: StoredRow) -> str:
 def format_summary(measure: PaperMeasure, summary: DrawSummary) -> str:
     """Format the draws of a measure: their range (5 to 95 %), and how many agree."""
     agreeing = f'{100.0 * summary.share:.0f} % of {summary.drawn} agree'
+    if summary.missing:
+        agreeing += f', {summary.missing} did not arrive'
     if isinstance(summary.middle, str) or measure.unit is None:
         return f'mostly {summary.middle}, {agreeing}'
     ends = [format_rounded(measure, each) for each in (summary.low, summary.high)]
     text = ends[0] if ends[0] == ends[1] else ' to '.join(ends)
     return f'{append_unit(text, measure.unit)}, {agreeing}'
+
+
+def format_measured(row: PaperRow, name: str, stored: StoredRow) -> str:
+    """Format our value of a claim's first reading, with nine of ten draws or its interval."""
+    claim = row.claims[name]
+    if claim.measure is None or claim.measure not in stored.values:
+        return MISSING
+    measure, value = row.measures[claim.measure], stored.values[claim.measure]
+    summary = find_summary(name, claim.measure, stored)
+    if summary is None or isinstance(summary.middle, str):
+        return format_value(measure, value)
+    if claim.flights == 'rate':
+        # The draws are outcomes of single flights: the share of those that arrived
+        assert claim.rule is not None
+        share = summary.share if claim.rule.least is not None else 1.0 - summary.share
+        return format_value(
+            measure,
+            MeasuredValue(*wilson_interval(round(share * summary.drawn), summary.drawn)),
+        )
+    return format_value(measure, value._replace(low=summary.low, high=summary.high))
+
+
+def format_shares(name: str, claim: PaperClaim, stored: StoredRow) -> str:
+    """Format the share of draws that agrees, of each reading."""
+    summaries = [find_summary(name, measure, stored) for measure in claim.measures.values()]
+    shares = [f'{100.0 * each.share:.0f}' for each in summaries if each is not None]
+    return f'{", ".join(shares)} %' if shares else ''
 
 
 def append_unit(text: str, unit: str) -> str:

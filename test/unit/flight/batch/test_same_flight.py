@@ -226,7 +226,7 @@ def test_its_tally_has_the_results_of_the_loop(monkeypatch):
     assert results.lift_off == pytest.approx(tally.lift_off, abs=0.021)
     assert results.search_start == pytest.approx(tally.search_start, abs=1e-9)
     assert results.path_length == pytest.approx(tally.path_length, rel=5e-3)
-    assert results.closest == pytest.approx(tally.closest, abs=0.02)
+    assert results.closest_horizontal == pytest.approx(tally.closest, abs=0.02)
     assert results.energy == pytest.approx(tally.energy, rel=0.03)
     assert results.lamp_share == pytest.approx(tally.bearings / tally.blocks, abs=1e-9)
     assert results.lamp_error == pytest.approx((tally.squares / tally.bearings) ** 0.5, rel=0.01)

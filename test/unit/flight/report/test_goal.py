@@ -63,7 +63,7 @@ def test_who_never_left_reached_nothing():
     found = compute_results(view)
     assert found.success is False
     assert found.search_time is None
-    assert found.closest == pytest.approx(6.5)
+    assert found.closest_horizontal == pytest.approx(6.5)
     assert '0 of the 2 lamps' in describe_outcome(found)
     assert 'no nearer to the next than 6.5 m' in describe_outcome(found)
 
@@ -71,7 +71,7 @@ def test_who_never_left_reached_nothing():
 def test_the_last_lamp_counts_from_its_turn_on():
     found = compute_results(flown([-3.2, 0.0, 3.0, 0.0]))
     assert found.success is False
-    assert found.closest == pytest.approx(3.5)
+    assert found.closest_horizontal == pytest.approx(3.5)
     assert '1 of the 2 lamps' in describe_outcome(found)
     assert 'no nearer to the next than 3.5 m' in describe_outcome(found)
 
@@ -94,7 +94,7 @@ def test_an_arrival_without_a_search_tells_no_time():
 
 def test_one_lamp_alone_is_the_last():
     found = compute_results(flown([-3.0, np.nan, 0.0], ROOM))
-    assert found.closest == pytest.approx(math.hypot(3.5, 2.0))
+    assert found.closest_horizontal == pytest.approx(math.hypot(3.5, 2.0))
     assert found.straight_length == pytest.approx(math.hypot(6.5, 2.0) - 1.0)
     assert describe_outcome(found).endswith('it came no nearer than 4.0 m horizontally')
 
@@ -106,7 +106,7 @@ def test_a_lamp_is_reached_at_its_height_only(height, reached):
     """Lanterns at 0.1 m with a tolerance of 1.5 m; in the rest, the flight is a full round."""
     found = compute_results(flown([-3.2, 0.0, 3.0, 3.5, 0.0, -3.0, -3.5], height=height))
     assert (found.success, found.lamps_reached) == (reached, 2 if reached else 0)
-    assert found.closest == pytest.approx(0.0)  # it is horizontal
+    assert found.closest_horizontal == pytest.approx(0.0)  # it is horizontal
 
 
 def test_a_flight_above_the_lamp_says_how_high():

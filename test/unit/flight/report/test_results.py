@@ -35,12 +35,12 @@ def test_phases_and_path(found):
     assert found.flight_time == pytest.approx(16.0 - found.lift_off)
     assert found.path_length == pytest.approx(6.0)
     assert found.straight_length == pytest.approx(6.0)
-    assert found.closest == pytest.approx(1.0)
+    assert found.closest_horizontal == pytest.approx(1.0)
 
 
 def test_cruise(found):
-    assert found.airspeed == pytest.approx(0.5)
-    assert found.airspeed_spread == pytest.approx(0.0, abs=1e-12)
+    assert found.forward_airspeed == pytest.approx(0.5)
+    assert found.forward_airspeed_spread == pytest.approx(0.0, abs=1e-12)
     assert found.altitude == pytest.approx(0.5)
     assert found.altitude_error == pytest.approx(0.0, abs=1e-12)
     assert found.heading_error == pytest.approx(0.0, abs=1e-12)
@@ -109,7 +109,7 @@ def test_wind_is_taken_off_the_speed(tmp_path):
         ),
     )
     folder = write_flight(tmp_path / 'bag', instead={'wind': wind})
-    assert results(folder).airspeed == pytest.approx(0.7)
+    assert results(folder).forward_airspeed == pytest.approx(0.7)
 
 
 def test_flight_that_ends_early_has_not_reached(tmp_path):
@@ -117,22 +117,26 @@ def test_flight_that_ends_early_has_not_reached(tmp_path):
     assert found.success is False
     assert found.flight_time is None
     assert found.search_time is None
-    assert found.closest == pytest.approx(4.0)  # 3 m of 7 m flown
+    assert found.closest_horizontal == pytest.approx(4.0)  # 3 m of 7 m flown
     assert found.path_length == pytest.approx(3.0)
 
 
 @pytest.mark.parametrize(
     ('missing', 'unknown', 'known'),
     [
-        ('ground_truth/odom', ['success', 'airspeed', 'heading_drift', 'energy'], ['snr_end']),
-        ('odom', ['altitude_estimate_error', 'heading_drift'], ['airspeed', 'energy']),
-        ('battery', ['energy', 'power', 'cruise_power'], ['airspeed']),
+        (
+            'ground_truth/odom',
+            ['success', 'forward_airspeed', 'heading_drift', 'energy'],
+            ['snr_end'],
+        ),
+        ('odom', ['altitude_estimate_error', 'heading_drift'], ['forward_airspeed', 'energy']),
+        ('battery', ['energy', 'power', 'cruise_power'], ['forward_airspeed']),
         ('light/bearing', ['bearing_error', 'bearing_share'], ['snr_start', 'lamp_error']),
         ('light/estimate', ['lamp_error', 'lamp_share'], ['snr_start', 'bearing_error']),
         ('light/peaks', ['snr_start', 'snr_end'], ['bearing_error']),
-        ('setpoint/velocity', ['search_time', 'airspeed', 'snr_start'], ['path_length']),
+        ('setpoint/velocity', ['search_time', 'forward_airspeed', 'snr_start'], ['path_length']),
         ('setpoint/pose', ['altitude_error'], ['altitude']),
-        ('wind', [], ['airspeed']),
+        ('wind', [], ['forward_airspeed']),
     ],
 )
 def test_missing_topic_leaves_its_figures_unknown(tmp_path, missing, unknown, known):

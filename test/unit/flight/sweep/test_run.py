@@ -234,7 +234,7 @@ def test_the_table_has_units_and_meanings(sweep, tmp_path):
     assert units['scenario.air.wind'] == units['mission.speed'] == 'm/s'
     assert (units['search_time'], units['heading_error'], units['wall']) == ('s', 'rad', 's')
     assert all(table.schema.field(name).metadata[b'about'] for name in table.schema.names)
-    assert table['closest'].to_pylist() == pytest.approx([7.0, 7.0], abs=0.01)
+    assert table['closest_horizontal'].to_pylist() == pytest.approx([7.0, 7.0], abs=0.01)
     assert table['search_time'].to_pylist() == [None, None]
     about = table.schema.metadata
     assert about[b'identity'].decode() == done.plan.identity

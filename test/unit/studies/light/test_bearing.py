@@ -19,7 +19,12 @@ from lta_studies.light.bearing.run import (
     BearingTrialRequest,
     BearingTrialResult,
 )
-from lta_studies.light.bearing.score import BearingScore, score_readings
+from lta_studies.light.bearing.score import (
+    BearingScore,
+    median_interval,
+    median_normal_error,
+    score_readings,
+)
 from lta_studies.light.bearing.study import DISTANCE, list_directions, pose_for_lamp_direction
 from lta_vlc.demodulation import Peaks
 from lta_vlc.direction import RAYLEIGH_SHARE
@@ -72,6 +77,24 @@ def test_scores_by_hand():
     assert found.holds == pytest.approx(2.0 / 3.0)
     assert found.elevation_holds == pytest.approx(2.0 / 3.0)
     assert score_readings(readings[3:]).to_json()['ours'] is None
+
+
+def test_a_median_has_the_interval_of_its_order():
+    """Of six errors none is below the median once in 64 times, of five once in 32."""
+    errors = np.array([0.3, -0.1, 0.2, 0.5, -0.4, 0.6, math.nan])
+    assert median_interval(errors) == (0.1, 0.6)
+    assert all(map(math.isnan, median_interval(errors[:5])))
+    # Of 100 errors the 40th and the 61st (tables of the sign test)
+    assert median_interval(np.arange(1.0, 101.0)) == (40.0, 61.0)
+
+
+def test_the_bound_of_unequal_poses_is_the_median_of_their_mixture():
+    assert median_normal_error(np.array([2.0, 2.0])) == pytest.approx(2.0 * 0.6744898, rel=1e-6)
+    chance = np.random.default_rng(1)
+    deviations = np.repeat([0.5, 5.0], 200_000)
+    found = np.median(np.abs(chance.normal(0.0, deviations)))
+    # More than the median of the deviations times 0.674 where they are 0.5 or 5
+    assert median_normal_error(deviations) == pytest.approx(found, rel=0.01)
 
 
 @pytest.mark.parametrize('direction', list_directions()[::3])
@@ -144,7 +167,8 @@ def test_the_bound_is_that_of_many_fits_of_a_known_model():
 
 def test_headline_tile_and_tables_of_a_score():
     score = BearingScore(
-        9, 7.5, 0.02, 0.1, 0.25, 0.01, 0.03, math.nan, 0.01, 0.9, 0.2, 0.1, 1.0, 0.005
+        9, 7.5, 0.02, (0.01, 0.03), 0.1, 0.25, 0.01, (0.008, 0.012), 0.03, math.nan, 0.01, 0.9,
+        0.2, 0.1, 1.0, 0.005,
     )  # fmt: skip
     result = BearingTrialResult('indoor', 8, 3.0, TrueDiodes(None, 0.05), (), score)
     request = BearingTrialRequest('gtmab', ('indoor',), (8,), (3.0,), 9, 1)
@@ -157,7 +181,8 @@ def test_headline_tile_and_tables_of_a_score():
     ]  # fmt: skip
     bearing, elevation = (each for each in report.blocks if isinstance(each, TextTable))
     assert bearing.rows[1] == [
-        'indoor', '8', '3', 'file', '5', '8', '0.29', '1.15', '5.7', '0.57', '1.7', '0.57', '90.0',
+        'indoor', '8', '3', 'file', '5', '8', '0.29', '1.15 (0.57 to 1.72)', '5.7',
+        '0.57 (0.46 to 0.69)', '1.7', '0.57', '90.0',
     ]  # fmt: skip
     assert elevation.rows[0] == ['indoor', '4', 'any', '11.5', '100.0', f'25.0, {MISSING}']
 

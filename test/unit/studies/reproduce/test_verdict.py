@@ -91,15 +91,78 @@ def test_a_claim_agrees_differs_is_untested_or_left_out():
 def test_a_verdict_needs_nearly_all_draws():
     claim = ROW.claims['path']
 
-    def judge(share):
-        draws = {'path': {'path': DrawSummary(20, share, 7.3, 7.0, 7.6)}}
+    def judge(agreeing, drawn=200):
+        draws = {'path': {'path': DrawSummary(drawn, agreeing / drawn, 7.3, 7.0, 7.6)}}
         # The value of the file itself agrees, and does not count where draws are
         return judge_claim('path', claim, stored(draws, path=7.3))
 
-    assert judge(0.95) is ClaimVerdict.AGREES
-    assert judge(0.9) is ClaimVerdict.UNCERTAIN
-    assert judge(0.1) is ClaimVerdict.UNCERTAIN
-    assert judge(0.05) is ClaimVerdict.DIFFERS
+    # Wilson's interval of 197 in 200 begins at 95.7 %, that of 196 at 94.97 %
+    assert judge(197) is ClaimVerdict.AGREES
+    assert judge(196) is ClaimVerdict.NUMBERS
+    assert judge(4) is ClaimVerdict.NUMBERS
+    assert judge(3) is ClaimVerdict.DIFFERS
+    # Of 20 draws even all do not suffice: the interval begins at 84 %
+    assert judge(20, 20) is ClaimVerdict.NUMBERS
+
+
+def test_a_rate_is_shown_by_few_failures_of_single_flights():
+    content = {'says': 'It arrives.', 'where': 'x', 'source': 'read', 'measure': 'share',
+               'rule': {'least': '50 %'}, 'flights': 'rate'}  # fmt: skip
+    measures = {'share': {'what': 'share', 'unit': '%'}}
+
+    def judge(arrived, **changed):
+        claims = {'share': {**content, **changed}}
+        row = validate_content(
+            PaperRow, {**CONTENT, 'measures': measures, 'claims': claims}, 'row'
+        )
+        draws = {'share': {'share': DrawSummary(200, arrived / 200, 1.0, 1.0, 1.0)}}
+        return judge_claim('share', row.claims['share'], stored(draws, share=1.0))
+
+    # Half of the draws with a rate below 50 % fail at least: 2 x 1.9 % of 200 may, at 95 %
+    assert judge(200) is ClaimVerdict.AGREES
+    assert judge(199) is ClaimVerdict.CHANCE
+    assert judge(100) is ClaimVerdict.CHANCE
+    assert judge(0) is ClaimVerdict.DIFFERS
+    # Up to 80 % a fifth of the flights fails at most, which 200 flights do not show
+    assert judge(200, rule={'least': '80 %'}) is ClaimVerdict.CHANCE
+    # A rate that is bounded above is shown by flights that do not arrive
+    assert judge(200, rule={'most': '50 %'}) is ClaimVerdict.AGREES
+    with pytest.raises(BadInput, match='either "least" or "most"'):
+        judge(200, rule={'within': '20 %'}, value='50 %')
+
+
+def test_a_printed_flight_differs_outside_of_nine_of_ten_flights_alone():
+    claim = ROW.claims['path'].model_copy(update={'flights': 'single'})
+
+    def judge(low, high, share=0.0):
+        draws = {'path': {'path': DrawSummary(200, share, low, low, high, 90)}}
+        return judge_claim('path', claim, stored(draws, path=7.3))
+
+    # 7.3 m are printed
+    assert judge(7.0, 48.0) is ClaimVerdict.CHANCE
+    assert judge(13.0, 21.0) is ClaimVerdict.DIFFERS
+    assert judge(7.0, 7.6, 1.0) is ClaimVerdict.AGREES
+    assert judge(math.nan, math.nan) is ClaimVerdict.DIFFERS
+    drawn = {'path': {'path': DrawSummary(200, 0.04, 9.0, 7.8, 48.1, 120)}}
+    assert format_draws(ROW, 'path', stored(drawn, path=7.3)) == (
+        '7.8 to 48.1 m, 4 % of 200 agree, 120 did not arrive'
+    )
+
+
+def test_what_was_not_drawn_needs_its_whole_interval():
+    claim = ROW.claims['path']
+
+    def judge(*value):
+        values = {'path': MeasuredValue(*value)}
+        return judge_claim('path', claim, stored_row.StoredRow(values, [], [], 1, 0.0))
+
+    # 6.57 to 8.03 m agree
+    assert judge(7.3, 7.0, 8.0) is ClaimVerdict.AGREES
+    assert judge(7.3, 7.0, 9.0) is ClaimVerdict.CHANCE
+    assert judge(9.3, 9.0, 9.6) is ClaimVerdict.DIFFERS
+    assert judge(7.3) is ClaimVerdict.AGREES
+    claim = claim.model_copy(update={'flights': 'single'})
+    assert judge(7.3) is ClaimVerdict.CHANCE
 
 
 def test_a_verdict_needs_all_readings():
@@ -110,7 +173,7 @@ def test_a_verdict_needs_all_readings():
     )
     claim = row.claims['path']
     assert judge_claim('path', claim, stored(path=7.2, way=7.4)) is ClaimVerdict.AGREES
-    assert judge_claim('path', claim, stored(path=7.2, way=9.4)) is ClaimVerdict.UNCERTAIN
+    assert judge_claim('path', claim, stored(path=7.2, way=9.4)) is ClaimVerdict.READING
     assert judge_claim('path', claim, stored(path=9.2, way=9.4)) is ClaimVerdict.DIFFERS
     # --quick may leave a reading out
     assert judge_claim('path', claim, stored(path=7.2)) is ClaimVerdict.AGREES
@@ -136,7 +199,7 @@ def test_agreement_that_could_not_fail_is_counted_apart():
 def test_draws_are_summed_up_by_their_quantiles_and_the_share_that_agrees():
     rule = AgreementRule.model_validate({'most': quantity('2 m')})
     found = summarize_draws(rule, None, [1.0, 2.0, 3.0, math.nan])
-    assert (found.drawn, found.share, found.middle) == (4, 0.5, 2.0)
+    assert (found.drawn, found.share, found.middle, found.missing) == (4, 0.5, 2.0, 1)
     assert (found.low, found.high) == (pytest.approx(1.1), pytest.approx(2.9))
     word = summarize_draws(AgreementRule.model_validate({'is': 'a'}), None, ['a', 'b', 'b'])
     assert (word.share, word.middle) == (pytest.approx(1 / 3), 'b')
@@ -165,7 +228,7 @@ def test_a_gap_is_told_where_a_claim_differs_alone():
 
 
 def test_each_claim_has_a_row_with_its_verdict():
-    found = {'path': MeasuredValue(9.0, 8.0, 10.0, 3)}
+    found = {'path': MeasuredValue(9.0, 8.5, 9.5, 3)}
     table = build_claim_table(ROW, stored_row.StoredRow(found, [], [], 3, 0.0))
     dash = '\N{EN DASH}'
     assert table.rows == [
@@ -174,7 +237,7 @@ def test_each_claim_has_a_row_with_its_verdict():
             'x',
             '7.3 m',
             'within 10 %',
-            '9.0 (8.0 to 10.0) m',
+            '9.0 (8.5 to 9.5) m',
             '3',
             dash,
             'differs',

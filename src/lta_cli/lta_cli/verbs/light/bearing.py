@@ -92,11 +92,11 @@ def bearing(
     Evaluate bearing estimation: the paper's weighted mean against our fit.
 
     Simulates random poses in front of the lamp, through diodes, amplifiers, ADC and demodulator.
-    Reports the median and the 95 % quantile of the bearing error, the coverage of the fit's 95 %
-    interval, the elevation error, and the smallest error that is possible (Cramer-Rao bound). The
-    drone assumes the photodiodes of the vehicle file; --response and --gain-spread simulate
-    others. Indoor is the shared room with reflections; outdoor is a
-    field in daylight of 80 klux, with suitable diodes.
+    Reports the median of the bearing error with its interval, its 95 % quantile, the coverage of
+    the fit's 95 % interval, the elevation error, and the median error at the Cramer-Rao bound of
+    the deviation. The drone assumes the photodiodes of the vehicle file; --response and
+    --gain-spread simulate others. Indoor is the shared room with reflections; outdoor is a field
+    in daylight of 80 klux, with suitable diodes.
 
     Exit status 0: done. 2: bad input. 130: Ctrl-C.
 

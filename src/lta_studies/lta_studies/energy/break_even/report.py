@@ -26,9 +26,8 @@ METHOD: Final = (
     'Each panel is a single-diode model, with one string per panel and cells warmed by the '
     'light. The charger is that of the vehicle file. An array has as many panels as the '
     'mass budget allows, at least one.',
-    'Luminous efficacy: 300 lm/W for white LED light, 110 lm/W for sunlight. Each cell is '
-    'assumed to respond to all light as it does to sunlight; under a white LED a silicon '
-    'cell would give slightly more.',
+    'Luminous efficacy and the response of each cell by the spectra of the lights: 326 lm/W for '
+    'white LED light, 109 lm/W for sunlight.',
     'The powers for hovering and flying are those of the paper (Huang et al. 2025); '
     '"lta energy budget" computes them from simulated flights.',
 )

@@ -10,6 +10,7 @@ from lta_config.schema.vehicle_energy import EnergyBlock
 from lta_model.electrical.charger import charger_output, ChargerModel
 from lta_model.electrical.loads import LoadModel, power_demand
 from lta_model.electrical.panel import cell_spectral_factor, find_max_power_point, SolarArrayModel
+from lta_model.light.spectral_factor import luminous_efficacy
 
 LOWEST = 4.95  # V, minimum input of the seed paper's charger LT3652 (data sheet)
 
@@ -78,16 +79,26 @@ class NetPower:
     transmitting: float
 
 
-def compute_net_powers(array: CellArray, energy: EnergyBlock, table: CellTable) -> list[NetPower]:
-    """Return the net power of an array on a vehicle for each light of a table."""
+def compute_net_powers(
+    array: CellArray,
+    energy: EnergyBlock,
+    table: CellTable,
+    efficacies: Mapping[str, float] = {},
+) -> list[NetPower]:
+    """
+    Return the net power of an array on a vehicle for each light of a table.
+
+    `efficacies`: luminous efficacy of lights other than those of the shipped spectra. [lm/W]
+    """
     charger = ChargerModel.from_energy(energy)
     # Motors off: the array charges on the ground.
     idle, sending = compute_ground_loads(energy)
     powers = []
-    for light, efficacy in table.lights.items():
+    for light in table.lights:
+        own = luminous_efficacy(light)
         # lx / (lm/W) = W/m2
-        irradiance = table.arrays.illuminance.si / efficacy.si
-        factor = cell_spectral_factor(array.cell.name, efficacy.si)
+        irradiance = table.arrays.illuminance.si / efficacies.get(light, own)
+        factor = cell_spectral_factor(array.cell.name, own)
         harvest = array.peak_power(factor * irradiance)
         charged = charger_output(charger, harvest)
         powers.append(

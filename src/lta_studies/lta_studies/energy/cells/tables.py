@@ -38,7 +38,7 @@ CHARGED: Final = (
     'output of the charger minus the loads in stand-by and while transmitting. printed: '
     'sign of the net power in the paper; "not" marks a different sign here.'
 )
-WORDS: Final = {'white_led': 'LED', 'sunlight': 'sun'}
+WORDS: Final = {'white_led': 'LED', 'sun': 'sun'}
 
 
 def find_fronts_by_criterion(
@@ -140,7 +140,7 @@ def format_array(array: CellArray) -> str:
 
 def build_mass_budget_table(table: CellTable, energy: EnergyBlock, budget: float) -> TextTable:
     """Return the table of the largest array of each cell within a mass. [kg]"""
-    lights = list(table.lights)
+    lights = table.lights
     heads = ('array', 'g', 'cm²', 'rated [W]', *(WORDS.get(light, light) for light in lights))
     rows = []
     for cell in list_cells(table):

@@ -3,14 +3,16 @@
 from collections.abc import Mapping
 import math
 
+from lta_energy.harvest import WHITE_LED
 from lta_model.electrical.charger import charger_output
-from lta_model.electrical.panel import find_max_power_point
+from lta_model.electrical.panel import array_spectral_factor, find_max_power_point
+from lta_model.light.spectral_factor import luminous_efficacy
 from lta_model.vehicle import Vehicle
 from lta_studies.energy.mounting.run import MountingStudy
 from lta_studies.energy.mounting.straight_flight import average_over_seeds
 from lta_vehicle.figures.mass_budget import DEGREES
 
-IRRADIANCE = 80e3 / 300.0  # W/m2: 80 klux (seed paper) of a white LED of 300 lm/W
+LAMP_LUX = 80e3  # lx, seed paper
 
 
 def mean_light_share(study: MountingStudy) -> dict[str, float]:
@@ -38,14 +40,16 @@ def mean_flight_power(study: MountingStudy) -> dict[str, float]:
 def charger_power(study: MountingStudy, light: str) -> dict[str, float]:
     """Return the charger output at 80 klux of white LED from a direction, by mount. [W]"""
     return {
-        name: _charger_output(each.fitted.vehicle, IRRADIANCE * study.light[name][light].series)
+        name: _charger_output(each.fitted.vehicle, study.light[name][light].series)
         for name, each in study.shared.items()
     }
 
 
-def _charger_output(vehicle: Vehicle, irradiance: float) -> float:
-    """Return the charger output at the irradiance of the darkest panel. [W]"""
-    voltage, current = find_max_power_point(vehicle.panel, irradiance)
+def _charger_output(vehicle: Vehicle, share: float) -> float:
+    """Return the charger output with a share of the lamp's light on the darkest panel. [W]"""
+    efficacy = luminous_efficacy(WHITE_LED)
+    irradiance = LAMP_LUX / efficacy * array_spectral_factor(vehicle.file.energy, efficacy)
+    voltage, current = find_max_power_point(vehicle.panel, irradiance * share)
     return charger_output(vehicle.charger, voltage * current)
 
 

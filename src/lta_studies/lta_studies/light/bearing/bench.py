@@ -32,7 +32,7 @@ class BearingReading:
     elevation: float  # error of the elevation [rad]
     # Standard deviation of the elevation, as estimated by the fit [rad]
     elevation_deviation: float
-    bound: float  # smallest possible standard deviation of the bearing (`bearing_bound`) [rad]
+    bound: float  # least standard deviation of an unbiased bearing (`bearing_bound`) [rad]
 
 
 @final

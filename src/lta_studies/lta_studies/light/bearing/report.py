@@ -30,9 +30,11 @@ METHOD: Final = (
     'hull at 0.5 to 1.5 m, pitch and roll of 2 degrees rms, and new random diode gains for '
     'every pose. The true bearing is the direction from the centre of the diodes to the '
     'lamp. "holds" is the share of true values within the fit\'s 95 % interval. A level ring '
-    'of diodes cannot measure the elevation, so its estimate is the prior. "bound" is the '
-    'Cramer-Rao bound as a median error: no unbiased estimator could do better with this noise '
-    'and these unequal gains, even if it knew the reflections and the response of the diodes.'
+    'of diodes cannot measure the elevation, so its estimate is the prior. Medians have their '
+    '95 % interval, by the order of the errors. "bound" is the median error of an unbiased '
+    'estimator with normal errors that attains the Cramer-Rao bound of the deviation at every '
+    'pose, with this noise and these unequal gains, and knows the reflections and the response '
+    'of the diodes. It bounds deviations; the median error of other estimators may be smaller.'
 )
 DASHES: Final = ('solid', '5px,3px', '2px,2px')  # of curves that share a colour
 TICKS: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)  # degrees
@@ -88,6 +90,12 @@ def format_degrees(angle: float, digits: int = 2) -> str:
     return f'{math.degrees(angle):.{digits}f}' if math.isfinite(angle) else MISSING
 
 
+def format_median(angle: float, interval: tuple[float, float]) -> str:
+    """Format a median in degrees with its interval."""
+    low, high = map(format_degrees, interval)
+    return f'{format_degrees(angle)} ({low} to {high})'
+
+
 def format_percent(part: float) -> str:
     """Format a share in percent; a dash if it is not finite."""
     return f'{100.0 * part:.1f}' if math.isfinite(part) else MISSING
@@ -98,8 +106,8 @@ def build_bearing_table(results: Sequence[BearingTrialResult]) -> TextTable:
     rows = [
         [
             *format_place(each), *format_diodes(each), f'{s.snr:.0f}', format_degrees(s.bound),
-            format_degrees(s.paper),
-            format_degrees(s.paper_most, 1), format_degrees(s.ours),
+            format_median(s.paper, s.paper_interval),
+            format_degrees(s.paper_most, 1), format_median(s.ours, s.ours_interval),
             format_degrees(s.ours_most, 1), format_degrees(s.deviation), format_percent(s.holds),
         ]
         for each, s in ((each, each.score) for each in results)

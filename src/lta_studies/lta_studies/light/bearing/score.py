@@ -9,10 +9,12 @@ from lta_report.json_value import replace_nonfinite
 from lta_studies.light.bearing.bench import BearingReading
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
+from scipy.special import erf
+from scipy.stats import binom
 
 INTERVAL: Final = 1.959964  # half width of the 95 % interval in standard deviations
 PERCENT: Final = 95.0
-MEDIAN: Final = 0.6744898  # median absolute error of a normal distribution, over its deviation
 Array = NDArray[np.float64]
 
 
@@ -23,12 +25,15 @@ class BearingScore:
 
     readings: int  # number of readings
     snr: float  # median SNR of the best diode
-    # Median error of the paper's estimator, its 95 % quantile, and the share without a bearing
+    # Median error of the paper's estimator with its 95 % interval, the 95 % quantile of the
+    # errors, and the share without a bearing
     paper: float
+    paper_interval: tuple[float, float]
     paper_most: float
     paper_lost: float
     # The same for the fit
     ours: float
+    ours_interval: tuple[float, float]
     ours_most: float
     ours_lost: float
     deviation: float  # median of the standard deviation estimated by the fit
@@ -37,7 +42,9 @@ class BearingScore:
     elevation: float
     elevation_deviation: float
     elevation_holds: float
-    bound: float  # smallest median error that an unbiased estimator could reach (`bearing_bound`)
+    # Median error of an unbiased estimator with normal errors whose deviation is the Cramer-Rao
+    # bound at every pose (`bearing_bound`)
+    bound: float
 
     def to_json(self) -> dict[str, float | None]:
         """Convert the score to JSON, with NaN as null."""
@@ -57,10 +64,12 @@ def score_readings(readings: Sequence[BearingReading]) -> BearingScore:
         readings=len(readings),
         snr=float(np.median(extract_column(readings, 'snr'))),
         paper=error_quantile(paper, 50.0),
+        paper_interval=median_interval(paper),
         paper_most=error_quantile(paper, PERCENT),
         # NaN marks a block without an estimate.
         paper_lost=float(np.mean(np.isnan(paper))),
         ours=error_quantile(ours, 50.0),
+        ours_interval=median_interval(ours),
         ours_most=error_quantile(ours, PERCENT),
         ours_lost=float(np.mean(np.isnan(ours))),
         deviation=error_quantile(deviation, 50.0),
@@ -68,7 +77,7 @@ def score_readings(readings: Sequence[BearingReading]) -> BearingScore:
         elevation=error_quantile(elevation, 50.0),
         elevation_deviation=error_quantile(up, 50.0),
         elevation_holds=interval_coverage(elevation, up, INTERVAL),
-        bound=MEDIAN * error_quantile(extract_column(readings, 'bound'), 50.0),
+        bound=median_normal_error(extract_column(readings, 'bound')),
     )
 
 
@@ -81,6 +90,32 @@ def error_quantile(errors: Array, percent: float) -> float:
     """Return a percentile of the absolute errors; NaN if there are none."""
     finite = np.abs(errors[np.isfinite(errors)])
     return float(np.percentile(finite, percent)) if finite.size else math.nan
+
+
+def median_interval(errors: Array) -> tuple[float, float]:
+    """
+    Return the 95 % interval of the median of the absolute errors, by their order alone.
+
+    The number of errors below the true median is binomial, whatever their distribution (David and
+    Nagaraja 2003, Order Statistics, 7.1). NaN of fewer than six errors, which have no such
+    interval.
+    """
+    finite = np.sort(np.abs(errors[np.isfinite(errors)]))
+    # The interval begins at the last error that so few lie below with a chance of at most 2.5 %
+    first = int(binom.ppf(0.5 - 0.005 * PERCENT, len(finite), 0.5)) - 1 if finite.size else -1
+    if first < 0:
+        return math.nan, math.nan
+    return float(finite[first]), float(finite[-1 - first])
+
+
+def median_normal_error(deviations: Array) -> float:
+    """Return the median of absolute normal errors, one of each deviation; NaN of none."""
+    finite = deviations[np.isfinite(deviations)]
+    if not finite.size:
+        return math.nan
+    ends = 0.0, float(finite.max())
+    # Half of all errors are smaller; at the largest deviation more than two thirds are
+    return float(brentq(lambda error: np.mean(erf(error / finite / math.sqrt(2.0))) - 0.5, *ends))
 
 
 def interval_coverage(errors: Array, deviations: Array, width: float) -> float:

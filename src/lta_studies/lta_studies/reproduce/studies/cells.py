@@ -7,10 +7,11 @@ from statistics import geometric_mean
 from lta_config.command_line import format_lta_command
 from lta_config.files import find_file, load_yaml, validate_content
 from lta_config.schema.cell_file import CellFile, CellTable, load_cell_table
-from lta_config.schema.parameter_ranges import draw_content
+from lta_config.schema.parameter_ranges import draw_between, draw_content
+from lta_config.schema.spectrum_file import load_spectrum
 from lta_config.schema.vehicle_energy import EnergyBlock
 from lta_config.schema.vehicle_file import load_vehicle_file, VehicleFile
-from lta_energy.harvest import break_even_illuminance, HarvestCurve, LightSource
+from lta_energy.harvest import break_even_illuminance, HarvestCurve, LAMPS
 from lta_model.electrical.charger import ChargerModel
 from lta_model.light.spectral_factor import luminous_efficacy, spectral_factor
 from lta_studies.energy.cells.arrays import (
@@ -37,7 +38,7 @@ from lta_studies.reproduce.study_result import (
 
 READINGS = ('small', 'large')  # of the PowerFilm row, as the table's file lists them
 CRYSTALLINE = ('adafruit', 'seeed', 'kitronik')
-LIGHTS = {'white_led': 'led', 'sunlight': 'sun'}
+LIGHTS = {'white_led': 'led', 'sun': 'sun'}
 
 
 def run_study(request: RowStudyRequest) -> RowStudyResult:
@@ -77,10 +78,11 @@ def measure_draw(table: CellTable, seed: int) -> dict[str, float | str]:
         replace(each, cell=draw_cell(each.cell.name, seed)) for each in list_readings(table)
     ]
     values = data_sheet_times(readings)
+    efficacies = {light: draw_efficacy(light, seed) for light in table.lights}
     for strings in build_all_arrays(table).values():
         for array in strings:
             sample = replace(array, cell=draw_cell(array.cell.name, seed))
-            for net in compute_net_powers(sample, energy, table):
+            for net in compute_net_powers(sample, energy, table, efficacies):
                 values |= label_net_powers(f'{sample.cell.name}_{LIGHTS[net.light]}', net)
     return {name: value.value for name, value in values.items()}
 
@@ -89,6 +91,14 @@ def draw_cell(name: str, seed: int) -> CellFile:
     """Return a cell file with its assumed numbers drawn from their ranges."""
     content = draw_content(load_yaml(find_file('cell', name)), seed, 'cell')
     return validate_content(CellFile, content, f'a draw of {name}')
+
+
+def draw_efficacy(light: str, seed: int) -> float:
+    """Return a luminous efficacy from the range of a shipped spectrum. [lm/W]"""
+    among = load_spectrum(light).efficacy
+    if among is None:
+        return luminous_efficacy(light)
+    return float(draw_between(among.range, among.range_source, seed))
 
 
 def list_makers(front: Sequence[CellReading]) -> MeasuredValue:
@@ -155,13 +165,13 @@ def compute_array_power(table: CellTable, energy: EnergyBlock) -> dict[str, Meas
         for array in strings:
             for net in compute_net_powers(array, energy, table):
                 values |= label_net_powers(f'{array.cell.name}_{LIGHTS[net.light]}', net)
-    led, sun = (table.lights[name].si for name in LIGHTS)
+    led, sun = (luminous_efficacy(name) for name in table.lights)
     light = table.arrays.illuminance.si
     # The paper's array of two ANYSOLAR panels in series
     panel = HarvestCurve.of_cells('anysolar', 2, 1)
     for task, load in zip(('standby', 'transmitting'), compute_ground_loads(energy), strict=True):
         even = break_even_illuminance(
-            panel, ChargerModel.from_energy(energy), LightSource(led, 1.0), load
+            panel, ChargerModel.from_energy(energy), LAMPS['white LED'], load
         )
         values[f'light_for_{task}'] = MeasuredValue(even / light)
     # Radiant power of sunlight relative to LED light at the same illuminance

@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Final
 
 from lta_config.command_line import format_lta_command
-from lta_energy.harvest import charging_power, HarvestCurve, LAMPS, WHITE_LED
+from lta_energy.harvest import charging_power, HarvestCurve, LAMPS, LightSource, WHITE_LED
 from lta_flight.flight_spec import build_vehicle_scenario_stack, load_spec
 from lta_model.electrical.panel import cell_spectral_factor, SolarArrayModel
+from lta_model.light.spectral_factor import luminous_efficacy
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_studies.energy import paper
 from lta_studies.energy.budget.report import (
@@ -20,15 +21,13 @@ from lta_studies.energy.budget.report import (
 )
 from lta_studies.energy.budget.run import measure_budget, PowerBudget
 from lta_studies.energy.budget.tasks import (
-    average_flight_tasks,
-    build_course,
     END,
     prepare_flight,
     SCENE,
     STRATEGIES,
     TaskPower,
 )
-from lta_studies.energy.course_flight import build_closed_loop, fly_until, stop_after
+from lta_studies.energy.course_flight import stop_after
 from lta_studies.energy.hover.report import CAPTION, draw_traces
 from lta_studies.energy.hover.run import (
     build_hover_spec,
@@ -39,7 +38,7 @@ from lta_studies.energy.hover.run import (
 )
 from lta_studies.reproduce.flights import fly_draws
 from lta_studies.reproduce.recording import record_flight, relative_bag_path
-from lta_studies.reproduce.studies.cells import draw_cell
+from lta_studies.reproduce.studies.cells import draw_cell, draw_efficacy
 from lta_studies.reproduce.study_result import (
     collect_draws,
     MeasuredValue,
@@ -52,6 +51,7 @@ from lta_studies.reproduce.study_result import (
 VEHICLE, STANDARD = 'gtmab', 'multirotor'
 LUX: Final = 80e3  # seed paper
 HOUR: Final = 3600.0  # s
+PRINTED: Final = {'paper_fly': sum(paper.NAVIGATION) / 2.0, 'paper_hover': paper.HOVER}  # W
 NAMES: Final = {'white LED': 'led', 'flickering LED': 'flicker', 'sun': 'sun'}
 TASK: Final = {
     'take-off': 'take_off', 'hovering': 'hover', 'flying at 0.5 m/s': 'fly',
@@ -65,8 +65,11 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     values = {**measure_task_power(budget, request.seeds), **measure_causes(budget)}
     body = load_vehicle(VEHICLE)
     harvest = HarvestCurve.of_energy(body.file.energy)
-    values |= to_values(measure_charging(body, harvest, budget.tasks['navigating, BAG'].power,
-                                         budget.tasks['hovering'].power))  # fmt: skip
+    own = {
+        'fly': budget.tasks['navigating, BAG'].power,
+        'hover': budget.tasks['hovering'].power,
+    }
+    values |= to_values(measure_charging(body, harvest, {**PRINTED, **own}))
     draws = {**draw_navigation(request), **collect_draws(request, partial(measure_draw, request))}
     pictures = [
         StudyPicture('tasks', 'Power by task', TASKS, draw_task_power(budget),
@@ -106,20 +109,21 @@ def draw_navigation(request: RowStudyRequest) -> dict[str, list[float | str]]:
 
 
 def measure_draw(request: RowStudyRequest, seed: int) -> dict[str, float]:
-    """Return the powers of hovering and flying [W], and what charging gives, in a draw."""
-    changes = request.draw_changes(seed)
-    spec = load_spec(VEHICLE, SCENE, 'bag', '').with_values(changes)
+    """Return what charging gives in a draw, by the powers that the paper prints."""
+    spec = load_spec(VEHICLE, SCENE, 'bag', '').with_values(request.draw_changes(seed))
     body = build_vehicle_scenario_stack(spec)[0]
-    course = build_course(body.hull_height_on_floor)
-    record = fly_until(build_closed_loop(spec, course, seed), stop_after(END))
-    tasks = average_flight_tasks(body.loads, [record])
-    hover, fly = tasks[1].power, tasks[2].power
     array = body.file.energy.array
     assert array is not None
     cell = array.cell_file.name
     panel = SolarArrayModel.from_cell_file(draw_cell(cell, seed), array.series, array.parallel)
-    harvest = HarvestCurve(panel, cell_spectral_factor(cell, WHITE_LED))
-    return {'hover': hover, 'fly': fly, **measure_charging(body, harvest, fly, hover)}
+    harvest = HarvestCurve(panel, cell_spectral_factor(cell, luminous_efficacy(WHITE_LED)))
+    lamps = {
+        name: lamp._replace(
+            efficacy_ratio=draw_efficacy(lamp.spectrum, seed) / luminous_efficacy(lamp.spectrum)
+        )
+        for name, lamp in LAMPS.items()
+    }
+    return measure_charging(body, harvest, PRINTED, lamps)
 
 
 def record_flights(folder: Path) -> str:
@@ -188,17 +192,16 @@ def measure_hover(comparison: HoverComparison) -> dict[str, MeasuredValue]:
 
 
 def measure_charging(
-    body: Vehicle, harvest: HarvestCurve, fly: float, hover: float
+    body: Vehicle,
+    harvest: HarvestCurve,
+    powers: Mapping[str, float],
+    lamps: Mapping[str, LightSource] = LAMPS,
 ) -> dict[str, float]:
     """Return the net charging power and charging ratios at 80 klux, by kind of light."""
     net = {
         NAMES[name]: charging_power(harvest, body.charger, lamp, LUX) - body.loads.idle
-        for name, lamp in LAMPS.items()
+        for name, lamp in lamps.items()
     }
-    powers = {
-        'paper_fly': sum(paper.NAVIGATION) / 2.0, 'paper_hover': paper.HOVER,
-        'fly': fly, 'hover': hover,
-    }  # fmt: skip
     return {f'net_{name}': each for name, each in net.items()} | charging_ratios(net, powers)
 
 

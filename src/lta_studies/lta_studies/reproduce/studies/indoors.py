@@ -123,10 +123,13 @@ def draw_readings(request: RowStudyRequest) -> dict[str, list[float | str]]:
         for figure, short in (('path_length', 'path'), ('search_time', 'time')):
             dga, bag = figures[figure]['dga'], figures[figure]['bag']
             draws[f'{prefix}dga_by_bag_{short}'] = [a / b for a, b in zip(dga, bag, strict=True)]
-        paths = figures['path_length']
-        draws[f'{prefix}order'] = [
-            order_paths({name: paths[name][k] for name in ORDER}) for k in range(request.draws)
-        ]
+        paths, times = (
+            [{name: figures[figure][name][k] for name in ORDER} for k in range(request.draws)]
+            for figure in ('path_length', 'search_time')
+        )
+        draws[f'{prefix}order'] = list(map(order_paths, paths))
+        draws[f'{prefix}fastest'] = list(map(name_fastest, times))
+        draws[f'{prefix}dga_nearer'] = list(map(compare_dga_path, paths))
     return draws
 
 
@@ -135,6 +138,18 @@ def order_paths(paths: Mapping[str, float]) -> str:
     if any(math.isnan(each) for each in paths.values()):
         return 'none'
     return ' < '.join(name.upper() for name in sorted(paths, key=paths.__getitem__))
+
+
+def name_fastest(times: Mapping[str, float]) -> str:
+    """Return the strategy with the least time of those that arrived; 'none' if nobody did."""
+    arrived = {name: time for name, time in times.items() if not math.isnan(time)}
+    return min(arrived, key=arrived.__getitem__).upper() if arrived else 'none'
+
+
+def compare_dga_path(paths: Mapping[str, float]) -> float:
+    """Return how far DGA's path is from BAG's, by how far it is from DES's; below 1 if nearer."""
+    from_des = abs(paths['dga'] - paths['des'])
+    return abs(paths['dga'] - paths['bag']) / from_des if from_des else math.inf
 
 
 def measure_excursion(group: FlightGroup) -> MeasuredValue:
@@ -187,11 +202,13 @@ def rms_misfit(values: Mapping[str, MeasuredValue], prefix: str) -> float:
 def rank_strategies(prefix: str, cells: Mapping[str, EvaluationCell]) -> dict[str, MeasuredValue]:
     """Rank the strategies by path; add the bootstrap share that keeps the paper's order."""
     held = assess_path_order('', {name: cells[name] for name in ORDER})
+    paths = {name: held.paths[name].value for name in ORDER}
+    times = {name: cells[name].mean('search_time').value for name in ORDER}
     return {
-        f'{prefix}order': MeasuredValue(
-            order_paths({name: held.paths[name].value for name in ORDER})
-        ),
+        f'{prefix}order': MeasuredValue(order_paths(paths)),
         f'{prefix}order_draws': MeasuredValue(held.share, seeds=len(cells['bag'].rows)),
+        f'{prefix}fastest': MeasuredValue(name_fastest(times)),
+        f'{prefix}dga_nearer': MeasuredValue(compare_dga_path(paths)),
     }
 
 

@@ -18,7 +18,6 @@ from lta_studies.reproduce.manoeuvres import (
     ComparisonFlights,
     find_speed_limit,
     fly_entries,
-    fly_gtmab_draws,
     sample_gtmab,
 )
 from lta_studies.reproduce.study_result import (
@@ -100,21 +99,21 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
 def draw_orders(
     request: RowStudyRequest, measured: Mapping[str, Mapping[str, MeasuredValue]]
 ) -> dict[str, list[float | str]]:
-    """Return the concordance in every draw of GT-MAB; the other platforms stay as measured."""
-    manoeuvres = [FLOWN[criterion] for criterion in measured if criterion in FLOWN]
-    flights = fly_gtmab_draws(request, manoeuvres)
-    draws: dict[str, list[float | str]] = {}
-    for criterion, values in measured.items():
-        if criterion in FLOWN:
-            numbers = [each.metrics.rms for each in flights[FLOWN[criterion]]]
-        else:
-            measure = OF_VEHICLE[criterion]
-            numbers = [measure(sample_gtmab(request, seed).vehicle) for seed in request.draw_seeds]
-        draws[f'{criterion}_order'] = [
-            rank_concordance(criterion, {**values, 'gtmab': MeasuredValue(each)})
-            for each in numbers
+    """
+    Return the concordance of the vehicle files' criteria in every draw of GT-MAB.
+
+    The other platforms stay as measured.
+    """
+    samples = [sample_gtmab(request, seed).vehicle for seed in request.draw_seeds]
+    return {
+        f'{criterion}_order': [
+            rank_concordance(
+                criterion, {**measured[criterion], 'gtmab': MeasuredValue(measure(vehicle))}
+            )
+            for vehicle in samples
         ]
-    return draws
+        for criterion, measure in OF_VEHICLE.items()
+    }
 
 
 def build_criterion_functions(

@@ -1,0 +1,161 @@
+"""Write the pages of docs/ on the paper: main claims, all rows, and its inconsistencies."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Final
+
+from lta_config.schema.paper_file import PaperRow
+from lta_report.formatting import format_markdown_table, MISSING
+from lta_report.report_markdown import render_markdown
+from lta_studies.reproduce.report import (
+    build_defect_table,
+    fill_measures_or_blank,
+    format_headline,
+    format_title,
+    IMAGES,
+    KNOWN_BEFORE,
+    METHOD,
+    OPEN,
+    StoredRows,
+)
+from lta_studies.reproduce.stored_row import StoredRow
+from lta_studies.reproduce.verdict import (
+    ClaimVerdict,
+    format_measured,
+    format_quantity,
+    format_shares,
+    judge_claims,
+)
+
+HEADLINE_HEADS: Final = ('the paper says', 'printed', 'here', 'draws that agree', 'verdict', 'row')
+ROW_HEADS: Final = ('the paper says', 'here', 'draws that agree', 'verdict', 'why')
+FIRST_PAGE: Final = """# The paper, reproduced
+
+`./lta reproduce` runs every experiment of the paper (Huang, Xu and Zúñiga Zamalloa, *Exploiting
+Light To Enhance The Endurance and Navigation of Lighter-Than-Air Micro-Drones*, 2025) in this
+system. Its main claims, with our results:
+
+{table}
+
+*Here*: our value, in brackets where nine of ten draws from the ranges of all assumed numbers lie,
+or the 95 % interval of a share of flights. *Draws that agree*: by reading of the words, in the
+order of the row's file. A verdict needs Wilson's interval above 95 % of the draws, or below 5 %;
+*open* says what leaves a claim open.
+
+**{headline}**
+
+- [All rows](paper_rows.md): every claim, why it cannot be tested or what would close the gap, and
+  how claims are judged
+- [The paper's inconsistencies](paper_inconsistencies.md), with their arithmetic
+
+<!-- not run: minutes; test_paper.py runs the quick rows -->
+```sh
+./lta reproduce --list            # the rows
+./lta reproduce --quick           # one seed, without the long parts: under three minutes
+./lta reproduce                   # all seeds; resumes where it was stopped
+./lta reproduce indoors energy    # some rows
+./lta reproduce --markdown docs   # these pages
+```
+
+The command also writes a page with every picture, table and figure, and records the plotted
+flights. A row is a file in `config/paper`: what the paper says and where, what is measured, and
+the rule for agreement. None of our figures on these pages is typed by hand.
+"""
+ROWS_PAGE: Final = """# The paper, row by row
+
+Behind [the answers](paper.md). Places in the paper, rules, seeds, readings and all measures are on
+the page of `./lta reproduce` and in `config/paper`.
+
+{method}
+
+{known}
+
+{rows}
+"""
+DEFECTS_PAGE: Final = """# The paper's inconsistencies
+
+Where [the paper](paper.md) contradicts itself or physics, with the arithmetic, and what was done
+here. Written by `./lta reproduce --markdown docs`.
+
+{table}
+"""
+
+
+def write_pages(folder: Path, rows: Sequence[PaperRow], stored_rows: StoredRows) -> None:
+    """Write the pages into the folder of the documentation."""
+    for name, text in build_pages(rows, stored_rows).items():
+        (folder / name).write_text(text, encoding='utf-8')
+
+
+def build_pages(rows: Sequence[PaperRow], stored_rows: StoredRows) -> dict[str, str]:
+    """Return the texts of the pages, by file name."""
+    return {
+        'paper.md': FIRST_PAGE.format(
+            table=format_markdown_table(
+                HEADLINE_HEADS,
+                [line for row in rows for line in list_headlines(row, stored_rows[row.name])],
+            ),
+            headline=format_headline(rows, stored_rows),
+        ),
+        'paper_rows.md': ROWS_PAGE.format(
+            method=METHOD,
+            known=KNOWN_BEFORE,
+            rows='\n\n'.join(
+                part for row in rows for part in iterate_row_parts(row, stored_rows[row.name])
+            ),
+        ),
+        'paper_inconsistencies.md': DEFECTS_PAGE.format(
+            table=render_markdown([build_defect_table(rows)])
+        ),
+    }
+
+
+def list_headlines(row: PaperRow, stored: StoredRow) -> list[list[str]]:
+    """Return the lines of a row on the first page."""
+    verdicts = judge_claims(row, stored)
+    return [
+        [
+            claim.headline,
+            MISSING if claim.value is None else format_quantity(claim.value),
+            *format_results(row, name, stored),
+            str(verdicts[name]),
+            str(row.number),
+        ]
+        for name, claim in row.claims.items()
+        if claim.headline
+    ]
+
+
+def iterate_row_parts(row: PaperRow, stored: StoredRow) -> Iterator[str]:
+    """Yield heading, scene, table and first picture of a row."""
+    verdicts = judge_claims(row, stored)
+    yield f'## {format_title(row)}'
+    yield row.scenario
+    lines = []
+    for name, claim in row.claims.items():
+        note = find_note(row, name, verdicts[name], stored)
+        lines.append(
+            [claim.says, *format_results(row, name, stored), str(verdicts[name]), note or MISSING]
+        )
+    yield format_markdown_table(ROW_HEADS, lines)
+    for picture in stored.pictures[:1]:
+        yield f'![{picture.heading}]({IMAGES}/{row.name}-{picture.name}.png)'
+
+
+def format_results(row: PaperRow, name: str, stored: StoredRow) -> list[str]:
+    """Return our value for a claim, and the draws that agree."""
+    claim = row.claims[name]
+    return [
+        format_measured(row, name, stored),
+        format_shares(name, claim, stored) or MISSING,
+    ]
+
+
+def find_note(row: PaperRow, name: str, verdict: ClaimVerdict, stored: StoredRow) -> str:
+    """Return why a claim cannot be tested, or what would close a gap; '' for other claims."""
+    claim = row.claims[name]
+    if verdict is ClaimVerdict.UNTESTED:
+        return fill_measures_or_blank(claim.untested, row, stored)
+    if verdict in (ClaimVerdict.DIFFERS, *OPEN):
+        return fill_measures_or_blank(claim.gap, row, stored)
+    return ''
