@@ -199,12 +199,14 @@ def share_folder() -> Path:
     )
 
 
-def list_shipped_names(folder: str) -> list[str]:
+def list_shipped_names(folder: str, suffix: str = '.yaml') -> list[str]:
     """Return the names of the files in one folder of `share_folder()`."""
-    return sorted(path.stem for path in (share_folder() / folder).glob('*.yaml'))
+    return sorted(
+        path.name.removesuffix(suffix) for path in (share_folder() / folder).glob(f'*{suffix}')
+    )
 
 
-def find_file(kind: str, name: str) -> Path:
+def find_file(kind: str, name: str, suffix: str = '.yaml') -> Path:
     """
     Return the path of a file given by name or path.
 
@@ -212,19 +214,19 @@ def find_file(kind: str, name: str) -> Path:
     a slash or ends in `.yaml`). Raise `BadInput` if there is no such file; the message lists the
     shipped names.
     """
-    if '/' in name or name.endswith(('.yaml', '.yml')):
+    if '/' in name or name.endswith((suffix, '.yaml', '.yml')):
         path = Path(os.path.expanduser(name))  # noqa: PTH111 - Path's own fails for ~nobody
         if not path.is_file():
             raise BadInput(f'There is no {kind} file {path}; check the path.')
         return path
     folder = FOLDERS[kind]
-    names = list_shipped_names(folder)
+    names = list_shipped_names(folder, suffix)
     if name not in names:
-        own = Path(f'{name}.yaml')
+        own = Path(f'{name}{suffix}')
         if own.is_file():
             raise BadInput(f"No {kind} '{name}' is shipped; for the file here, give './{own}'.")
         raise unknown_name_error(kind, name, names)
-    return share_folder() / folder / f'{name}.yaml'
+    return share_folder() / folder / f'{name}{suffix}'
 
 
 def load_yaml(path: Path) -> Any:  # noqa: ANN401 - YAML holds anything

@@ -170,8 +170,8 @@ def build_security(tls: TlsFiles | None) -> Any:  # noqa: ANN401 - Dask has no t
     except OSError as error:  # also the errors of ssl
         raise BadInput(
             f'The certificates {tls.authority}, {tls.certificate} and {tls.key} cannot be used '
-            f'({error.strerror}); give PEM files of an authority, a certificate it signed, and its '
-            'key.'
+            f'({error.strerror}); give PEM files of an authority, a certificate it signed, and '
+            'its key.'
         ) from None
     roles = ('client', 'scheduler', 'worker')
     return import_dask().Security(
