@@ -6,7 +6,7 @@ hover. A free swing goes nowhere, follows the law of a pendulum, and loses energ
 """
 
 import math
-from typing import Final
+from typing import Final, NamedTuple
 
 from lta_config.errors import BadInput
 from lta_data.data_quality.motion import collect_poses, PoseSeries
@@ -20,15 +20,18 @@ from scipy.spatial.transform import Rotation
 Array = NDArray[np.float64]
 DRIVEN: Final = ('motors', 'wrench_command')
 STEP: Final = 0.04  # of the grid [s]
-CALM: Final = 0.4  # smoothing, short against a swing [s]
+CALM: Final = (0.4, 1.2)  # smoothing, a third of a period within these limits [s]
 SHORTEST: Final = 4.0  # of a swing that is judged [s]
 SWUNG: Final = 0.04  # least amplitude [rad]
 LEAVES: Final = 0.15  # m/s; a vehicle that is faster on average is pushed by its rotors
+RESTS: Final = 0.03  # m/s; slower motion beside the mean velocity is that of the air
 TILTED: Final = 0.9  # of its largest tilt, which a vehicle leaves when it is released
 LATE: Final = 0.75  # of the flight; a free swing has its largest tilt before
-LAWFUL: Final = 0.75  # of the angular acceleration that the law of a pendulum explains
+LAWFUL: Final = 0.88  # of the angular acceleration that the law of a pendulum explains
 SLOWEST: Final = 0.5  # angular frequency of a swing, at least [rad/s]
 LOST: Final = 0.8  # of the energy of its first third a swing has in its last, at most
+GROWS: Final = 1.4  # times the energy that it had before; nothing but rotors or a hand give more
+LEFT: Final = 0.1  # of the largest energy; less of it may be noise
 
 
 def require_commands(flight: str, recording: ChannelRecording) -> None:
@@ -42,7 +45,10 @@ def require_commands(flight: str, recording: ChannelRecording) -> None:
 
 def explain_no_swing(recording: ChannelRecording) -> str:
     """Return why a flight without commands is no free swing; '' if it is, or has commands."""
-    if any(channel.topic in DRIVEN for channel in recording.channels.values()):
+    if any(
+        channel.topic in DRIVEN and np.isfinite(channel.values).any()
+        for channel in recording.channels.values()
+    ):
         return ''
     poses = [
         pose
@@ -65,39 +71,81 @@ def _judge_swing(pose: PoseSeries) -> str:
     turns, _ = interpolate_on_grid(attitude.time, attitude.values, grid)
     # Where the world's up is in the body
     up = Rotation.from_quat(turns).inv().apply([0.0, 0.0, 1.0])[:, :2]
-    calm = smooth_columns(up, hann_kernel(CALM, STEP))
-    off = calm - np.median(calm[len(calm) // 2 :], axis=0)
-    size = np.linalg.norm(off, axis=1)
-    # A hand may hold it for a while before
-    tilted = np.flatnonzero(size > TILTED * size.max())
-    if tilted[-1] > LATE * len(size) and size.max() > SWUNG:
+    where, _ = interpolate_on_grid(place.time, place.values, grid)
+    # A third of its period, which is estimated with the least smoothing before
+    _, released, law = _fit_pendulum(up, CALM[0])
+    width = math.tau / max(SLOWEST, math.sqrt(max(0.0, law.stiffness))) / 3.0
+    off, released, law = _fit_pendulum(up, min(max(CALM[0], width), CALM[1]))
+    if released > LATE * len(up) and np.abs(off).max() > SWUNG:
         return 'it is no free swing: its energy does not decay'
-    released = int(tilted[-1])
     free = off[released:]
     if len(free) * STEP < SHORTEST or np.abs(free).max() < SWUNG:
         return 'the vehicle does not swing for long enough after its largest tilt'
-    where, _ = interpolate_on_grid(place.time, place.values, grid[released:])
-    # Over more than the longest swing, as far as the flight allows
-    width = min(math.tau / SLOWEST, 0.25 * len(where) * STEP)
-    drift = np.diff(smooth_columns(where, hann_kernel(width, STEP)), axis=0) / STEP
-    speed = float(np.linalg.norm(drift, axis=1).mean())
+    way = smooth_columns(where[released:], hann_kernel(CALM[0], STEP))
+    speed = float(np.linalg.norm(way[-1] - way[0])) / (len(way) * STEP)
     if speed > LEAVES:
         return f'it is no free swing: the vehicle travels at {speed:.2g} m/s on average'
-    along = free @ np.linalg.svd(free, full_matrices=False)[2][0]
-    rate = np.gradient(along, STEP)
-    pull = np.gradient(rate, STEP)
-    terms = np.column_stack([along, rate, np.ones(len(along))])
-    law = np.linalg.lstsq(terms, pull, rcond=None)[0]
-    explained = 1.0 - float(np.var(pull - terms @ law) / max(np.var(pull), 1e-12))
-    if explained < LAWFUL or -law[0] < SLOWEST**2:
+    if law.explained < LAWFUL or law.stiffness < SLOWEST**2:
         return (
-            f'it is no free swing: the law of a pendulum explains {100 * max(0.0, explained):.0f} '
-            '% of its angular acceleration'
+            'it is no free swing: the law of a pendulum explains '
+            f'{100 * max(0.0, law.explained):.0f} % of its angular acceleration'
         )
-    thirds = [float(part.mean()) for part in np.array_split(rate**2 - law[0] * along**2, 3)]
-    if thirds[2] > LOST * thirds[0]:
-        return (
-            'it is no free swing: its energy does not decay, but is '
-            f'{thirds[2] / thirds[0]:.2g} times as large at the end'
-        )
+    moved = np.gradient(way, STEP, axis=0)
+    moved -= moved.mean(axis=0)
+    motion = np.square(moved).sum(axis=1)
+    for energy, least in ((law.energy, 0.0), (motion, RESTS**2)):
+        first, _, last = (float(part.mean()) for part in np.array_split(energy, 3))
+        if last > max(LOST * first, least):
+            return (
+                'it is no free swing: its energy does not decay, but is '
+                f'{last / first:.2g} times as large at the end'
+            )
+    after = np.maximum.accumulate(law.energy[::-1])[::-1]
+    if (after > np.maximum(GROWS * law.energy, LEFT * after[0])).any():
+        return 'it is no free swing: its energy grows on the way'
     return ''
+
+
+class PendulumLaw(NamedTuple):
+    """How a tilt swings."""
+
+    stiffness: float  # of the main direction: the square of its angular frequency [rad2/s2]
+    explained: float  # share of the angular acceleration
+    energy: Array  # over a period, by the moment of inertia [rad2/s2]
+
+
+def _fit_pendulum(up: Array, width: float) -> tuple[Array, int, PendulumLaw]:
+    """
+    Return the tilts, the row from which they are free, and their law from there.
+
+    `up`, shape (n, 2): horizontal parts of the body's up [rad]. `width`: of the smoothing [s].
+    """
+    calm = smooth_columns(up, hann_kernel(width, STEP))
+    off = calm - np.median(calm[len(calm) // 2 :], axis=0)
+    size = np.linalg.norm(off, axis=1)
+    # A hand may hold it for a while before
+    released = int(np.flatnonzero(size >= TILTED * size.max())[-1])
+    free = off[released:]
+    if len(free) < 3:
+        return off, released, PendulumLaw(0.0, 0.0, np.zeros(len(free)))
+    rate = np.gradient(free, STEP, axis=0)
+    pull = np.gradient(rate, STEP, axis=0)
+    # Both axes at once, as they swing at frequencies of their own
+    terms = np.column_stack([free, rate, np.ones(len(free))])
+    law = np.linalg.lstsq(terms, pull, rcond=None)[0]
+    unlike = float(np.var(pull - terms @ law, axis=0).sum())
+    back = -0.5 * (law[:2] + law[:2].T)
+    main = np.linalg.svd(free, full_matrices=False)[2][0]
+    energy = np.square(rate).sum(axis=1) + (free @ back * free).sum(axis=1)
+    stiffness = float(main @ back @ main)
+    period = math.tau / max(SLOWEST, math.sqrt(max(0.0, stiffness)))
+    weights = hann_kernel(min(2.0 * period, 0.5 * len(free) * STEP), STEP)
+    return (
+        off,
+        released,
+        PendulumLaw(
+            stiffness,
+            1.0 - unlike / max(float(np.var(pull, axis=0).sum()), 1e-12),
+            smooth_columns(energy[:, None], weights)[:, 0],
+        ),
+    )

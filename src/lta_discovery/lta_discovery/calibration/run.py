@@ -7,7 +7,6 @@ from pathlib import Path
 from lta_bridge.provenance import read_commit
 from lta_config.errors import BadInput
 from lta_config.files import find_file
-from lta_data.data_quality.free_swing import require_commands
 from lta_discovery.calibration.calibrated_file import (
     format_calibrated_vehicle,
     format_calibration_source,
@@ -34,8 +33,6 @@ def calibrate_vehicle(
     """
     vehicle = load_vehicle(name)
     flights = read_bags(bags, robot, lambda bag: tell(f'reading {bag}', None))
-    for one in flights:
-        require_commands(one.name, one.recording)
     tell('checking data quality', None)
     usable = select_usable_flights(flights, vehicle, CALIBRATED)
     calibration = calibrate_flights(vehicle, name, usable.flights, tell)

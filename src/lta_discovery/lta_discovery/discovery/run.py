@@ -8,7 +8,6 @@ from typing import Final, final
 from lta_bridge.provenance import describe_environment, read_commit
 from lta_config.errors import BadInput
 from lta_config.files import find_file
-from lta_data.data_quality.free_swing import require_commands
 from lta_discovery.calibration.calibrated_file import (
     format_calibrated_vehicle,
     format_calibration_source,
@@ -65,8 +64,6 @@ def discover_effects(request: DiscoveryRequest, tell: Tell) -> Report:
     """
     vehicle = load_vehicle(request.vehicle)
     flights = read_bags(request.bags, request.robot, lambda name: tell(f'reading {name}', None))
-    for one in flights:
-        require_commands(one.name, one.recording)
     tell('checking data quality', None)
     usable = select_usable_flights(flights, vehicle)
     study, text, calibrated = study_usable_flights(request, vehicle, usable, tell)

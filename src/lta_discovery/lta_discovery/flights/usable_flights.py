@@ -19,6 +19,7 @@ from lta_data.data_quality.checks import (
     stamps,
 )
 from lta_data.data_quality.finding import QualityFinding
+from lta_data.data_quality.free_swing import require_commands
 from lta_data.data_quality.registry import run_checks
 from lta_data.tracked_motion import find_tracker_prefix
 from lta_discovery.flights.bags import (
@@ -28,7 +29,7 @@ from lta_discovery.flights.bags import (
     StudyRecording,
 )
 from lta_discovery.flights.command_spikes import clip_command_spikes
-from lta_discovery.flights.free_swings import align_swings, find_swing_law
+from lta_discovery.flights.free_swings import align_swings
 from lta_discovery.flights.measured_flight import (
     FlightStreams,
     GAP,
@@ -38,7 +39,7 @@ from lta_discovery.flights.measured_flight import (
 )
 from lta_discovery.flights.noisy_intervals import ExcludedInterval, remove_noisy_intervals
 from lta_discovery.flights.sentence_merger import merge_sentences
-from lta_discovery.flights.streams import build_streams, convert_to_duties, has_commands
+from lta_discovery.flights.streams import build_streams, convert_to_duties
 from lta_discovery.flights.timestamp_repair import add_stamp_noise, repair_timestamps
 from lta_discovery.flights.transients import find_transients, format_cut
 from lta_discovery.flights.usable_states import find_usable_runs, SHORTEST_RUN
@@ -61,7 +62,6 @@ CALIBRATED: Final = 5.0  # s; for a calibration, to which one step or swing tell
 STILL: Final = 0.005  # of the largest command: standard deviation over all training flights
 DRIFTING: Final = 0.1  # m; a vehicle that moves less, and turns less, is at rest
 SWINGING: Final = 0.05  # rad
-LEAVES: Final = 0.15  # m/s; a vehicle that is faster on average is pushed by its rotors
 FULL: Final = 0.98  # duty
 LOST: Final = 0.02  # of the poses; more lost poses are reported
 DUTY: Final = 'motors/effort.'
@@ -113,6 +113,7 @@ def select_usable_flights(
     streams: list[tuple[StudyRecording, FlightStreams]] = []
     for one in flights:
         try:
+            require_commands(one.name, one.recording)
             flight_streams, words = _raise_to_floor(one.name, _load_streams(one, vehicle), vehicle)
             streams.append((one, flight_streams))
             warnings += words
@@ -310,11 +311,6 @@ def _clean_flight(
     flight, more = add_stamp_noise(one.name, resample_flight(streams), rounding)
     warnings += [*whole, *remarks, *more]
     flight = _mask_intervals(flight, cuts, pose)
-    if not has_commands(recording.channels) and not _swings_on_the_spot(flight):
-        raise BadInput(
-            f"{one.name}: The recording has no commands ('motors' or 'wrench_command'), and the "
-            'vehicle does not swing freely. Record the commands, too.'
-        )
     for part in find_transients(flight, streams):
         inside = (flight.time >= part.from_s) & (flight.time <= part.to_s)
         cuts.append(
@@ -325,16 +321,6 @@ def _clean_flight(
     flight, loud = remove_noisy_intervals(one.name, flight)
     cuts += loud
     return flight, cuts, [*warnings, *_list_data_warnings(one.name, flight, streams)]
-
-
-def _swings_on_the_spot(flight: MeasuredFlight) -> bool:
-    """Return whether a vehicle swings, and does not fly away."""
-    points = np.flatnonzero(np.isfinite(flight.position).all(axis=1))
-    if find_swing_law(flight) is None or len(points) < 2:
-        return False
-    first, last = points[0], points[-1]
-    way = float(np.linalg.norm(flight.position[last] - flight.position[first]))
-    return way < LEAVES * float(flight.time[last] - flight.time[first])
 
 
 def _exclude_interval(name: str, finding: QualityFinding, end: float) -> ExcludedInterval:

@@ -50,12 +50,44 @@ def test_a_free_swing_is_proved(omega: float, damping: float) -> None:
     assert explain_no_swing(hang(swing(omega, damping, held=4.0), drift=0.05)) == ''
 
 
-@pytest.mark.parametrize('radius', [0.6, 1.2, 3.0])
-def test_a_vehicle_that_flies_in_circles_travels(radius: float) -> None:
-    course = 0.4 / radius * TIME
+def test_a_swing_of_both_axes_seen_by_a_poor_tracker_is_proved() -> None:
+    rng = np.random.default_rng(4)
+    angles = np.column_stack([CALM, swing(2.0, 0.05), 0.6 * swing(2.7, 0.08)])
+    angles += rng.normal(0.0, 0.01, angles.shape)
+    place = 0.2 * np.column_stack([np.sin(angles[:, 1]), -np.sin(angles[:, 2]), CALM])
+    assert explain_no_swing(record(angles, place + rng.normal(0.0, 3e-3, place.shape))) == ''
+
+
+@pytest.mark.parametrize(
+    ('radius', 'speed'), [(0.3, 0.1), (0.3, 0.4), (0.6, 0.2), (1.2, 0.4), (3.0, 0.4)]
+)
+@pytest.mark.parametrize('damping', [0.0, 0.1])
+def test_a_vehicle_that_flies_in_circles_is_driven(
+    radius: float, speed: float, damping: float
+) -> None:
+    course = speed / radius * TIME
     place = radius * np.column_stack([np.sin(course), -np.cos(course), CALM]) + [0.0, 0.0, 2.0]
-    angles = np.column_stack([course, 0.12 * np.sin(0.9 * TIME), 0.08 * np.sin(1.3 * TIME)])
-    assert 'travels at' in explain_no_swing(record(angles, place))
+    fade = np.exp(-damping * TIME)
+    angles = np.column_stack(
+        [course, 0.12 * np.sin(1.9 * TIME) * fade, 0.08 * np.sin(1.9 * TIME) * fade]
+    )
+    assert 'no free swing' in explain_no_swing(record(angles, place))
+
+
+def test_a_swing_that_is_twice_is_driven() -> None:
+    twice = swing(2.0, 0.1) + 0.15 * np.where(TIME > 12.0, swing(2.0, 0.1, 12.0) / 0.3, 0.0)
+    assert 'energy grows' in explain_no_swing(hang(twice))
+
+
+def test_a_vehicle_that_climbs_or_leaves_travels() -> None:
+    assert 'travels at' in explain_no_swing(hang(swing(2.0, 0.1), drift=0.3))
+
+
+def test_commands_without_a_number_are_no_commands() -> None:
+    driven = hang(CALM)
+    name = 'motors/effort.left'
+    channels = {**driven.channels, name: SignalChannel(name, '1', TIME, CALM * np.nan)}
+    assert explain_no_swing(ChannelRecording(channels))
 
 
 def test_a_swing_that_does_not_decay_is_driven() -> None:

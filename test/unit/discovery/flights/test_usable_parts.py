@@ -144,7 +144,7 @@ def test_a_pose_at_five_hertz_is_refused(flights, gtmab):
 @pytest.mark.parametrize(('gone', 'lacks'), [('motors/', 'commands'), (TRUTH, 'measured pose')])
 def test_flights_without_commands_or_pose_are_refused(flights, gtmab, gone, lacks):
     one = _changed(flights[0], lambda _: None, gone)
-    with pytest.raises(BadInput, match=f'A: The recording has no {lacks}'):
+    with pytest.raises(BadInput, match=f'A.* has no {lacks}'):
         _believed(flights, gtmab, one)
 
 
