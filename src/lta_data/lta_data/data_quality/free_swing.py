@@ -6,7 +6,7 @@ hover. A free swing goes nowhere, follows the law of a pendulum, and loses energ
 """
 
 import math
-from typing import Final, NamedTuple
+from typing import Final, final, NamedTuple
 
 from lta_config.errors import BadInput
 from lta_data.data_quality.motion import collect_poses, PoseSeries
@@ -25,11 +25,12 @@ SHORTEST: Final = 4.0  # of a swing that is judged [s]
 SWUNG: Final = 0.04  # least amplitude [rad]
 LEAVES: Final = 0.15  # m/s; a vehicle that is faster on average is pushed by its rotors
 RESTS: Final = 0.03  # m/s; slower motion beside the mean velocity is that of the air
-TILTED: Final = 0.9  # of its largest tilt, which a vehicle leaves when it is released
-LATE: Final = 0.75  # of the flight; a free swing has its largest tilt before
+TILTED: Final = 0.9  # of its largest tilt, at which a vehicle is held before it is released
+HALFWAY: Final = 0.5  # of its largest tilt, below which it is released
+LATE: Final = 0.6  # of the flight; a free swing is released before
 LAWFUL: Final = 0.88  # of the angular acceleration that the law of a pendulum explains
 SLOWEST: Final = 0.5  # angular frequency of a swing, at least [rad/s]
-LOST: Final = 0.8  # of the energy of its first third a swing has in its last, at most
+LOST: Final = 0.95  # of the energy of its first third a swing has in its last, at most
 GROWS: Final = 1.4  # times the energy that it had before; nothing but rotors or a hand give more
 LEFT: Final = 0.1  # of the largest energy; less of it may be noise
 
@@ -77,7 +78,7 @@ def _judge_swing(pose: PoseSeries) -> str:
     width = math.tau / max(SLOWEST, math.sqrt(max(0.0, law.stiffness))) / 3.0
     off, released, law = _fit_pendulum(up, min(max(CALM[0], width), CALM[1]))
     if released > LATE * len(up) and np.abs(off).max() > SWUNG:
-        return 'it is no free swing: its energy does not decay'
+        return 'it is no free swing: its largest tilt comes late'
     free = off[released:]
     if len(free) * STEP < SHORTEST or np.abs(free).max() < SWUNG:
         return 'the vehicle does not swing for long enough after its largest tilt'
@@ -106,6 +107,7 @@ def _judge_swing(pose: PoseSeries) -> str:
     return ''
 
 
+@final
 class PendulumLaw(NamedTuple):
     """How a tilt swings."""
 
@@ -123,8 +125,9 @@ def _fit_pendulum(up: Array, width: float) -> tuple[Array, int, PendulumLaw]:
     calm = smooth_columns(up, hann_kernel(width, STEP))
     off = calm - np.median(calm[len(calm) // 2 :], axis=0)
     size = np.linalg.norm(off, axis=1)
-    # A hand may hold it for a while before
-    released = int(np.flatnonzero(size >= TILTED * size.max())[-1])
+    # A hand may hold it at its largest tilt for a while before
+    tilted = int(np.argmax(size >= TILTED * size.max()))
+    released = tilted + int(np.argmax(size[tilted:] < HALFWAY * size.max()))
     free = off[released:]
     if len(free) < 3:
         return off, released, PendulumLaw(0.0, 0.0, np.zeros(len(free)))
