@@ -6,8 +6,9 @@ command stores the new one, this test fails, and the page has to follow:
 
 - test/golden/paper_full.json: `./lta reproduce`
 - test/same/frozen/commands.csv: `make same ARGS=--freeze`
-- test/golden/bearing.json: `lta light bearing --poses 300 --json` (and with the options that the
-  page names) and `lta light study --json`, of which medians, worst directions and counts
+- test/golden/bearing.json: `lta light bearing --poses 300 --json` at any range; the same of 8
+  diodes indoors with `--gain-spread 5` and `--response` 1, 1.2, 1.6 and 2; and of `lta light study
+  --json` median, worst direction and number below 2 degrees
 - test/golden/mission_summer.json: `./lta mission greenhouse_summer --seeds 5 --json`, less `page`
 """
 
