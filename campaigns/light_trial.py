@@ -121,7 +121,7 @@ class LightTrial:
 
     def _on_health(self, told: DiagnosticArray) -> None:
         for status in told.status:
-            if status.name == TASK:
+            if status.name.endswith(TASK):
                 self._said = status.message
                 self._words.add(status.message)
                 self._figures = {item.key: item.value for item in status.values}
@@ -209,7 +209,7 @@ class LightTrial:
             status.message
             for topic, _, data in bag.iterate_messages(['/diagnostics'])
             for status in bag.decode(topic, data).status
-            if status.name == TASK
+            if status.name.endswith(TASK)
         }
         expected = self._kind.word or 'receiving light'
         is_named = any(expected in word for word in words)
