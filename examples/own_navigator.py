@@ -2,7 +2,7 @@
 A navigator in plain rclpy: turn to the lamp and fly there, at a fixed height.
 
     ./lta run examples/own_navigator.py --ros-args -r __ns:=/lta1
-    ./lta launch fly navigator:=false
+    ./lta launch fly navigator:=false strategy:=bag
 
 docs/tutorials/your_node.md explains it.
 """

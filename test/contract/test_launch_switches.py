@@ -67,8 +67,3 @@ def test_rviz_shows_the_robot_of_its_namespace_and_ends_no_flight():
             assert (topic['Durability Policy'] == 'Transient Local') == (row.qos == 'latched')
             found.add(topic['Value'])
     assert found == {'scene', 'robot_description', 'odom', 'ground_truth/odom'}
-
-
-@pytest.mark.parametrize('commanded', ['true', 'false'])
-def test_a_commanded_flight_brakes_at_its_lamp(commanded):
-    assert flown(commanded=commanded)['navigator']['homing.brake'] is (commanded == 'true')

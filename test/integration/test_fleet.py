@@ -75,7 +75,7 @@ def test_each_flies_as_it_would_alone(call, scenario, tmp_path, fleet):
         alone = tmp_path / f'alone-{robot}'
         changes = (f'scenario.start.position.1={offset} m',)
         order = SimulationRequest(
-            'gtmab', str(scenario(**GOALS)), 'bag', 'gtmab', seed, changes, alone
+            'gtmab', str(scenario(**GOALS)), 'homing', 'gtmab', seed, changes, alone
         )
         flown, _ = simulate_once(order, FlightProgress(Console(quiet=True)))
         assert flown.outcome == 'reached'

@@ -71,7 +71,8 @@ def own(lta, name: str, *words: str):
 @pytest.mark.parametrize('name', ['navigator', 'controller'])
 def test_a_node_in_plain_rclpy_reaches_the_lamp(lta, tmp_path, name, mode):
     node = own(lta, name, '-p', f'lockstep:={str(mode == "lockstep").lower()}')
-    _, outcome = fly(lta, tmp_path / 'bag', f'{name}:=false', f'time:={mode}')
+    words = (f'{name}:=false', f'time:={mode}', 'strategy:=bag')
+    _, outcome = fly(lta, tmp_path / 'bag', *words)
     assert outcome == 'reached'
     assert node.end() == 0  # by itself
 

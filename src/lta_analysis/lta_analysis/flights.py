@@ -22,7 +22,7 @@ from lta_report.results_folder import stage_results
 def simulate(
     vehicle: Path | str = 'gtmab',
     scenario: Path | str = 'lamp_room',
-    strategy: Path | str = 'bag',
+    strategy: Path | str = 'homing',
     seed: int = 1,
     changes: Mapping[str, object] | None = None,
     out: Path | str | None = None,
@@ -60,7 +60,7 @@ def sweep(
     seeds: int = 1,
     vehicle: Path | str = 'gtmab',
     scenario: Path | str = 'lamp_room',
-    strategy: Path | str = 'bag',
+    strategy: Path | str = 'homing',
 ) -> list[dict[str, Any]]:
     """
     Fly every combination of some values, one after the other, without recording.

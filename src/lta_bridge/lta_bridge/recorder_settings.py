@@ -10,7 +10,7 @@ class RobotOrigin(Settings):
     vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
     scenario: str = setting('lamp_room', 'Scenario name or file.', fixed=True)
     gains: str = setting('gtmab', "Name or file of the controller's gains.", fixed=True)
-    strategy: str = setting('bag', 'Navigation strategy.', fixed=True)
+    strategy: str = setting('homing', 'Navigation strategy.', fixed=True)
     commanded: bool = setting(
         False,
         'Whether the drone flies by actions, whose goals are not in the bag.',

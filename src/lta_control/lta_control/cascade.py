@@ -208,7 +208,7 @@ def steer_to_course(
     turn = wrap_angle(setpoint.heading - moving * lean - measured.heading)
     target = min(setpoint.speed, gains.speed_limit)
     # Turn first: no forward speed until the heading error is below `turn_first`
-    speed = target * max(0.0, 1.0 - abs(turn) / gains.turn_first)
+    speed = target * max(0.0, 1.0 - abs(turn) / gains.turn_first) if target > 0.0 else target
     return turn, speed, along, cos
 
 
@@ -262,7 +262,8 @@ def cascade_step(
     )
     surge, speed_memory = pid_step(
         gains.speed,
-        memory.speed,
+        # What held the speed forward would push on backwards
+        memory.speed if setpoint.speed >= 0.0 else 0.0,
         share * (speed - along),
         speeding.rate,
         shortfall.surge,

@@ -104,7 +104,7 @@ class LoopView:
     @cached_property
     def goal(self) -> FlightGoal:
         """The target lamps, and when each was reached."""
-        return FlightGoal(self.scene.scenario, self.truth)
+        return FlightGoal(self.scene.scenario, self.truth, self._loop.policy.strategy.name)
 
     @cached_property
     def truth(self) -> MotionCurve:

@@ -48,7 +48,7 @@ class DroneArguments(GraphArguments):
 
     vehicle: str = setting('gtmab', 'Vehicle: a shipped name, or the path of a file.')
     strategy: str = setting(
-        'bag', 'Navigation strategy: bag, des, dga, homing, or a file such as ./mine.py.'
+        'homing', 'Navigation strategy: bag, des, dga, homing, or a file such as ./mine.py.'
     )
     commanded: bool = setting(
         False,

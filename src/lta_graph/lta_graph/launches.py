@@ -132,8 +132,6 @@ DRONE_NODES = (
         'navigator',
         lambda a: a.navigator,
         'use_sim_time time frame_prefix source vehicle strategy scenario commanded',
-        # A commanded flight stays at its lamp; others end there
-        lambda a: {'homing.brake': a.commanded},
     ),
     NodeEntry(
         'lta_energy',

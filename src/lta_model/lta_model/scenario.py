@@ -78,6 +78,8 @@ NO_HOLD = Quantity(value=0.0, unit='s')
 # Scenes with one lamp are flown up to 0.5 m below it, and altitude is held to 0.1 m; half a hull
 # of 1 m on top makes 1 m. Scenes that are flown higher above their lamps say so.
 VERTICAL_TOLERANCE = Quantity(value=1.0, unit='m')
+STAY = Quantity(value=3.0, unit='s')  # a drone that only passes a lamp has left by then
+STAYING = ('homing',)  # strategies of LTA that notice their arrival
 
 
 class ScenarioStart(StrictModel):
@@ -95,12 +97,19 @@ class ScenarioGoal(StrictModel):
     Where and when the flight ends.
 
     A lamp is reached where the hull centre is within `radius` of it horizontally, and within
-    `vertical_tolerance` of its height.
+    `vertical_tolerance` of its height. At the last one, a drone that flies by a strategy of
+    `STAYING` must stay there for `stay`. The others never notice their arrival, and fly on: as in
+    the paper, a lamp that they pass is reached.
     """
 
     radius: Annotated[Quantity, si_quantity('m', above=0.0)]
     vertical_tolerance: Annotated[Quantity, si_quantity('m', above=0.0)] = VERTICAL_TOLERANCE
     time_limit: Annotated[Quantity, si_quantity('s', above=0.0, high=86400.0)]
+    stay: Annotated[Quantity, si_quantity('s', low=0.0, high=3600.0)] = STAY
+
+    def find_stay(self, strategy: str) -> float:
+        """Return how long a drone that flies by a strategy must stay at the last lamp. [s]"""
+        return self.stay.si if strategy in STAYING else 0.0
 
 
 class Scenario(StrictModel):

@@ -14,6 +14,7 @@ from lta_sim.readings import FlightOutcome
 OUTCOMES = tuple(FlightOutcome)
 FLYING, REACHED, TIMEOUT, ESCAPED = range(4)  # places in OUTCOMES
 Place = tuple[float, float, float]
+ROUNDING = 1e-6  # s, of times that are compared
 LIFT_OFF = 0.01  # m above the start that count as lift-off, with which the flight begins
 
 
@@ -33,6 +34,7 @@ class EndConditions(NamedTuple):
     # Largest horizontal distance and difference of height at which a lamp is reached [m]
     radius: float
     vertical_tolerance: float
+    stay: float  # time to stay at the last lamp [s]
     limit: float  # time limit [s]
     # Size of the room [m]
     half_length: float
@@ -43,14 +45,15 @@ class EndConditions(NamedTuple):
 
 
 class GoalProgress(NamedTuple):
-    """Index of the lamp to reach next, and whether the drone is indoors."""
+    """Index of the lamp to reach next, whether the drone is indoors, and its stay."""
 
-    stop: int
-    indoors: bool
+    stop: int = 0
+    indoors: bool = True
+    since: float = math.inf  # time since which it has been at the last lamp; infinite away [s]
 
 
-def build_goal(scenario: Scenario) -> EndConditions:
-    """Return the end conditions of a scene."""
+def build_goal(scenario: Scenario, strategy: str = '') -> EndConditions:
+    """Return the end conditions of a scene for a navigation strategy; '' for none."""
     length, width, height = scenario.room.size.vector
     outside = scenario.outside
     door = DoorBounds(0.0, 0.0, 0.0, 0.0)
@@ -63,6 +66,7 @@ def build_goal(scenario: Scenario) -> EndConditions:
         tuple((x, y, z) for x, y, z in (lamp.position.vector for lamp in scenario.target_lamps)),
         scenario.goal.radius.si,
         scenario.goal.vertical_tolerance.si,
+        scenario.goal.find_stay(strategy),
         scenario.goal.time_limit.si,
         length / 2,
         width / 2,
@@ -102,6 +106,11 @@ def is_at_lamp(goal: EndConditions, lamp: Place, x: float, y: float, z: float) -
     return near and abs(lamp[2] - z) <= goal.vertical_tolerance
 
 
+def has_stayed(goal: EndConditions, since: float, time: float) -> bool:
+    """Return whether a drone that came to the last lamp at `since` is reckoned to stay. [s]"""
+    return time - since >= goal.stay - ROUNDING
+
+
 def evaluate_outcome(
     goal: EndConditions, progress: GoalProgress, x: float, y: float, z: float, elapsed: float
 ) -> tuple[int, GoalProgress]:
@@ -111,10 +120,14 @@ def evaluate_outcome(
     indoors = is_indoors(goal, x, y, z)
     if indoors != progress.indoors:
         progress = progress._replace(indoors=indoors)
+    last = progress.stop + 1 == len(goal.stops)
+    since = min(progress.since, elapsed) if near and last else math.inf
+    progress = progress._replace(since=since)
     if near and not goal.along:
-        if progress.stop + 1 == len(goal.stops):
+        if not last:
+            progress = progress._replace(stop=progress.stop + 1)
+        elif has_stayed(goal, since, elapsed):
             return REACHED, progress
-        progress = progress._replace(stop=progress.stop + 1)
     if not inside:
         return ESCAPED, progress
     if elapsed >= goal.limit:
@@ -127,11 +140,11 @@ def evaluate_outcome(
 class FlightTermination:
     """The end conditions of one flight, from its start."""
 
-    def __init__(self, scenario: Scenario, endless: bool = False) -> None:
-        self._goal = build_goal(scenario)
+    def __init__(self, scenario: Scenario, strategy: str = '', endless: bool = False) -> None:
+        self._goal = build_goal(scenario, strategy)
         if endless:  # neither a lamp nor the time ends the flight
             self._goal = self._goal._replace(along=True, limit=math.inf)
-        self._progress = GoalProgress(0, True)
+        self._progress = GoalProgress()
 
     def goal_distance(self, x: float, y: float) -> float:
         """Return the horizontal distance to the lamp that is to be reached next. [m]"""

@@ -56,7 +56,7 @@ class World:
     table : TopicTable
         Period and latency of each sensor.
     strategy : str
-        Navigation strategy, for its power consumption; '' for none.
+        Navigation strategy, for its power consumption and its stay at the lamp; '' for none.
     wrench_commanded : bool
         Whether recorded forces and moments fly the drone, not its rotors.
 
@@ -95,6 +95,7 @@ class World:
         }
         self._model = build_scene_model(vehicle, scenario)
         vehicle.check_step(model.STEP_NS * 1e-9, self._model)
+        self._referee = FlightTermination(scenario, strategy)
         self._store_constants(table)
         self._draw_errors()
         self._craft = SimulatedVehicle(self._model, commanded=wrench_commanded)
@@ -144,7 +145,6 @@ class World:
         self._light = LightView(field, self.vehicle, diodes)
         self._imu_place = _to_vector(sensors.imu_position.vector)
         self._range_place = _to_vector(sensors.range_position.vector)
-        self._referee = FlightTermination(scenario)
         self._held = scenario.start.held.si
         self._rotors = len(self.vehicle.reversible)
 

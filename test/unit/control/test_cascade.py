@@ -151,6 +151,14 @@ def test_flying_backwards_is_not_driven_further():
     assert ask(away, HOLD._replace(speed=0.5))[0].surge < 0.0
 
 
+def test_a_negative_speed_is_that_of_a_flight_backwards():
+    """Whatever the heading, and without the integral of the flight forward."""
+    back, wanted = AT_REST._replace(speed=-0.5), HOLD._replace(heading=2.0, speed=-0.3)
+    demand, memory = ask(back, wanted, drag=(0.0, 0.1), memory=CascadeMemory(speed=0.03))
+    assert demand.surge == pytest.approx(0.15 * 0.2 - 0.1 * 0.3**2)
+    assert memory.speed == pytest.approx(DT * 0.03 * 0.2)
+
+
 def test_what_the_rotors_could_not_give_unwinds_the_integrals():
     memory = CascadeMemory(0.05, 0.002, 0.03)
     _, kept = ask(memory=memory)

@@ -3,12 +3,20 @@
 import itertools
 import math
 
-from lta_control.strategies.homing import reset_for_next_lamp, start, steer, STRATEGY, watch
+from lta_control.strategies.homing import (
+    HomingSettings,
+    reset_for_next_lamp,
+    start,
+    steer,
+    STRATEGY,
+    watch,
+)
 from lta_control.strategies.protocol import LightMeasurement
 from lta_control.strategies.settings import StrategySettings
 import pytest
 
-SETTINGS = StrategySettings()
+# Lights at the height of the diodes, which it flies past
+SETTINGS = StrategySettings(homing=HomingSettings(brake=False))
 OWN = SETTINGS.homing
 LAMP = (7.0, 0.0)
 

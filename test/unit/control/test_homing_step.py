@@ -3,17 +3,19 @@
 import math
 
 from lta_control.strategies.homing import (
-    brake_at_lamp,
-    brakes,
+    brake_ahead,
     build_filter_prior,
+    coasting_distance,
     full_turn_time,
     HomingSettings,
     HomingState,
+    must_brake,
     reset_for_next_lamp,
     start,
     steer,
     steer_search,
     steer_to_lamp,
+    stopping_speed,
     update_with_sight,
     watch,
 )
@@ -27,8 +29,10 @@ from lta_control.strategies.protocol import LightMeasurement
 from lta_control.strategies.settings import StrategySettings
 import pytest
 
-QUICK = StrategySettings(homing=HomingSettings(hold=0.5, doubt=0.5, settling=5.0))
-BRAKING = StrategySettings(homing=HomingSettings(brake=True))
+QUICK = StrategySettings(homing=HomingSettings(hold=0.5, doubt=0.5, settling=5.0, brake=False))
+# Half a turn takes 4 s
+OWN = HomingSettings(deceleration=0.1, turn_rate=0.25 * math.pi, coasting=5.0)
+BRAKING = StrategySettings(homing=OWN)
 QUARTER = 0.25  # s; a power of two, so that sums of intervals are exact
 
 
@@ -54,7 +58,7 @@ def lit(memory, share=1.0, off=0.0):
 def test_the_drift_noise_is_larger_until_the_airspeed_has_settled():
     """hypot(0.3, 0.4) = 0.5 at first; after `settling` the second part has fallen to 1 / e."""
     own = HomingSettings(gusts=0.3, unsettled=0.4, settling=5.0)
-    first = (math.log(2100.0), 0.5, 0.03, 0.15, 0.4, pytest.approx(0.5))
+    first = (math.log(2100.0), 0.5, 0.03, 0.15, 0.4, pytest.approx(0.5), 0.8)
     assert build_filter_prior(own, 0.0) == first
     assert build_filter_prior(own, 5.0).gusts == pytest.approx(math.hypot(0.3, 0.4 / math.e))
 
@@ -63,15 +67,18 @@ def test_the_first_memory_holds_the_heading_alone():
     memory = start(0.7)
     assert memory[:2] == (0.7, False)
     assert memory.fix == (0.0,) * 5 + (((0.0,) * 5,) * 5,)
-    assert memory[3:] == (False, (0.0, 0.0), 0.0, 0.0, 0.0, 0.0, False)
+    assert memory[3:] == (False, (0.0, 0.0), 0.0, 0.0, 0.0, 0.0, 0.0, False, False)
     assert watch(QUICK, memory, dark()) == memory._replace(begun=True, flight_time=0.25, lost=0.25)
 
 
 def test_for_the_next_lamp_only_the_wind_the_place_and_the_flight_time_are_kept():
-    memory = HomingState(0.1, True, placed().fix, True, (1.0, 2.0), 7.0, 3.0, 1.0, 2.0, True)
-    assert reset_for_next_lamp(memory) == memory._replace(
-        has_fix=False, lost=0.0, doubted=0.0, searched=0.0, arrived=False
+    memory = HomingState(
+        0.1, True, placed().fix, True, (1.0, 2.0), 7.0, 3.0, 900.0, 1.0, 2.0, True, True
     )
+    assert reset_for_next_lamp(memory) == memory._replace(
+        has_fix=False, lost=0.0, brightest=0.0, doubted=0.0, searched=0.0, arrived=False,
+        braking=False,
+    )  # fmt: skip
     assert not reset_for_next_lamp(memory._replace(begun=False)).begun
 
 
@@ -189,44 +196,93 @@ def test_with_an_uncertain_bearing_it_searches_at_the_first_loss_of_light():
     ],
 )
 def test_heading_and_airspeed_along_the_line_to_the_lamp(x, wind, speed, course):
-    settings = StrategySettings(speed=speed)
-    heading, airspeed = steer_to_lamp(settings, placed(x, wind=(wind, 0.0)))
+    settings = StrategySettings(speed=speed, homing=HomingSettings(brake=False))
+    heading, airspeed = steer_to_lamp(settings, placed(x, wind=(wind, 0.0)), dark())
     assert (abs(heading), airspeed) == pytest.approx(course, abs=1e-6)
 
 
+def test_the_speed_that_stops_within_a_distance():
+    """Of 3.25 m, 2 m pass at 0.5 m/s in the turn of 4 s, and 0.5^2 / 0.2 = 1.25 m after it."""
+    assert stopping_speed(OWN, 3.25, math.pi) == pytest.approx(0.5)
+    assert stopping_speed(OWN, 1.25, 0.0) == pytest.approx(0.5)
+    assert stopping_speed(OWN, 0.0, math.pi) == 0.0
+
+
+def test_drag_alone_stops_a_drone_against_a_wind_only():
+    """From 0.6 to 0.3 m/s in air: 5 ln 2, less the wind's way in 5 (1 / 0.3 - 1 / 0.6) s."""
+    assert coasting_distance(OWN, 0.3, 0.3) == pytest.approx(5.0 * (math.log(2.0) - 0.5))
+    assert coasting_distance(OWN, 0.3, 0.0) == math.inf
+
+
 @pytest.mark.parametrize(
-    ('x', 'wind', 'drift', 'course'),
+    ('x', 'wind', 'drift', 'braking', 'brakes'),
     [
-        (4.8, 0.0, (0.4, 0.0), (0.0, 0.4)),  # a twelfth of the distance in a second
-        (4.8, 0.0, (0.5, 0.0), (0.0, 0.4)),  # an error below 0.12 m/s turns nothing
-        (2.4, 0.0, (0.5, 0.0), (2.0, 0.0)),  # too fast: turn about, towards pi, and push
-        (0.0, 0.3, (0.0, -0.3), (-math.pi / 2, 0.3)),  # at the lamp: stand in the wind
+        (3.3, 0.0, (0.5, 0.0), False, False),
+        (3.2, 0.0, (0.5, 0.0), False, True),
+        (3.2, 0.0, (0.5, 0.0), True, True),
+        (1.2, 0.0, (-0.5, 0.0), False, False),  # away from the lamp
+        (0.0, 0.0, (0.11, 0.0), False, False),  # so little is not worth a turn
+        (0.9, 0.0, (0.11, 0.0), True, True),  # once begun, it lasts to the end
+        (0.9, 0.0, (0.09, 0.0), True, False),
+        (1.0, -0.3, (0.6, 0.0), False, False),  # drag stops it within 0.97 m
+        (0.9, -0.3, (0.6, 0.0), False, True),
     ],
 )
-def test_a_drone_that_brakes_slows_down_and_stays(x, wind, drift, course):
-    memory = placed(x, wind=(0.0, wind))._replace(heading=0.6)
-    command = brake_at_lamp(BRAKING, memory, dark()._replace(drift=drift))
-    assert command == pytest.approx(course)
+def test_it_brakes_where_the_distance_left_is_that_of_turn_and_deceleration(
+    x, wind, drift, braking, brakes
+):
+    memory = placed(x, wind=(wind, 0.0), braking=braking)
+    assert must_brake(BRAKING, memory, dark()._replace(drift=drift)) is brakes
+
+
+@pytest.mark.parametrize(
+    ('wind', 'drift', 'course'),
+    [
+        # It flies at 0.4 m/s to a lamp at 1.25 m, from which 0.5 m/s can stop: no push
+        ((0.0, 0.0), (0.4, 0.0), (2.0, -0.5)),
+        ((0.2, 0.0), (0.2, 0.0), (2.0, -0.3)),  # the same over ground
+        ((0.0, 0.0), (-0.4, 0.0), (0.0, 0.0)),  # away from the lamp: stop
+    ],
+)
+def test_it_turns_against_its_motion_and_pushes_only_where_it_is_too_fast(wind, drift, course):
+    memory = placed(1.25, wind=wind)._replace(heading=0.6)
+    assert brake_ahead(BRAKING, memory, dark()._replace(drift=drift)) == pytest.approx(course)
 
 
 def test_a_turn_about_keeps_its_sense():
     memory, fast = placed(2.4), dark()._replace(drift=(0.5, 0.01))
     for heading in (0.6, -0.6):
-        turned = brake_at_lamp(BRAKING, memory._replace(heading=heading), fast)[0]
+        turned = brake_ahead(BRAKING, memory._replace(heading=heading), fast)[0]
         assert turned == math.copysign(2.0, heading)
 
 
-def test_it_brakes_near_the_lamp_where_it_is_told_to():
-    for settings, away, slow in ((BRAKING, 5.9, True), (BRAKING, 6.1, False), (QUICK, 1.0, False)):
-        assert brakes(settings, away) is slow
+def test_at_the_lamp_it_rests_in_calm_air_and_stands_in_a_wind():
+    at = placed(0.0, arrived=True)
+    assert steer_to_lamp(BRAKING, at, dark()._replace(heading=1.5)) == (1.5, 0.0)
+    windy = placed(0.0, wind=(0.0, 0.3), arrived=True)
+    assert steer_to_lamp(BRAKING, windy, dark()) == pytest.approx((-math.pi / 2, 0.3))
+
+
+def test_near_the_lamp_it_stays_without_light_and_far_from_it_it_searches():
+    for x, searches in ((2.9, False), (3.1, True)):
+        memory = steer(BRAKING, placed(x, lost=OWN.hold), dark())[1]
+        assert (memory.searched > 0.0) is searches
 
 
 @pytest.mark.parametrize(('settings', 'share', 'lost'), [
-    (BRAKING, 0.7, QUARTER), (BRAKING, 0.9, 0.0), (QUICK, 0.7, 0.0),
+    (BRAKING, 0.8, QUARTER), (BRAKING, 0.9, 0.0), (QUICK, 0.8, 0.0),
 ])  # fmt: skip
 def test_light_that_the_hull_begins_to_hide_is_ignored_where_it_brakes(settings, share, lost):
-    memory = placed(3.0)
+    memory = placed(2.9)
+    memory = memory._replace(brightest=expected_strength(memory.fix))
     assert update_with_sight(settings, memory, lit(memory, share)).lost == lost
+
+
+def test_light_as_strong_as_ever_is_not_hidden_wherever_the_drone_believes_to_be():
+    """A lamp that it believes nearer than it is sends less light than expected."""
+    memory = placed(2.0)
+    sight = lit(memory, 0.7)
+    assert update_with_sight(BRAKING, memory._replace(brightest=sight.strength), sight).lost == 0.0
 
 
 def test_a_search_turns_once_and_then_flies_circles_that_widen_with_time():

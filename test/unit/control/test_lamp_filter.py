@@ -154,6 +154,14 @@ def test_a_fix_predicts_bearing_and_strength(x, y):
     assert expected_strength(fix) == pytest.approx(1800.0 / (x * x + y * y + 0.64))
 
 
+def test_a_lamp_above_the_diodes_is_nearer_than_its_strength_alone_tells():
+    """At its place, ln S = c - ln(r^2 + h^2) is what is expected: such a light changes nothing."""
+    fix = LampFix(2.0, 0.0, 0.0, 0.0, 7.0, tuple(map(tuple, (0.01 * np.eye(5)).tolist())))
+    optics, strength = OPTICS._replace(over=0.8), math.exp(7.0) / (2.0**2 + 0.8**2)
+    assert update_fix(fix, optics, 0.0, 0.05, strength)[:5] == pytest.approx(fix[:5])
+    assert update_fix(fix, OPTICS, 0.0, 0.05, strength).x > 2.001
+
+
 def test_nearer_than_40_cm_gradients_and_noise_are_those_at_40_cm():
     """The expected fix is that of two updates in numpy, by bearing and then by strength."""
     fix = LampFix(0.1, 0.2, 0.0, 0.0, 7.0, tuple(map(tuple, (0.01 * np.eye(5)).tolist())))

@@ -30,11 +30,11 @@ def edited(content, changes):
     return content
 
 
-def build(seed=1, scene=None, topics=None, vehicle=None):
+def build(seed=1, scene=None, topics=None, vehicle=None, strategy=''):
     scenario = Scenario.model_validate(edited(ROOM, scene or {}))
     file = VehicleFile.model_validate(edited(GTMAB, vehicle or {}))
     table = TopicTable.model_validate(edited(TOPICS, topics or {}))
-    return World(Vehicle(file, scenario.air.density), scenario, table, seed)
+    return World(Vehicle(file, scenario.air.density), scenario, table, seed, strategy)
 
 
 def fly(world, steps, duties=OFF):

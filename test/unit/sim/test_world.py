@@ -2,6 +2,8 @@
 
 import math
 
+from lta_control.strategies import STRATEGIES
+from lta_model.scenario import STAYING
 from lta_sim.readings import FlightOutcome
 import numpy as np
 import pytest
@@ -52,6 +54,24 @@ def test_outcomes():
     assert arrive(0.0, 0.0, steps=5998) is FlightOutcome.FLYING
     assert arrive(0.0, 0.0, steps=5999) is FlightOutcome.TIMEOUT
     assert arrive(3.0, 0.0, steps=5999) is FlightOutcome.REACHED  # at the last moment
+
+
+def test_a_lamp_is_reached_by_who_stays_there_for_3_s():
+    """Homing comes, leaves for one period, and comes back; BAG is there at once."""
+    homing, bag = build(strategy='homing'), build(strategy='bag')
+    ends = []
+    for step in range(1, 500):
+        homing.state[:3] = (0.0 if step == 100 else 3.0), 0.0, 0.5
+        homing.advance(OFF)
+        ends += [step] if homing.outcome is FlightOutcome.REACHED else []
+    assert ends[0] == 401  # 3 s after it came, in step 101
+    bag.state[:3] = 3.0, 0.0, 0.5
+    bag.advance(OFF)
+    assert bag.outcome is FlightOutcome.REACHED
+
+
+def test_those_strategies_stay_that_notice_their_arrival():
+    assert {each.name for each in STRATEGIES.values() if each.arrives} == set(STAYING)
 
 
 def test_an_outcome_stays():

@@ -36,7 +36,7 @@ def fly(
     ] = 'lamp_room',
     strategy: Annotated[
         str, typer.Option(help=f'Navigation strategy: {KNOWN}, or a file such as ./mine.py.')
-    ] = 'bag',
+    ] = 'homing',
     seed: Annotated[int, typer.Option(help='Random seed.', min=0, max=2**31 - 1)] = 1,
     time: Annotated[
         Literal['lockstep', 'realtime'] | None,
@@ -70,8 +70,9 @@ def fly(
 
     With --live, Foxglove can watch without ROS; a slow viewer never blocks the flight.
 
-    Exit status 0: the drone reached its goal. 1: a node died or stalled. 2: bad input, nothing was
-    started. 3: out of time. 4: the drone left the room. 130: Ctrl-C (143: SIGTERM, 129: SIGHUP).
+    Exit status 0: the drone reached its goal, with homing for 3 s. 1: a node died or stalled. 2:
+    bad input, nothing was started. 3: out of time. 4: the drone left the room. 130: Ctrl-C (143:
+    SIGTERM, 129: SIGHUP).
 
     Example: lta fly --seed 3 --time realtime
     """

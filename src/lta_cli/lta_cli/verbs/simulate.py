@@ -55,7 +55,7 @@ def simulate(
     ] = None,
     strategy: Annotated[
         str, typer.Option(help=f'Navigation strategy: {KNOWN}, or a file such as ./mine.py.')
-    ] = 'bag',
+    ] = 'homing',
     gains: Annotated[
         str, typer.Option(help="Controller gains, name or file; the vehicle's by default.")
     ] = '',
@@ -116,8 +116,9 @@ def simulate(
     body velocity and rates). It needs measured poses. It writes a page and forecasts.json, with a
     row for each forecast. "lta calibrate" judges in the same way.
 
-    Exit status 0: the drone reached its goal, or flew all --commands, or --forecasts are done. 2:
-    bad input, nothing was flown. 3: out of time. 4: the drone left the room.
+    Exit status 0: the drone reached its goal, with homing for 3 s, or flew all --commands, or
+    --forecasts are done. 2: bad input, nothing was flown. 3: out of time. 4: the drone left the
+    room.
 
     Example: lta simulate --seed 3 --set 'vehicle.trim.heaviness=4 g'
 

@@ -55,7 +55,7 @@ class NavigatorParameters(MissionSettings):
     """The mission and its strategy."""
 
     vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
-    strategy: str = setting('bag', 'Navigation strategy.', fixed=True)
+    strategy: str = setting('homing', 'Navigation strategy.', fixed=True)
     scenario: str = setting(
         '', 'Scenario name or file. If it has a course or a route, the drone flies it.', fixed=True
     )

@@ -4,9 +4,9 @@ Homing, LTA's own strategy: fly along the line to the lamp in any wind.
 `lamp_ekf` fuses bearings and strengths with dead reckoning into the lamp's position and the
 drone's drift. The course through the air follows from the wind triangle (`wind_triangle`): a
 drone in a cross wind stays on the line instead of a curve of pursuit, and in a head wind it flies
-faster. Near the lamp the ground speed falls with the range by `approach` per second. Inside
-`arrival` the drone has arrived; it holds its position against the wind at half that range,
-because the range may be underestimated.
+faster. Inside `arrival` the drone has arrived. Without `brake` the ground speed falls near the
+lamp with the range by `approach` per second, and the drone holds its position against the wind at
+half that range, because the range may be underestimated.
 
 Outliers are ignored: an uncertain bearing, one far from the filter's, and one much weaker than
 the lamp would be, such as a reflection of a hidden lamp. Without accepted light the filter
@@ -17,8 +17,14 @@ as the lamp after `doubt`: the filter was wrong. So is any light after a search 
 The drone's own hull hides a lamp that is near and higher than the diodes. The drone then
 continues by dead reckoning and wind correction: it flies the last metre without light.
 
-With `brake`, the ground speed falls with the range over `braking` seconds. The drag of a blimp is
-too weak for that: the drone turns against its motion and pushes, and stays.
+With `brake`, the drone stops at the lamp, instead of passing it. Drag is too weak for that, except
+against a wind, and the rotors of a blimp push forward only: it turns against its motion over
+ground, coasts meanwhile, and then pushes. It begins where the distance left is that of the turn
+and of the planned deceleration (`stopping_speed`), and pushes only where it is faster than it may
+be there. Stopped, it flies on to the lamp if it is not there yet, slowly enough to stop again. At
+the lamp it rests as long as the wind is not known to differ from none: every turn pushes, too.
+Near the lamp, light that grows fainter is that of a lamp that the hull hides, and is ignored; the
+drone stays by dead reckoning.
 """
 
 import math
@@ -33,18 +39,24 @@ from lta_control.strategies.lamp_ekf import (
     LampFilterPrior,
     LampFix,
     normalized_innovation,
+    OVER,
     predict_fix,
     update_fix,
 )
 from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy, SteeringCommand
-from lta_control.strategies.wind_triangle import solve_wind_triangle, STEERAGE
+from lta_control.strategies.wind_triangle import solve_wind_triangle
 
 if TYPE_CHECKING:
     from lta_control.strategies.settings import StrategySettings
 
 LEAST_PUSH = 0.1  # m/s; least forward airspeed on the way, even where the wind alone would suffice
 AHEAD = 2.0  # rad; a farther heading is commanded step by step, so that the sense of a turn stays
-BAND = 0.12  # m/s; error of the ground velocity that is not worth a turn
+BAND = 0.12  # m/s; a speed over ground that is not worth a turn about
+CALM = 0.15  # m/s; a wind that the estimate hardly tells from none
+STOPPED = 0.1  # m/s; a speed over ground that the estimate hardly tells from 0
+CLOSE = 3.0  # m from the lamp, where the hull may hide a part of it
+HIDDEN = 40.0  # s without light after which a close lamp is searched
+GLANCE = 0.1  # rad; error of a bearing where the hull may hide a part of the lamp
 STAY = 2.0  # of the arrival range: hysteresis, so that wind does not undo an arrival
 
 
@@ -155,24 +167,38 @@ class HomingSettings(Settings):
     )
     approach: float = setting(
         0.5,
-        'Ground speed per metre of remaining distance, near the lamp.',
+        'Without brake: ground speed per metre of remaining distance, near the lamp.',
         unit='1/s',
         low=0.05,
         high=5.0,
     )
     brake: bool = setting(
-        False, 'Whether to brake ahead of the lamp and stay there, instead of flying past it.'
+        True, 'Whether to brake ahead of the lamp and stay there, instead of flying past it.'
     )
-    braking: float = setting(
-        12.0,
-        'With brake: time to the lamp at the present speed below which the drone slows down. A '
-        'turn about takes half of it.',
-        unit='s',
-        low=1.0,
-        high=60.0,
+    deceleration: float = setting(
+        0.12,
+        'With brake: deceleration by thrust against the motion and drag that is planned with.',
+        unit='m/s2',
+        low=0.001,
+        high=10.0,
+    )
+    turn_rate: float = setting(
+        0.48,
+        'With brake: mean rate of a turn about, the time to begin and end it included.',
+        unit='rad/s',
+        low=0.01,
+        high=6.0,
+    )
+    coasting: float = setting(
+        5.0,
+        'With brake: distance through the air in which drag alone divides the airspeed by e; '
+        'mass, with the air that moves along, by quadratic drag.',
+        unit='m',
+        low=0.01,
+        high=1000.0,
     )
     shade: float = setting(
-        0.8,
+        0.85,
         'With brake: smallest ratio of measured to expected brightness near the lamp; below it '
         'the hull hides a part of it.',
         unit='1',
@@ -191,24 +217,33 @@ class HomingState(NamedTuple):
     place: tuple[float, float]  # dead reckoned, at the last sight [m]
     flight_time: float  # since the first sight [s]
     lost: float  # time without accepted light [s]
+    brightest: float  # strongest light of this lamp [counts]
     doubted: float  # time with a strong light elsewhere [s]
     searched: float  # time of search [s]
     arrived: bool
+    braking: bool  # whether it turns about, or has, to stop
 
 
 def start(heading: float) -> HomingState:
     """Return the memory before the first sight."""
     none = (0.0, 0.0, 0.0, 0.0, 0.0)
     fix = LampFix(0.0, 0.0, 0.0, 0.0, 0.0, (none, none, none, none, none))
-    return HomingState(heading, False, fix, False, (0.0, 0.0), 0.0, 0.0, 0.0, 0.0, False)
+    return HomingState(
+        heading, False, fix, False, (0.0, 0.0), 0.0, 0.0, 0.0, 0.0, 0.0, False, False
+    )
 
 
 def reset_for_next_lamp(memory: HomingState) -> HomingState:
     """Return the memory for the way to another lamp; the wind estimate is kept."""
-    return HomingState(
-        memory.heading, False, memory.fix, memory.begun, memory.place, memory.flight_time,
-        0.0, 0.0, 0.0, False,
-    )  # fmt: skip
+    return memory._replace(
+        has_fix=False,
+        lost=0.0,
+        brightest=0.0,
+        doubted=0.0,
+        searched=0.0,
+        arrived=False,
+        braking=False,
+    )
 
 
 def watch(
@@ -225,28 +260,22 @@ def steer(
     own = settings.homing
     memory = update_with_sight(settings, memory, sight)
     # Close to the lamp its bearing means little, its place is known all the same
-    close = brakes(settings, 2.0 * distance_to_lamp(memory))
+    close = is_close(own, memory)
     unsure = memory.searched > 0.0 or (not close and bearing_deviation(memory.fix) > own.certain)
-    lost = memory.lost > own.hold or (memory.lost > 0.0 and unsure)
+    hold = max(own.hold, HIDDEN) if close else own.hold
+    lost = memory.lost > hold or (memory.lost > 0.0 and unsure)
     if not memory.has_fix or lost:
         heading, speed = steer_search(settings, memory, sight.interval)
-        after = _update_search(memory, heading, memory.searched + sight.interval)
+        searched = memory.searched + sight.interval
+        after = memory._replace(heading=heading, searched=searched, arrived=False, braking=False)
         return SteeringCommand(heading, speed, False), after
-    if brakes(settings, distance_to_lamp(memory)):
-        heading, speed = brake_at_lamp(settings, memory, sight)
+    braking = own.brake and must_brake(settings, memory, sight)
+    if braking:
+        heading, speed = brake_ahead(settings, memory, sight)
     else:
-        heading, speed = steer_to_lamp(settings, memory)
-    after = _update_search(memory, heading, 0.0)
+        heading, speed = steer_to_lamp(settings, memory, sight)
+    after = memory._replace(heading=heading, searched=0.0, braking=braking)
     return SteeringCommand(heading, speed, after.arrived), after
-
-
-def _update_search(m: HomingState, heading: float, searched: float) -> HomingState:
-    """Return the memory with the commanded heading and the search time."""
-    arrived = m.arrived and searched <= 0.0
-    return HomingState(
-        heading, m.has_fix, m.fix, m.begun, m.place, m.flight_time, m.lost, m.doubted, searched,
-        arrived,
-    )  # fmt: skip
 
 
 def build_filter_prior(own: HomingSettings, flight_time: float) -> LampFilterPrior:
@@ -259,6 +288,8 @@ def build_filter_prior(own: HomingSettings, flight_time: float) -> LampFilterPri
         own.strength_noise,
         own.wind,
         gusts,
+        # Where it matters: a drone that stops is near the lamp for long
+        OVER if own.brake else 0.0,
     )
 
 
@@ -273,82 +304,137 @@ def update_with_sight(
         # Movement through the air since the last sight, by dead reckoning
         moved_x, moved_y = sight.position[0] - m.place[0], sight.position[1] - m.place[1]
         fix = predict_fix(optics, fix, moved_x, moved_y, dt)
+    brightest, close = m.brightest, is_close(own, m)
     if sight.seen and sight.deviation <= own.trusted:
         bearing, strength = sight.heading + sight.bearing, max(sight.strength, 1.0)
-        there = (
-            has_fix and normalized_innovation(fix, optics, bearing, sight.deviation) <= own.gate
-        )
+        brightest = max(brightest, strength)
+        deviation = math.hypot(sight.deviation, GLANCE if close else 0.0)
+        there = has_fix and normalized_innovation(fix, optics, bearing, deviation) <= own.gate
         share = strength / expected_strength(fix) if has_fix else 1.0
-        shaded = brakes(settings, math.hypot(fix.x, fix.y)) and share < own.shade
-        fits = there and own.echo <= share <= 1.0 / own.echo and not (has_fix and shaded)
+        shaded = close and max(share, strength / brightest) < own.shade
+        fits = there and own.echo <= share <= 1.0 / own.echo and not shaded
         # A weak light elsewhere is a reflection and raises no doubt
         doubted = 0.0 if fits or share < own.echo or shaded else doubted + dt
         # After a full turn without success any light is better than the old fix.
         sought = m.searched > full_turn_time(settings)
         if not has_fix or doubted > own.doubt or (sought and not fits):
             drift = fix.wind_x, fix.wind_y
-            fix, has_fix = initialize_fix(optics, bearing, sight.deviation, strength, drift), True
+            fix, has_fix = initialize_fix(optics, bearing, deviation, strength, drift), True
             lost = doubted = 0.0
         elif fits:
-            fix, lost = update_fix(fix, optics, bearing, sight.deviation, strength), 0.0
+            fix, lost = update_fix(fix, optics, bearing, deviation, strength), 0.0
     away = math.hypot(fix.x, fix.y)
     limit = own.arrival * (STAY if m.arrived else 1.0)
     arrived = has_fix and away <= limit
-    return HomingState(
-        m.heading, has_fix, fix, True, sight.position, m.flight_time + dt, lost, doubted,
-        m.searched, arrived,
-    )  # fmt: skip
-
-
-def steer_to_lamp(settings: 'StrategySettings', m: HomingState) -> tuple[float, float]:
-    """Return heading [rad] and airspeed [m/s] along the line to the lamp, or to hold there."""
-    own, fix = settings.homing, m.fix
-    away = max(math.hypot(fix.x, fix.y), 1e-6)
-    # Stop at half the arrival range
-    over_ground = min(settings.speed, max(own.approach * (away - 0.5 * own.arrival), 0.0))
-    top = max(own.top_speed, settings.speed)
-    near = own.approach * away < settings.speed
-    return solve_wind_triangle(
-        # Avoid (0, 0), which has no direction
-        (fix.x + 1e-9, fix.y),
-        (fix.wind_x, fix.wind_y),
-        over_ground,
-        top,
-        -top if near else LEAST_PUSH,
+    return m._replace(
+        has_fix=has_fix,
+        fix=fix,
+        begun=True,
+        place=sight.position,
+        flight_time=m.flight_time + dt,
+        lost=lost,
+        brightest=brightest,
+        doubted=doubted,
+        arrived=arrived,
     )
 
 
-def brakes(settings: 'StrategySettings', away: float) -> bool:
-    """Return whether the drone brakes at a distance from the lamp. [m]"""
-    own = settings.homing
-    return own.brake and away < own.braking * settings.speed
-
-
-def brake_at_lamp(
+def steer_to_lamp(
     settings: 'StrategySettings', m: HomingState, sight: LightMeasurement
 ) -> tuple[float, float]:
-    """Return heading [rad] and airspeed [m/s] that slow the drone down and hold it at the lamp."""
+    """Return heading [rad] and airspeed [m/s] along the line to the lamp, or to hold there."""
     own, fix = settings.homing, m.fix
+    away, top = math.hypot(fix.x, fix.y), max(own.top_speed, settings.speed)
+    # It stays able to turn about, or stops at half the arrival range
+    planned = (
+        stopping_speed(own, away, math.pi)
+        if own.brake
+        else max(own.approach * (away - 0.5 * own.arrival), 0.0)
+    )
+    near = (planned if own.brake else own.approach * away) < settings.speed
+    heading, speed = solve_wind_triangle(
+        # Avoid (0, 0), which has no direction
+        (fix.x + 1e-9, fix.y),
+        (fix.wind_x, fix.wind_y),
+        min(settings.speed, planned),
+        top,
+        -top if near else LEAST_PUSH,
+    )
+    if own.brake and m.arrived and math.hypot(fix.wind_x, fix.wind_y) < CALM:
+        return sight.heading, 0.0
+    return heading, speed
+
+
+def is_close(own: HomingSettings, m: HomingState) -> bool:
+    """Return whether the drone's hull may hide the lamp, which it does not fly past."""
+    return own.brake and m.has_fix and math.hypot(m.fix.x, m.fix.y) < CLOSE
+
+
+def stopping_speed(own: HomingSettings, left: float, turn: float) -> float:
+    """
+    Return the speed over ground from which a drone can stop within a distance. [m/s]
+
+    It flies on at that speed v while it turns by `turn` [rad] in the time T, and then decelerates
+    by a: the distance `left` [m] is v T + v^2 / 2 a.
+    """
+    time, rate = turn / own.turn_rate, own.deceleration
+    return rate * (math.sqrt(time * time + 2.0 * left / rate) - time)
+
+
+def coasting_distance(own: HomingSettings, closing: float, wind: float) -> float:
+    """
+    Return the distance over ground in which drag alone stops a drone. [m]
+
+    `closing` is its speed over ground, `wind` that of the air against it [m/s]. With the airspeed
+    u and the distance L of `coasting`, u' = -u^2 / L.
+    """
+    if wind <= 0.0:
+        return math.inf
+    speed = closing + wind
+    return own.coasting * (math.log(speed / wind) - closing / speed)
+
+
+def ground_velocity(m: HomingState, sight: LightMeasurement) -> tuple[float, float]:
+    """Return the drone's velocity over ground. [m/s, odom]"""
     cos, sin = math.cos(sight.heading), math.sin(sight.heading)
     surge, sway = sight.drift
-    air_x, air_y = cos * surge - sin * sway, sin * surge + cos * sway
-    # Velocity through the air that is wanted, and its error
-    want_x, want_y = fix.x / own.braking - fix.wind_x, fix.y / own.braking - fix.wind_y
-    off_x, off_y = want_x - air_x, want_y - air_y
-    if math.hypot(off_x, off_y) > BAND:
-        along_x, along_y = want_x + off_x, want_y + off_y
-    else:
-        along_x, along_y = want_x, want_y
-    size = math.hypot(along_x, along_y)
-    if size < 0.5 * STEERAGE:
-        return sight.heading, 0.0
-    heading = math.atan2(along_y, along_x)
+    return cos * surge - sin * sway + m.fix.wind_x, sin * surge + cos * sway + m.fix.wind_y
+
+
+def must_brake(settings: 'StrategySettings', m: HomingState, sight: LightMeasurement) -> bool:
+    """Return whether the drone turns against its motion, which then lasts until it has stopped."""
+    own, fix = settings.homing, m.fix
+    x, y = ground_velocity(m, sight)
+    speed = math.hypot(x, y)
+    if m.braking:
+        return speed > STOPPED
+    away = max(math.hypot(fix.x, fix.y), 1e-6)
+    closing = (fix.x * x + fix.y * y) / away
+    wind = -(fix.x * fix.wind_x + fix.y * fix.wind_y) / away
+    turn = abs(wrap_angle(math.atan2(-y, -x) - sight.heading))
+    too_fast = closing > max(stopping_speed(own, away, turn), BAND)
+    return too_fast and coasting_distance(own, closing, wind) > away
+
+
+def brake_ahead(
+    settings: 'StrategySettings', m: HomingState, sight: LightMeasurement
+) -> tuple[float, float]:
+    """Return heading [rad] against the motion over ground, and airspeed along it [m/s]."""
+    own, fix = settings.homing, m.fix
+    x, y = ground_velocity(m, sight)
+    away = max(math.hypot(fix.x, fix.y), 1e-6)
+    closing = (fix.x * x + fix.y * y) / away
+    heading = math.atan2(-y, -x)
     turn = wrap_angle(heading - sight.heading)
+    # Once turned, it decelerates as planned
+    wanted = stopping_speed(own, away, 0.0) if closing > 0.0 else 0.0
+    want_x, want_y = wanted * fix.x / away - fix.wind_x, wanted * fix.y / away - fix.wind_y
+    speed = want_x * math.cos(heading) + want_y * math.sin(heading)
     if abs(turn) > AHEAD:
         last = wrap_angle(m.heading - sight.heading)
         sense = last if abs(last) > 0.25 * AHEAD else turn
         heading = sight.heading + math.copysign(AHEAD, sense)
-    return heading, max(0.0, (want_x * along_x + want_y * along_y) / size)
+    return heading, speed
 
 
 def full_turn_time(settings: 'StrategySettings') -> float:

@@ -43,6 +43,7 @@ class LampFilterPrior(NamedTuple):
     strength_noise: float  # of the logarithm of one strength
     wind: float  # standard deviation of the drift before the first sight [m/s]
     gusts: float  # change of the drift in one second [m/s]
+    over: float = 0.0  # height of the lamp beside the diodes, which adds to its range [m]
 
 
 class LampFix(NamedTuple):
@@ -149,7 +150,7 @@ def update_fix(
     slopes, error = _linearize_bearing(fix, bearing)
     fix = _kalman_update(fix, slopes, error, _bearing_noise(fix, optics, deviation))
     # Linearise again at the updated fix: sequential updates need no matrix inversion.
-    slopes, error = _linearize_strength(fix, strength)
+    slopes, error = _linearize_strength(fix, optics, strength)
     return _kalman_update(fix, slopes, error, _strength_noise(fix, optics))
 
 
@@ -181,9 +182,11 @@ def _linearize_bearing(fix: LampFix, bearing: float) -> tuple[Row, float]:
     return (-fix.y / squared, fix.x / squared, 0.0, 0.0, 0.0), error
 
 
-def _linearize_strength(fix: LampFix, strength: float) -> tuple[Row, float]:
+def _linearize_strength(
+    fix: LampFix, optics: LampFilterPrior, strength: float
+) -> tuple[Row, float]:
     """Return the Jacobian of ln(strength), and the innovation."""
-    squared = _squared_range(fix)
+    squared = _squared_range(fix) + optics.over * optics.over
     error = math.log(strength) - (fix.brightness - math.log(squared))
     return (-2.0 * fix.x / squared, -2.0 * fix.y / squared, 0.0, 0.0, 1.0), error
 

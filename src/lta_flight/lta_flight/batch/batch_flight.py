@@ -202,7 +202,7 @@ def build_constants(
         ),
         array=build_fit_inputs(build_diode_array(vehicle.file.sensors.diodes)),
         expected=build_direction_prior(policy.prior),
-        goal=build_goal(scenario),
+        goal=build_goal(scenario, policy.strategy.name),
         power=build_power(vehicle, scenario, policy),
         place=(x, y, vehicle.hull_height_on_floor),
         heading=start.heading.si,

@@ -182,7 +182,7 @@ def hull_irradiance(constants: FlightConstants, state: State) -> float:
 def initial_tally(constants: FlightConstants) -> FlightTally:
     """Return the tally before the first step."""
     x, y, _ = constants.place
-    progress = GoalProgress(0, True)
+    progress = GoalProgress(0, True, math.inf)
     away = distance_to_goal(constants.goal, progress, x, y)
     return FlightTally(FLYING, progress, math.nan, math.nan, 0.0, away, 0.0, 0.0, 0.0, 0.0)
 

@@ -3,14 +3,17 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+import math
 from typing import final
 
 from lta_data.compare.sampling import wrap_angle
 from lta_model.scenario import Scenario
 from lta_report.curves import Array, FloorPoint, MotionCurve
-from lta_sim.termination import build_goal, is_at_lamp
+from lta_sim.termination import build_goal, has_stayed, is_at_lamp
 import numpy as np
 from numpy.typing import NDArray
+
+SAMPLED = 0.02  # s between samples of the truth: a flight may end before the one that shows it
 
 
 def shortest_path_length(
@@ -31,6 +34,7 @@ class FlightGoal:
 
     scenario: Scenario | None  # the scene with its lamps, if known
     truth: MotionCurve | None  # the true motion, if known
+    strategy: str = ''  # by which the drone navigated, if known
 
     @cached_property
     def places(self) -> list[FloorPoint]:
@@ -49,22 +53,28 @@ class FlightGoal:
         """
         Times at which the lamps were reached, in order, as far as they were. [s]
 
-        A lamp counts only after those before it, so a round trip is not complete at its start.
+        A lamp counts only after those before it, so a round trip is not complete at its start. The
+        last one counts when the drone has stayed there (`ScenarioGoal.find_stay`).
         """
         times, since, truth = list[float](), 0, self.truth
         if truth is None or self.scenario is None or self.scenario.course is not None:
             return times
-        goal = build_goal(self.scenario)
+        goal = build_goal(self.scenario, self.strategy)
         places = np.stack([truth.x, truth.y, truth.z], axis=1).tolist()
-        for lamp in goal.stops:
+        for lamp in goal.stops[:-1]:
             there = (k for k in range(since, len(places)) if is_at_lamp(goal, lamp, *places[k]))
             first = next(there, None)
             # Later lamps cannot have been reached either
             if first is None:
-                break
+                return times
             # Search the next lamp only after this sample
             since = first + 1
             times.append(float(truth.time[first]))
+        came = math.inf
+        for time, place in zip(truth.time[since:].tolist(), places[since:], strict=True):
+            came = min(came, time) if is_at_lamp(goal, goal.stops[-1], *place) else math.inf
+            if has_stayed(goal, came, time + SAMPLED):
+                return [*times, came + goal.stay]
         return times
 
     @property

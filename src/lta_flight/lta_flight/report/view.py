@@ -116,7 +116,9 @@ class FlightView:
     def goal(self) -> FlightGoal:
         """The target lamps, and when each was reached."""
         return FlightGoal(
-            self.scene.scenario, self.truth if self.has_topics('ground_truth/odom') else None
+            self.scene.scenario,
+            self.truth if self.has_topics('ground_truth/odom') else None,
+            self.provenance.get('strategy', ''),
         )
 
     @cached_property

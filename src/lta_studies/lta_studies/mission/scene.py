@@ -40,7 +40,9 @@ CLEARANCE = 0.02  # m between hull parts and payload
 def build_flight_spec(mission: MissionFile) -> FlightSpec:
     """Return the flight spec of a mission; raise BadInput if its files cannot be read."""
     made_of = load_spec(mission.vehicle, mission.scene, 'homing', '')
-    made_of = made_of.with_values({'mission.altitude': mission.altitude.si})
+    # The dock catches a drone that passes; one that brakes spends energy
+    own = {'mission.altitude': mission.altitude.si, 'mission.homing.brake': False}
+    made_of = made_of.with_values(own)
     if mission.feedback is not None:
         resistor = mission.feedback.model_dump(mode='json', exclude_none=True)
         made_of = made_of.with_values({'vehicle.sensors.diodes.feedback': resistor})

@@ -57,6 +57,14 @@ def test_a_round_is_not_over_where_it_begins():
     assert 'all 2 lamps of its route' in describe_outcome(found)
 
 
+def test_homing_reaches_the_last_lamp_when_it_has_stayed_there_for_3_s():
+    """It passes the aisle, where it counts at once, and the dock first for 2 s, then for 3 s."""
+    way = [-3.2, 0.0, 3.5, 0.0, -3.0, -3.2, -3.5, 0.0, -3.5, -3.4, -3.3, -3.2, -3.1]
+    truth = flown(way).truth
+    assert FlightGoal(ROUND, truth, 'homing').arrivals == [2.0, 11.0]
+    assert FlightGoal(ROUND, truth, 'bag').arrivals == [2.0, 4.0]
+
+
 def test_who_never_left_reached_nothing():
     view = flown([-3.2, -3.5, -3.0])
     assert view.goal.arrivals == []
