@@ -427,8 +427,8 @@ def brake_ahead(
     heading = math.atan2(-y, -x)
     turn = wrap_angle(heading - sight.heading)
     # Once turned, it decelerates as planned
-    wanted = stopping_speed(own, away, 0.0) if closing > 0.0 else 0.0
-    want_x, want_y = wanted * fix.x / away - fix.wind_x, wanted * fix.y / away - fix.wind_y
+    plan = stopping_speed(own, away, 0.0) if closing > 0.0 else 0.0
+    want_x, want_y = plan * fix.x / away - fix.wind_x, plan * fix.y / away - fix.wind_y
     speed = want_x * math.cos(heading) + want_y * math.sin(heading)
     if abs(turn) > AHEAD:
         last = wrap_angle(m.heading - sight.heading)
