@@ -88,7 +88,7 @@ class FleetArguments(PacedArguments):
         'Gains of the controllers: a shipped name, or a file; several, as a,b, take turns.',
     )
     strategy: str = setting(
-        'bag',
+        'homing',
         'Navigation strategy: bag, des, dga, homing, or a file; several, as a,b, take turns.',
     )
     seed: int = setting(1, 'Random seed of the first drone; each next drone has the next.')
