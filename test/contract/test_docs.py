@@ -79,5 +79,5 @@ def test_every_picture_has_the_command_that_draws_it():
     drawn = re.findall(r'^draw \w+ (\w+)', (ROOT / 'tools/pictures.sh').read_text(), re.MULTILINE)
     there = {path.stem for path in (ROOT / 'docs/images').glob('*.png')}
     # Of a program among the examples, and composed of a page's planes by hand.
-    assert there - set(drawn) == {'hull_shapes', 'cfd_gtmab', 'cfd_slices'}
+    assert there - set(drawn) == {'cfd_slices'}
     assert set(drawn) <= there
