@@ -78,6 +78,6 @@ def test_the_page_of_the_effects_is_that_of_the_registry():
 def test_every_picture_has_the_command_that_draws_it():
     drawn = re.findall(r'^draw \w+ (\w+)', (ROOT / 'tools/pictures.sh').read_text(), re.MULTILINE)
     there = {path.stem for path in (ROOT / 'docs/images').glob('*.png')}
-    # Of a program among the examples, and composed of a page's planes by hand.
+    # Composed of a page's planes by hand
     assert there - set(drawn) == {'cfd_slices'}
     assert set(drawn) <= there
