@@ -4,7 +4,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
+from lta_cli.options.common_options import folder_option
 from lta_cli.options.study_command import study_command, StudyRun
+from lta_config.errors import BadInput
 from lta_config.schema.paper_file import PaperRow
 from lta_report.report import Report, TextTable
 from lta_report.report_terminal import print_table
@@ -40,11 +42,8 @@ def reproduce(
     ] = None,
     markdown: Annotated[
         Path | None,
-        typer.Option(
-            help='Write the pages paper.md, paper_rows.md and paper_inconsistencies.md into this '
-            'folder.',
-            exists=True,
-            file_okay=False,
+        folder_option(
+            'Write paper.md, paper_rows.md and paper_inconsistencies.md into this folder.'
         ),
     ] = None,
     *,
@@ -70,6 +69,8 @@ def reproduce(
     Example: lta reproduce --quick
     """
     rows = select_rows(names or [])
+    if markdown is not None and not markdown.is_dir():
+        raise BadInput(f'There is no folder {markdown} for the pages; check the path.')
     if listed:
         print_table(build_row_table(rows), run.console)
         raise typer.Exit
