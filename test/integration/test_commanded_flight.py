@@ -132,7 +132,7 @@ def test_the_example_flies_and_its_drone_outlives_it(lta, scenario, tmp_path):
 
 
 def test_a_strategy_that_never_arrives_is_refused(lta):
-    result = lta.run('launch', 'fly', 'commanded:=true', 'record:=false')
+    result = lta.run('launch', 'fly', 'commanded:=true', 'strategy:=bag', 'record:=false')
     assert result.returncode == 2
     assert 'never reports an arrival at a lamp' in result.stderr
     assert 'Traceback' not in result.stderr

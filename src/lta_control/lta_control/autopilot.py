@@ -31,7 +31,7 @@ from lta_control.flight_step import (
 from lta_control.laws import cascade
 from lta_control.laws.frames import rotate_level_to_world
 from lta_control.laws.protocol import ControlLaw, ControlMotion
-from lta_control.odometry.ground_motion import is_on_ground, ModelledMotion
+from lta_control.odometry.ground_motion import is_on_ground, is_still, ModelledMotion
 from lta_control.sighting import DeadReckonedMotion
 from lta_control.vehicle_parameters import build_estimator_model
 from lta_model.vehicle import Vehicle
@@ -59,7 +59,8 @@ YAW_RATE, MODELLED = (
 HEIGHT = MEMORY.part_slice('estimate.altitude.height').start
 GUIDED, STATE = MEMORY.part_slice('guided').start, MEMORY.part_slice('pilot.watch.state').start
 TRACKED, IS_TRACKED = SENSED.part_slice('tracked'), SENSED.part_slice('is_tracked').start
-RATES = ESTIMATE.part_slice('rates')
+RATES, TURNING = ESTIMATE.part_slice('rates'), ESTIMATE.part_slice('duties')
+CLIMB = ESTIMATE.part_slice('altitude.climb').start
 
 TRUTH = 13  # numbers of a tracked motion: position, quaternion, velocity, rates
 
@@ -215,9 +216,13 @@ class Autopilot:
         """What the filter of the motion over ground takes from the estimator."""
         item = self._memory.item
         ready, heading, yaw_rate = bool(item(READY)), item(HEADING), item(YAW_RATE)
-        grounded = is_on_ground(item(HEIGHT), self._standing)
+        on_ground = is_on_ground(item(HEIGHT), self._standing)
+        estimate = self._memory[ESTIMATED]
+        stands = on_ground and is_still(
+            estimate[RATES].tolist(), estimate.item(CLIMB), estimate[TURNING].tolist()
+        )
         return ModelledMotion(
-            ready, heading, yaw_rate, item(MODELLED), item(MODELLED + 1), grounded
+            ready, heading, yaw_rate, item(MODELLED), item(MODELLED + 1), on_ground, stands
         )
 
     @property

@@ -5,6 +5,7 @@ The position is advanced in each step, the covariance every `PERIOD` by `ground_
 describes the model. Plain Python numbers, so that all nodes and loops get the same bits.
 """
 
+from collections.abc import Iterable
 import math
 from typing import NamedTuple, TYPE_CHECKING
 
@@ -55,6 +56,15 @@ def is_on_ground(height: float, standing_height: float) -> bool:
     return height < standing_height + NEAR_GROUND
 
 
+def is_still(rates: Iterable[float], climb: float, duties: Iterable[float]) -> bool:
+    """Return whether a drone on the floor stands still, by what the estimator has of it."""
+    return (
+        max(map(abs, rates)) < STILL_RATE
+        and abs(climb) < STILL_CLIMB
+        and max(map(abs, duties)) < STILL_DUTY
+    )
+
+
 def read_modelled_motion(estimate: 'MotionEstimate', standing_height: float) -> ModelledMotion:
     """Return what the filter takes from the estimator's state."""
     speed, yaw = estimate.airspeed, yaw_from_quaternion(estimate.attitude)
@@ -66,10 +76,7 @@ def read_modelled_motion(estimate: 'MotionEstimate', standing_height: float) -> 
         speed.model_surge,
         speed.model_sway,
         on_ground,
-        on_ground
-        and max(map(abs, estimate.rates)) < STILL_RATE
-        and abs(estimate.altitude.climb) < STILL_CLIMB
-        and max(map(abs, estimate.duties)) < STILL_DUTY,
+        on_ground and is_still(estimate.rates, estimate.altitude.climb, estimate.duties),
     )
 
 

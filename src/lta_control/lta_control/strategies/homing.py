@@ -429,7 +429,9 @@ def brake_ahead(
     # Once turned, it decelerates as planned
     plan = stopping_speed(own, away, 0.0) if closing > 0.0 else 0.0
     want_x, want_y = plan * fix.x / away - fix.wind_x, plan * fix.y / away - fix.wind_y
+    top = max(own.top_speed, settings.speed)
     speed = want_x * math.cos(heading) + want_y * math.sin(heading)
+    speed = min(max(speed, -top), top)
     if abs(turn) > AHEAD:
         last = wrap_angle(m.heading - sight.heading)
         sense = last if abs(last) > 0.25 * AHEAD else turn
