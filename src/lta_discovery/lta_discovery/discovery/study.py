@@ -6,7 +6,7 @@ The forecasts that judge its result are those of flights that it has not seen, w
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 import math
 from typing import Final, final, NamedTuple
 
@@ -153,9 +153,8 @@ def study_flights(
     if possible:
         each = _build_possible_models(nominal, missing)
         alone = compare_forecasts(vehicle, judged_flights, each, parameters, horizons)
-        both = replace(comparison, forecasts={**comparison.forecasts, **alone.forecasts})
         possible = tuple(
-            one for one in possible if both.compare(one.present.names[0], TUNED).ci95[1] < NO_GAIN
+            one for one in possible if alone.compare(one.present.names[0], TUNED).ci95[1] < NO_GAIN
         )
     tell('done', 1.0)
     return Discovery(
@@ -251,16 +250,20 @@ def _build_models(
 def _build_possible_models(
     nominal: NominalVehicle, missing: MissingElements
 ) -> list[ComparedModel]:
-    """Return the vehicle with each of the elements that may be present beside a force."""
+    """
+    Return the vehicle with each of the elements that may be present beside a force.
+
+    The first has none of them, but the same tolerances, which the final fit found beside them.
+    """
     out = []
-    for one in missing.possible:
-        parts = vector_components(one.names[0])
+    for name in (TUNED, *(one.names[0] for one in missing.possible)):
+        parts = [] if name == TUNED else vector_components(name)
         values = np.array([
             value if parameter.name in parts or parameter.tolerance > 0.0 else 0.0
             for parameter, value in zip(missing.parameters, missing.values, strict=True)
         ])  # fmt: skip
         built = apply_parameters(nominal, missing.parameters, values)[0]
-        out.append(ComparedModel(one.names[0], built, missing.bare_noise))
+        out.append(ComparedModel(name, built, missing.bare_noise))
     return out
 
 
