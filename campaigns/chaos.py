@@ -27,7 +27,7 @@ from campaigns.chaos_graph import Graph
 from campaigns.chaos_kinds import KINDS, mount_small_disk
 from campaigns.chaos_strike import Strike
 from campaigns.graph_trial import Outcome, try_flight
-from campaigns.harness import Campaign, Case, Row, Rows
+from campaigns.harness import Campaign, Case, count_right, Row, Rows
 
 LATEST: Final = {'lockstep': 8.0, 'realtime': 12.0, 'hardware': 10.0}  # s of flight
 BEGUN: Final = 1.0  # s of flight before the first of several faults
@@ -171,7 +171,7 @@ def list_table(rows: Rows, options: Namespace) -> Iterator[str]:
         if some:
             then = 'shuts down in order' if kind.ends else 'continues'
             times = (format_longest(some, column) for column in ('told', 'said', 'took'))
-            by_way = (format_share([row for row in some if row.get('way') == way]) for way in WAYS)
+            by_way = (count_right([row for row in some if row.get('way') == way]) for way in WAYS)
             cells = (kind.about, str(len(some)), then, *times, *by_way)
             yield f'| {" | ".join(cells)} |'
 
@@ -180,11 +180,6 @@ def format_longest(rows: Sequence[Row], name: str) -> str:
     """Return the longest of some times, in words."""
     times = [row[name] for row in rows if row.get(name) is not None]
     return f'{max(times):.2f} s' if times else ''
-
-
-def format_share(rows: Sequence[Row]) -> str:
-    """Return how many were as stated."""
-    return f'{sum(not row["wrong"] for row in rows)} of {len(rows)}' if rows else ''
 
 
 CAMPAIGN: Final = Campaign(

@@ -13,7 +13,7 @@ from typing import Final
 from campaigns.fault_kinds import FaultKind, KINDS
 from campaigns.fault_trial import Trial
 from campaigns.graph_trial import try_flight
-from campaigns.harness import Campaign, Case, Row, Rows
+from campaigns.harness import Campaign, Case, count_right, Row, Rows
 from campaigns.light_trial import LIGHT_KINDS, LightTrial
 
 
@@ -35,7 +35,7 @@ def list_table(rows: Rows, options: Namespace) -> Iterator[str]:
                 format_times(stated, [row for case, row in some.items() if case.number % 2 == way])
                 for way, stated in enumerate(kind.stated)
             ]
-            cells = (kind.about, describe_end(kind), *times, format_share(list(some.values())))
+            cells = (kind.about, describe_end(kind), *times, count_right(list(some.values())))
             yield f'| {" | ".join(cells)} |'
     yield ''
     yield '| fault of the light link | outcome of the light | longest time | as stated |'
@@ -44,7 +44,7 @@ def list_table(rows: Rows, options: Namespace) -> Iterator[str]:
         found = [row for case, row in rows.items() if case.kind == name]
         if found:
             then = 'reported, and back after the repair' if light.word else 'continues'
-            cells = (light.about, then, format_times(0.0, found), format_share(found))
+            cells = (light.about, then, format_times(0.0, found), count_right(found))
             yield f'| {" | ".join(cells)} |'
 
 
@@ -53,11 +53,6 @@ def format_times(stated: float, rows: Sequence[Row]) -> str:
     times = [row['took'] for row in rows if row.get('took') is not None]
     longest = f'{max(times):.1f} s' if times else '-'
     return f'{stated:.1f} s; {longest}' if stated else longest
-
-
-def format_share(rows: Sequence[Row]) -> str:
-    """Return how many were as stated."""
-    return f'{sum(not row["wrong"] for row in rows)} of {len(rows)}'
 
 
 def describe_end(kind: FaultKind) -> str:

@@ -301,6 +301,11 @@ def describe_origin(rows: Rows) -> str:
     return text
 
 
+def count_right(rows: Sequence[Row]) -> str:
+    """Return how many of some cases ended as required: '3 of 4'; '' of none."""
+    return f'{sum(not row["wrong"] for row in rows)} of {len(rows)}' if rows else ''
+
+
 def write_part(page: Path, name: str, lines: Sequence[str]) -> None:
     """
     Replace what a page has between the marks of a campaign.

@@ -215,7 +215,7 @@ def run(case: Case, options: Namespace) -> Row:
 
 
 def list_table(rows: Rows, options: Namespace) -> Iterator[str]:
-    """Yield what was flown, the memory of each process and the latency of a step."""
+    """Yield the flights, the memory of each process and the latency of a control period."""
     for row in rows.values():
         if 'flown' not in row:
             continue

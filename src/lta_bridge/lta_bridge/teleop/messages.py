@@ -78,7 +78,12 @@ class TwistDevice:
         self._received_at = -SILENT
 
     def receive(self, message: TwistStamped, now: float, graph_ns: int) -> None:
-        """Take a message at a time [s], and at a graph time [ns]; without a stamp it is new."""
+        """
+        Take a message.
+
+        `now`: time at which it came [s]. `graph_ns`: the graph's time then, with which its stamp
+        is compared; a message without a stamp counts as new.
+        """
         stamp_ns = from_stamp(message.header.stamp)
         v, w = message.twist.linear, message.twist.angular
         age = stamp_age(stamp_ns, graph_ns) if stamp_ns else 0.0

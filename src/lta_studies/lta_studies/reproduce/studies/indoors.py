@@ -141,7 +141,7 @@ def order_paths(paths: Mapping[str, float]) -> str:
 
 
 def name_fastest(times: Mapping[str, float]) -> str:
-    """Return the strategy with the least time of those that arrived; 'none' if nobody did."""
+    """Return the strategy with the least time to the lamp; 'none' if none arrived."""
     arrived = {name: time for name, time in times.items() if not math.isnan(time)}
     return min(arrived, key=arrived.__getitem__).upper() if arrived else 'none'
 
