@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Final, final
 
 from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD
-from lta_discovery.flights.usable_states import find_usable_runs
+from lta_discovery.flights.usable_states import find_marked_runs
 from lta_discovery.state_filter.forecast_sums import list_starts
 from lta_discovery.state_filter.forecasts import COASTING, LEAST_COASTING
 import numpy as np
@@ -73,7 +73,7 @@ class Flown:
 
     def list_starts(self, every: float) -> Indices:
         """Return the grid points of forecasts that teach."""
-        return list_starts(find_usable_runs(self.flight.usable), every)
+        return list_starts(find_marked_runs(self.flight.usable), every)
 
 
 @final

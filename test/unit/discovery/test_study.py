@@ -10,9 +10,9 @@ from lta_config.files import find_file
 from lta_discovery.calibration.first_step import FirstStep
 from lta_discovery.calibration.result import CalibratedValue, Calibration
 from lta_discovery.discovery.conclusion import draw_conclusion
+from lta_discovery.discovery.figures import draw_picture
 from lta_discovery.discovery.forecast_comparison import ForecastComparison
 from lta_discovery.discovery.overlay import build_overlay
-from lta_discovery.discovery.picture import draw_picture
 from lta_discovery.discovery.report import build_report
 from lta_discovery.discovery.run import format_learned_vehicle
 from lta_discovery.discovery.study import (

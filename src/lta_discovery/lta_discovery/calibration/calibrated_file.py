@@ -1,17 +1,19 @@
 """Write the calibrated vehicle file."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+import math
 from typing import Any, Final, final, NamedTuple
 
 from lta_config.errors import BadInput
 from lta_config.files import parse_yaml
 from lta_config.vehicle_edit import set_yaml_values
-from lta_discovery.calibration.result import CalibratedValue, Calibration
-from lta_discovery.calibration.reversed_thrust import split_by_duty
+from lta_discovery.calibration.result import CalibratedValue, Calibration, WIDE
 from lta_discovery.changed_quantities import list_changed_quantities, VehicleFileQuantity
 from lta_discovery.formatting import format_with_interval
 from lta_discovery.model.calibration_parameters import reversed_column
 from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
 from lta_model.effects.protocol import AXES
 from lta_model.mass_properties import MassElement, MassProperties
 from lta_model.propulsion import geometric_column, RotorModel
@@ -291,3 +293,40 @@ def format_value(one: CalibratedValue) -> str:
 def format_calibration_source(bags: Sequence[str], commit: str) -> str:
     """Return the source of the calibrated numbers."""
     return f'lta calibrate from {", ".join(bags)}, commit {commit}'
+
+
+def split_by_duty(thrust: float, reverse: float) -> tuple[float, float]:
+    """
+    Return the thrust for positive duties, and the share of it for negative ones.
+
+    `thrust`: as a share of that of the file, negative if the rotor is the other way round.
+    `reverse`: share of it while it is negative.
+    """
+    return (thrust * reverse, 1.0 / reverse) if thrust < 0.0 < reverse else (thrust, reverse)
+
+
+def state_by_duty(
+    values: Sequence[CalibratedValue],
+    knobs: Sequence[FreeParameter],
+    shared: Array,
+    covariance: Array,
+) -> list[CalibratedValue]:
+    """Return the values with those of rotors that the file has the wrong way round by duty."""
+    index = {knob.name: k for k, knob in enumerate(knobs)}
+    out = {one.name: one for one in values}
+    for name in [name for name in index if name.endswith('.reverse')]:
+        push = f'{name.removesuffix(".reverse")}.thrust'
+        pair = [index[push], index[name]]
+        thrust, reverse = 1.0 + shared[pair]
+        if not thrust < 0.0 < reverse:
+            continue
+        # Derivatives of `split_by_duty`
+        slopes = np.array([[reverse, thrust], [0.0, -(reverse**-2.0)]])
+        spread = slopes @ covariance[np.ix_(pair, pair)] @ slopes.T
+        for one, value, variance in zip(
+            (push, name), split_by_duty(thrust, reverse), np.diag(spread), strict=True
+        ):
+            wide = WIDE * math.sqrt(max(float(variance), 0.0))
+            ends = (float(value) - wide, float(value) + wide)
+            out[one] = replace(out[one], value=float(value), ci95=ends)
+    return list(out.values())

@@ -6,6 +6,7 @@ import math
 from typing import Final, final
 
 from lta_config.errors import BadInput
+from lta_discovery.calibration.calibrated_file import state_by_duty
 from lta_discovery.calibration.prepared_flights import (
     find_index,
     fit_calibration,
@@ -19,7 +20,6 @@ from lta_discovery.calibration.result import (
     ForecastScore,
     WIDE,
 )
-from lta_discovery.calibration.reversed_thrust import state_by_duty
 from lta_discovery.calibration.scores import forecast_role, relative_error, score_forecasts
 from lta_discovery.flights.role_assignment import Role
 from lta_discovery.model.calibration_parameters import (

@@ -18,7 +18,7 @@ from lta_discovery.discovery.study import (
     WRITTEN,
 )
 from lta_discovery.flights.measured_flight import PERIOD
-from lta_discovery.flights.noisy_intervals import ExcludedInterval
+from lta_discovery.flights.outliers import ExcludedInterval
 from lta_discovery.formatting import (
     append_unit,
     DEGREES,

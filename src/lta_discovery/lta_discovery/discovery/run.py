@@ -19,10 +19,9 @@ from lta_discovery.calibration.first_step import calibrate_first, FirstStep
 from lta_discovery.calibration.result import Calibration
 from lta_discovery.calibration.verdict import format_lift_warning, list_differences
 from lta_discovery.discovery.conclusion import draw_conclusion, format_names
+from lta_discovery.discovery.figures import draw_picture, PICTURE
 from lta_discovery.discovery.overlay import build_overlay
 from lta_discovery.discovery.overlay import NAME as OVERLAY
-from lta_discovery.discovery.picture import draw_picture
-from lta_discovery.discovery.picture import NAME as PICTURE
 from lta_discovery.discovery.report import build_report
 from lta_discovery.discovery.study import Discovery, NamedElement, study_flights
 from lta_discovery.flights.bags import read_bags, Role

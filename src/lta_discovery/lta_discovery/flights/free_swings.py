@@ -15,7 +15,7 @@ from typing import Final, final, NamedTuple
 
 from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD
 from lta_discovery.flights.role_assignment import Role
-from lta_discovery.flights.usable_states import find_usable_runs
+from lta_discovery.flights.usable_states import find_marked_runs
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.quaternions import (
     quaternion_exponential,
@@ -75,7 +75,7 @@ def find_swing_law(flight: MeasuredFlight) -> SwingLaw | None:
     rest = np.linalg.lstsq(law[:2].T, -law[4], rcond=None)[0]
     usual = float(np.linalg.norm(turning[finite], axis=1).max())
     unlike = np.linalg.norm(turning - terms @ law, axis=1) > FREE * usual
-    for first, end in find_usable_runs(unlike):
+    for first, end in find_marked_runs(unlike):
         is_held = end - first >= HELD / PERIOD and end <= late[0]
         if is_held and unlike[end : late[0]].sum() <= ODD * (late[0] - end):
             return SwingLaw(float(flight.time[end]) + SETTLED, rest)
@@ -215,7 +215,7 @@ def smooth_derivative(values: Array, order: int) -> Array:
     """Return a smoothed derivative on the grid; NaN near gaps."""
     out = np.full_like(values, np.nan)
     valid: NDArray[np.bool_] = np.asarray(np.isfinite(values).all(axis=1))
-    for begin, end in find_usable_runs(valid):
+    for begin, end in find_marked_runs(valid):
         if end - begin >= WINDOW:
             smooth = savgol_filter(values[begin:end], WINDOW, 3, deriv=order, delta=PERIOD, axis=0)
             # At its ends the filter extrapolates, which amplifies noise

@@ -12,8 +12,12 @@ from typing import Final, final
 
 from lta_data.data_quality.tracker_jumps import find_tracker_jumps
 from lta_data.even_grid import check_time_span
-from lta_discovery.flights.noise import estimate_noise, estimate_pose_noise, LEAST
-from lta_discovery.flights.tracker_outliers import find_tracker_outliers
+from lta_discovery.flights.noise import (
+    estimate_noise,
+    estimate_pose_noise,
+    find_tracker_outliers,
+    LEAST,
+)
 from lta_discovery.model.quaternions import quaternion_product, rotate_vectors
 import numpy as np
 from numpy.typing import NDArray

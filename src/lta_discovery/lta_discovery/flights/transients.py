@@ -11,7 +11,7 @@ from typing import Final, final, NamedTuple
 
 from lta_discovery.flights.free_swings import find_swing_law, smooth_derivative, WINDOW
 from lta_discovery.flights.measured_flight import FlightStreams, MeasuredFlight, PERIOD
-from lta_discovery.flights.usable_states import find_usable_runs
+from lta_discovery.flights.usable_states import find_marked_runs
 from lta_discovery.model.quaternions import rotation_matrix
 import numpy as np
 from numpy.typing import NDArray
@@ -114,7 +114,7 @@ def _find_rest_end(flight: MeasuredFlight) -> float:
     )
     # A gap in the poses continues what was before it
     still = idle & ~(speed > CARRIED) & ~(rate > TURNED)
-    runs = find_usable_runs(still)
+    runs = find_marked_runs(still)
     reach = round(STANDING / PERIOD)
     # The first points have no smoothed speed, so the run may begin a little later
     if not runs or runs[0][0] > WINDOW or runs[0][1] - runs[0][0] < reach:
@@ -180,7 +180,7 @@ def _find_disturbances(flight: MeasuredFlight, inside: Mask) -> list[Transient]:
     strong = finite & (unexplained > limit)
     idle = _mark_idle_points(flight)
     near, out = round(TOGETHER / PERIOD), list[tuple[int, int]]()
-    for begin, end in find_usable_runs(strong):
+    for begin, end in find_marked_runs(strong):
         if (end - begin) * PERIOD < LONE:
             continue
         # Carried from one place to the next, the vehicle gets no command

@@ -28,7 +28,6 @@ from lta_discovery.flights.bags import (
     Role,
     StudyRecording,
 )
-from lta_discovery.flights.command_spikes import clip_command_spikes
 from lta_discovery.flights.free_swings import align_swings
 from lta_discovery.flights.measured_flight import (
     FlightStreams,
@@ -37,12 +36,16 @@ from lta_discovery.flights.measured_flight import (
     resample_flight,
     Stream,
 )
-from lta_discovery.flights.noisy_intervals import ExcludedInterval, remove_noisy_intervals
+from lta_discovery.flights.outliers import (
+    clip_command_spikes,
+    ExcludedInterval,
+    remove_noisy_intervals,
+)
 from lta_discovery.flights.sentence_merger import merge_sentences
 from lta_discovery.flights.streams import build_streams, convert_to_duties
 from lta_discovery.flights.timestamp_repair import add_stamp_noise, repair_timestamps
 from lta_discovery.flights.transients import find_transients, format_cut
-from lta_discovery.flights.usable_states import find_usable_runs, SHORTEST_RUN
+from lta_discovery.flights.usable_states import find_marked_runs, SHORTEST_RUN
 from lta_discovery.model.nominal import NominalVehicle
 from lta_model.vehicle import Vehicle
 from lta_report.formatting import format_count
@@ -402,7 +405,7 @@ def _list_data_warnings(name: str, flight: MeasuredFlight, streams: FlightStream
 
 def _find_longest_run(flight: MeasuredFlight) -> int:
     """Return the length of the longest usable run of a flight, in grid points."""
-    return max((end - begin for begin, end in find_usable_runs(flight.usable)), default=0)
+    return max((end - begin for begin, end in find_marked_runs(flight.usable)), default=0)
 
 
 def _usable_seconds(flight: MeasuredFlight) -> float:

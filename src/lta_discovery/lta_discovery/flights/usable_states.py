@@ -20,9 +20,9 @@ AROUND: Final = 0.5  # s; on either side of a state, for its estimate
 ENOUGH: Final = 0.6  # of the poses around a state have to be known
 
 
-def find_usable_runs(usable: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """Return the runs of usable points as (first, end)."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], usable.astype(np.int8), [0]])))
+def find_marked_runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Return the runs of marked points as (first, end)."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(np.int8), [0]])))
     return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
 
 

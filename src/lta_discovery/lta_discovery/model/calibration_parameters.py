@@ -10,6 +10,7 @@ from dataclasses import replace
 import math
 from typing import Final
 
+from lta_discovery.model.candidates import STEP
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import (
     CALIBRATION,
@@ -17,7 +18,6 @@ from lta_discovery.model.parameters import (
     list_free_parameters,
     NET_LIFT,
 )
-from lta_discovery.model.step_sizes import STEP
 from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import AirEffect, AXES
 from lta_model.state import ACTUATORS

@@ -15,13 +15,15 @@ from lta_config.errors import BadInput
 from lta_discovery.model.candidates import (
     companion_values,
     DESIGN,
+    fine_step,
+    first_step,
     FITTED,
     NO_CANDIDATE,
     SIGNS,
+    STEP,
     TOGETHER,
 )
 from lta_discovery.model.nominal import NominalVehicle
-from lta_discovery.model.step_sizes import fine_step, first_step, STEP
 from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import ActuatorEffect, AXES, MeasurementEffect, WrenchEffect
 from lta_model.state import ACTUATORS

@@ -7,6 +7,7 @@ again with each effect assumed true. It is chosen if it is safe and conclusive i
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+import math
 from typing import Any, Final, final, NamedTuple
 
 from lta_config.errors import BadInput, unknown_name_error
@@ -20,8 +21,8 @@ from lta_discovery.planning.candidate_maneuvers import (
     list_maneuvers,
     PlannedManeuver,
 )
-from lta_discovery.planning.flight_safety import flight_extent, list_objections
 from lta_discovery.planning.rehearsal import (
+    CLEAR,
     measure_information,
     measure_rehearsal,
     Sensors,
@@ -33,6 +34,7 @@ from lta_discovery.planning.separability import PairSeparability
 from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec
 from lta_model.scenario import Scenario
 from lta_model.vehicle import Vehicle
+from lta_sim.readings import FlightOutcome
 from lta_sim.scene_model import vehicle_reach
 import numpy as np
 from numpy.typing import NDArray
@@ -46,6 +48,10 @@ LEAST: Final = 6.0  # nats; a flight with less expected evidence is not proposed
 TRIED: Final = 4  # manoeuvres that are simulated with each effect
 SURE: Final = 1.3  # of WANTED; required in the first simulation
 SEED: Final = 71
+MARGIN: Final = 0.3  # m between the hull and walls or ceiling
+LARGEST_TILT: Final = math.radians(30.0)
+FULL: Final = 0.98  # duty; at or above it a rotor is saturated
+SATURATED_SHARE: Final = 0.15  # of the flight; longest saturation of any rotor
 
 
 class ParameterHypothesis(NamedTuple):
@@ -202,3 +208,35 @@ class NextFlightPlanner:
         pairs = PairSeparability([reduced, reduced], self.knobs)
         a, b = (self._names.index(one.knob.name) for one in (true, other))
         return pairs.compare_pair(a, b).expected_log_bayes(true.value)
+
+
+def list_objections(rehearsed: SimulatedFlight, vehicle: Vehicle, scenario: Scenario) -> list[str]:
+    """Return the reasons not to fly a flight; empty if it is safe."""
+    out = []
+    if rehearsed.outcome is not FlightOutcome.REACHED:
+        out.append(f'it {rehearsed.outcome}')
+    length, width, height = scenario.room.size.vector
+    radius, half_height = vehicle_reach(vehicle)
+    # The room is centred on the origin of the map
+    near = np.abs(rehearsed.path[:, :2]).max(axis=0) + radius + MARGIN
+    if near[0] > length / 2.0 or near[1] > width / 2.0:
+        out.append(f'it comes within {MARGIN:g} m of a wall')
+    if rehearsed.path[:, 2].max() + half_height + MARGIN > height:
+        out.append(f'it comes within {MARGIN:g} m of the ceiling')
+    if rehearsed.tilt > LARGEST_TILT:
+        out.append(
+            f'it tilts by {math.degrees(rehearsed.tilt):.0f} degrees, more than '
+            f'{math.degrees(LARGEST_TILT):.0f}'
+        )
+    if np.max(np.mean(np.abs(rehearsed.duties) >= FULL, axis=0)) > SATURATED_SHARE:
+        out.append('a rotor is saturated for too long')
+    if rehearsed.path[-1, 2] > rehearsed.standing + CLEAR:
+        out.append('it does not land')
+    return out
+
+
+def flight_extent(rehearsed: SimulatedFlight, vehicle: Vehicle) -> tuple[float, float, float]:
+    """Return length, width and height of the space that a flight needs, hull included. [m]"""
+    radius, half_height = vehicle_reach(vehicle)
+    (x, y), top = np.ptp(rehearsed.path[:, :2], axis=0) + 2.0 * radius, rehearsed.path[:, 2].max()
+    return float(x), float(y), float(top) + half_height

@@ -4,9 +4,8 @@ from collections.abc import Sequence
 from typing import final, NamedTuple
 
 from lta_discovery.model.nominal import NominalVehicle, ReplayRows
-from lta_discovery.model.parameter_sets import ParameterSteps
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.replay.replay import BodyInputs, FlightReplay
+from lta_discovery.replay.replay import BodyInputs, FlightReplay, ParameterSteps
 import numpy as np
 from numpy.typing import NDArray
 

@@ -2,13 +2,11 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Final, final
+from typing import Final, final, NamedTuple
 
 from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD, Stream
 from lta_discovery.flights.usable_states import fit_state_at
-from lta_discovery.flights.zero_order_hold import average_held_values
 from lta_discovery.model.nominal import NominalVehicle, ReplayRows
-from lta_discovery.model.parameter_sets import ParameterSteps
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.model.replay_kernel import (
     BODY_LAYOUT,
@@ -52,6 +50,24 @@ class BodyInputs:
             for part in (self.commands, self.memory, self.wrench)
         )
         return first, second, third
+
+
+@final
+class ParameterSteps(NamedTuple):
+    """Free parameters, each as two parameter sets and the step between them."""
+
+    # Rows and flags of the body kernel for each set, shape (R, W)
+    rows: Array
+    on: NDArray[np.uint8]
+    faced: NDArray[np.int64]  # index of each set's inputs (Q of them), shape (R,)
+    # As in `replay.BodyInputs`, by grid period, shape (Q, G, ...)
+    commands: Array
+    memory: Array
+    wrench: Array
+    # The two sets of each parameter, shape (K,)
+    before: NDArray[np.int64]
+    after: NDArray[np.int64]
+    steps: Array  # their difference, shape (K,)
 
 
 @final
@@ -283,3 +299,23 @@ def _command_delays(rows: ReplayRows, time: Array) -> Array:
     return -apply_channel_effects(rows.acting['command_time'], np.zeros((len(time), 1)), time)[
         :, 0
     ]
+
+
+def average_held_values(stream: Stream, edges: Array) -> Array:
+    """
+    Return the mean of a held signal over each interval, shape (n, k).
+
+    The signal is 0 before its first sample. There are n + 1 rising edges.
+    """
+    # Each value is held until the next sample
+    apart = np.diff(stream.time)[:, None] * stream.values[:-1]
+    total = np.vstack([np.zeros((1, stream.values.shape[1])), np.cumsum(apart, axis=0)])
+    # -1 before the first sample
+    newest = np.searchsorted(stream.time, edges, side='right') - 1
+    begun = newest >= 0
+    at = np.where(begun, newest, 0)
+    since = np.where(begun, edges - stream.time[at], 0.0)
+    integral = total[at] + since[:, None] * stream.values[at]
+    # Differences of the running integral are exact for a held signal
+    means: Array = np.diff(integral, axis=0) / np.diff(edges)[:, None]
+    return means

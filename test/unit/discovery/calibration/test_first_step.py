@@ -10,7 +10,11 @@ from campaigns.challenge.recording import write_bag
 from lta_config.files import find_file
 from lta_config.vehicle_edit import set_yaml_values
 from lta_discovery.calibration import first_step
-from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle
+from lta_discovery.calibration.calibrated_file import (
+    format_calibrated_vehicle,
+    split_by_duty,
+    state_by_duty,
+)
 from lta_discovery.calibration.calibration import calibrate_flights
 from lta_discovery.calibration.first_step import calibrate_first, FirstStep
 from lta_discovery.calibration.priors import apply_calibration, free_flight_lifts
@@ -22,7 +26,6 @@ from lta_discovery.calibration.result import (
     ForecastRms,
     ForecastScore,
 )
-from lta_discovery.calibration.reversed_thrust import split_by_duty, state_by_duty
 from lta_discovery.calibration.verdict import format_lift_warning, list_differences
 from lta_discovery.flights.bags import read_bags
 from lta_discovery.flights.role_assignment import restrict_to_interval, Role

@@ -1,7 +1,7 @@
 """Single impossible commands are clipped and counted; long ones stay."""
 
-from lta_discovery.flights.command_spikes import clip_command_spikes
 from lta_discovery.flights.measured_flight import FlightStreams, Stream
+from lta_discovery.flights.outliers import clip_command_spikes
 import numpy as np
 
 TIME = np.arange(0.0, 20.0, 0.02)

@@ -15,8 +15,8 @@ from lta_discovery.flights.measured_flight import (
 from lta_discovery.flights.noise import estimate_noise, estimate_pose_noise
 from lta_discovery.flights.streams import build_streams
 from lta_discovery.flights.usable_states import fit_state_at
-from lta_discovery.flights.zero_order_hold import average_held_values
 from lta_discovery.model.quaternions import quaternion_exponential
+from lta_discovery.replay.replay import average_held_values
 import numpy as np
 import pytest
 

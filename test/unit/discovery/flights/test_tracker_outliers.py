@@ -1,6 +1,6 @@
 """Poses that a tracker mistook are told from those of a fast vehicle."""
 
-from lta_discovery.flights.tracker_outliers import find_tracker_outliers
+from lta_discovery.flights.noise import find_tracker_outliers
 import numpy as np
 from numpy.typing import NDArray
 

@@ -18,16 +18,17 @@ from lta_discovery.planning.candidate_maneuvers import (
     list_maneuvers,
 )
 from lta_discovery.planning.flight_choice import (
+    flight_extent,
+    list_objections,
     NextFlightPlanner,
     ParameterHypothesis,
     WANTED,
 )
-from lta_discovery.planning.flight_safety import flight_extent, list_objections
-from lta_discovery.planning.measurement_advice import suggest_measurement
 from lta_discovery.planning.next_flight import (
     NextFlightPlan,
     plan_next_flight,
     plan_separating_flight,
+    suggest_measurement,
 )
 from lta_discovery.planning.rehearsal import measure_rehearsal, SimulatedFlight
 from lta_flight.flight_spec import load_spec
