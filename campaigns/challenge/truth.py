@@ -145,7 +145,9 @@ def build_vehicle_truth(vehicle: Vehicle) -> VehicleTruth:
     added = spheroid_added_mass(diameter.si, height.si, vehicle.air_density)
     linear, square = file.aero.linear_drag, file.aero.quadratic_drag
     effects = vehicle.collect_effects()
-    oblique = effects.get('oblique_lift', {})
+    oblique, gas = effects.get('oblique_lift', {}), effects['gas_rotation']
+    # The gas slips along the hull, but for what its boundary layer drags
+    turning = [gas.get('share', 0.0) * gas[axis] for axis in ('roll', 'pitch', 'yaw')]
     columns = tuple(
         (*to_triple(each.force.vector), *to_triple(each.moment.vector))
         for each in file.aero.thrust_allocation.values()
@@ -154,7 +156,7 @@ def build_vehicle_truth(vehicle: Vehicle) -> VehicleTruth:
         mass=vehicle.mass,
         displaced=vehicle.displaced_mass,
         cg=to_triple(vehicle.cg),
-        inertia=to_triple(vehicle.inertia.diagonal()),
+        inertia=to_triple(vehicle.inertia.diagonal() + turning),
         added_mass=added[0],
         added_inertia=added[1],
         drag=to_triple(square.force.vector),

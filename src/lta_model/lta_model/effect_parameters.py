@@ -24,7 +24,7 @@ from lta_config.errors import BadInput
 from lta_config.quantity import describe_misfit, Quantity, UNSOURCED
 from lta_config.schema.vehicle_body import MovingMassBlock, PartBlock
 from lta_config.schema.vehicle_file import VehicleFile
-from lta_model import effects, propulsion
+from lta_model import effects, mass_properties, propulsion
 from lta_model.effects.drag import STRIP_DAMPING, STRIPS
 from lta_model.effects.law import LAW, list_law_parameters
 from lta_model.effects.protocol import AXES, Vector
@@ -96,8 +96,8 @@ TIME_CONSTANTS = (
 )
 # Hulls round seen from above or from anywhere: drag per axis needs the correction `cross_flow`.
 ROUND_HULLS = {'balloon': {'horizontal': 1.0}, 'sphere': {'horizontal': 1.0, 'total': 1.0}}
-# Parameters of such an effect that a file may still set: the measured roundness.
-SETTABLE_SHARES = {'cross_flow': ('horizontal', 'total')}
+# Parameters of such an effect that a file may still set: measured roundness, gas that turns.
+SETTABLE_SHARES = {'cross_flow': ('horizontal', 'total'), 'gas_rotation': ('share',)}
 # Effects that convert duties to newtons instead of the thrust curve.
 OTHER_CURVES = ('thrust_polynomial',)
 
@@ -174,6 +174,11 @@ def _derive_effects(
     # Without drag there is nothing to correct for oblique flow
     if any(forces) and (round_ := ROUND_HULLS.get(file.hull.shape)):
         derived['cross_flow'] = round_ | _zip_names_values(AXES[:3], forces)
+    more = (0.0, 0.0, 0.0)
+    if file.hull.shape != 'none':
+        gas = mass_properties.gas_mass(file.hull, air_density)
+        more = mass_properties.frozen_gas_inertia(gas, mass_properties.half_axes(file.hull))
+    derived['gas_rotation'] = _zip_names_values(AXES[3:], more)
     # A second curve would take newtons for duties
     if not any(name in file.effects for name in OTHER_CURVES):
         derived['thrust_curve'] = {

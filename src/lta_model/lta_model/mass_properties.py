@@ -18,6 +18,13 @@ air:
     k' = (b^2 - c^2)^2 (g - b) / (5 (2 (b^2 - c^2) + (b^2 + c^2) (b - g)))
 
 with c the half axis of symmetry and b the radius in the formula of k'.
+
+The gas inside is an ideal fluid as well: it does not turn with a hull about its axis of symmetry,
+and about another axis only as far as the hull displaces it. In an ellipsoid that turns about x,
+with half axes b and c across, the potential is w (b^2 - c^2) / (b^2 + c^2) y z, so that the gas of
+mass m adds m (b^2 - c^2)^2 / (5 (b^2 + c^2)) to the inertia (Lamb 1932, article 110). Frozen, it
+would have m (b^2 + c^2) / 5. Its boundary layer does turn along: that is the effect
+`gas_rotation`.
 """
 
 from collections.abc import Sequence
@@ -25,6 +32,7 @@ from dataclasses import dataclass
 import math
 from typing import final, Literal, Self
 
+from lta_config.constants import HELIUM_TO_AIR
 from lta_config.errors import BadInput
 from lta_config.quantity import Quantity
 from lta_config.schema.vehicle_body import HullBlock, MeasuredMassBlock, PartBlock
@@ -130,13 +138,23 @@ def build_part_element(part: PartBlock) -> MassElement:
 
 
 def build_gas_element(mass: float, half_axes: Three) -> MassElement:
-    """Return the gas as a solid ellipsoid in the hull: mass [kg], half axes [m]."""
-    # Solid ellipsoid: m (b^2 + c^2) / 5
+    """Return the gas as an ideal fluid in an ellipsoid: mass [kg], half axes [m]."""
     squares = np.array(half_axes) ** 2
-    gas = mass * np.array(
-        [squares[1] + squares[2], squares[0] + squares[2], squares[0] + squares[1]]
-    )
-    return MassElement(mass, np.zeros(3), gas / 5.0)
+    b, c = np.roll(squares, -1), np.roll(squares, -2)
+    return MassElement(mass, np.zeros(3), mass * (b - c) ** 2 / (5.0 * (b + c)))
+
+
+def frozen_gas_inertia(mass: float, half_axes: Three) -> Three:
+    """
+    Return what the gas would have more of inertia if it turned with the hull. [kg m2].
+
+    For a mass [kg] in an ellipsoid of half axes [m]: that of a solid less that of an ideal fluid,
+    4 m b^2 c^2 / (5 (b^2 + c^2)).
+    """
+    squares = np.array(half_axes) ** 2
+    b, c = np.roll(squares, -1), np.roll(squares, -2)
+    x, y, z = 0.8 * mass * b * c / (b + c)
+    return (float(x), float(y), float(z))
 
 
 @final
@@ -194,6 +212,13 @@ def hull_volume(hull: HullBlock) -> float:
         return _length_or_zero(hull.volume_factor) * (0.5 * _length_or_zero(hull.diameter)) ** 3
     a, b, c = half_axes(hull)
     return 4.0 / 3.0 * math.pi * a * b * c
+
+
+def gas_mass(hull: HullBlock, air_density: float) -> float:
+    """Return the mass of the gas [kg], in air of a density [kg/m3]."""
+    purity = hull.purity.si if hull.purity else 0.0
+    # Mixture of helium and air at the same temperature and pressure
+    return hull_volume(hull) * air_density * (1.0 - purity * (1.0 - HELIUM_TO_AIR))
 
 
 def half_axes(hull: HullBlock) -> tuple[float, float, float]:

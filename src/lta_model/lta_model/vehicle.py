@@ -32,8 +32,6 @@ from lta_model.sensors.photodiode import PhotodiodeArray
 from lta_model.state import COMMAND, MASS_PLACE
 import numpy as np
 
-HELIUM_TO_AIR = 0.1664 / AIR_DENSITY  # density ratio at one temperature and pressure (20 C, 1 atm)
-
 Vector = tuple[float, ...]
 
 
@@ -80,9 +78,7 @@ class Vehicle:
     @property
     def gas_mass(self) -> float:
         """Mass of the gas, helium with the rest of the purity being air. [kg]."""
-        purity = self.file.hull.purity.si if self.file.hull.purity else 0.0
-        # Mixture of helium and air at the same temperature and pressure
-        return self.volume * self.air_density * (1.0 - purity * (1.0 - HELIUM_TO_AIR))
+        return mass_properties.gas_mass(self.file.hull, self.air_density)
 
     @property
     def gross_lift(self) -> float:
@@ -151,7 +147,11 @@ class Vehicle:
 
     @property
     def inertia(self) -> Array:
-        """Inertia about the centre of gravity, shape (3, 3). [kg m2]."""
+        """
+        Inertia about the centre of gravity, shape (3, 3). [kg m2].
+
+        Gas that turns along is not in it (effect `gas_rotation`).
+        """
         return self.mass_properties.inertia
 
     @property

@@ -13,13 +13,13 @@ from lta_config.errors import BadInput
 from lta_config.files import find_file, load_yaml
 from lta_config.schema.vehicle_body import HullBlock
 from lta_model import mass_properties
-from lta_model.vehicle import HELIUM_TO_AIR
 from lta_vehicle.vehicle_size import MOTORS, VehicleSize
 
 GIVEN: Final = 'given to lta vehicle new'
 FILM: Final = 0.045  # kg/m2, of a foil or film envelope with seams
 PURITY: Final = 93.0  # %
 CLEARANCE: Final = 0.03  # m, from the envelope to the gondola
+TURNING: Final = 0.09  # m; diameter times the share of the gas that turns with the hull
 LEGS: Final = 0.05  # m, from the motors to the ground
 DONOR: Final = 'blimp2b'  # of the assumed battery and loads
 HALF_TO_TWICE: Final = 'an estimate; half to twice'
@@ -32,9 +32,8 @@ def build_blocks(name: str, size: VehicleSize, gains: str) -> dict[str, Any]:
     across, depth = (2.0 * mass_properties.half_axes(shape)[axis] for axis in (1, 2))
     hang = 0.5 * depth + CLEARANCE if size.hang is None else size.hang
     film = _find_envelope_mass(size, mass_properties.half_axes(shape))
-    lift = (
-        mass_properties.hull_volume(shape) * AIR_DENSITY * PURITY / 100.0 * (1.0 - HELIUM_TO_AIR)
-    )
+    air = mass_properties.hull_volume(shape) * AIR_DENSITY
+    lift = air - mass_properties.gas_mass(shape, AIR_DENSITY)
     gondola = [0.1, 2.0 * size.arm, 0.03]
     return {
         'schema': 3,
@@ -76,6 +75,14 @@ def build_blocks(name: str, size: VehicleSize, gains: str) -> dict[str, Any]:
         'rotors': _build_rotors(size, hang),
         'aero': _estimate_drag(shape, hang, gondola),
         'effects': {
+            'gas_rotation': {
+                'share': _assume(
+                    min(0.5, TURNING / size.diameter),
+                    '1',
+                    'computed: Stokes layer of helium, by 1/diameter as of GT-MAB',
+                    HALF_TO_TWICE,
+                )
+            },
             'motor_lag': {
                 key: _assume(72, 'ms', 'assumed: Crazyflie motors, Eschmann 2024', HALF_TO_TWICE)
                 for key in ('up', 'down')

@@ -121,6 +121,14 @@ IN_WORDS = {
     # 9 % beyond 0.46 and 0.49
     "0.46 to 0.49 by incidence, and Lamb's spheroid has 9 % less added mass than the hull's own "
     'shape': (0.43, 0.53),
+    # 7.3e-4 and 1.2e-3: the boundary layer of the gas at a period of 2 s
+    'half, to what small fast swings may have: steady rotation lets the air turn along, which may '
+    'halve it, and the gas inside damps roll and pitch by 7e-4 and yaw by 1.2e-3': (
+        [3.5e-4, 3.1e-4, 1.6e-4],
+        [1.4e-3, 1.4e-3, 1.5e-3],
+    ),
+    # Stokes layers of 8.7 and 19 mm in 0.5 m: 2.6 d / r, and 3.7 d / r with the rest rounded up
+    'what turns in phase at a period of 2 s, to all that the layer drags at 10 s': (0.05, 0.16),
     'plastic feet on smooth to rough floors': (0.2, 0.8),
     'a board that carries eight sockets on a frame of 10 cm': (5, 9),
     'possible until it is measured': (1, 2),

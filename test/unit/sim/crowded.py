@@ -25,6 +25,7 @@ FIXED = {
     | {'along_length': 1.0, 'across_length': 0.8, 'up_length': 0.5, 'mean': 3.0, 'height': 3.0},
     'gusts': {'x': 0.5, 'y': 0.2, 'z': -0.1, 'begin': 0.2, 'length': 0.3, 'hold': 0.1},
     'gas_state': {'gas': 0.08, 'temperature': 4.0, 'overpressure': 200.0},
+    'gas_rotation': {'share': 0.3, 'roll': 4e-3, 'pitch': 5e-3, 'yaw': 8e-3},
     'weight_and_buoyancy': {'gravity': 9.8},
     'superheat': {'warming': 0.017, 'lag': 70.0, 'slack': 0.7},
     'moving_mass': {'mass': 0.05, 'x': 0.07, 'y': 0.01, 'z': -0.24, 'lag': 0.3, 'speed': 0.4},

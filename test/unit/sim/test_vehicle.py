@@ -60,8 +60,11 @@ def lumps():
     total = sum(1e-3 * part['mass']['value'] for part in PARTS.values())
     yield lift + 0.002 - total, np.array([0.0, 0.0, -0.395]), np.zeros(3)
     gas = VOLUME * RHO - lift
-    r, h = 0.5, 0.2995  # solid ellipsoid: 1/5
-    yield gas, np.zeros(3), gas / 5 * np.array([r * r + h * h, r * r + h * h, 2 * r * r])
+    # An ideal fluid: it rests about the axis of symmetry, and is displaced about another
+    r, h = 0.5, 0.2995
+    tumbling = gas / 5 * (r * r - h * h) ** 2 / (r * r + h * h)
+    assert 1e3 * tumbling == pytest.approx(1.24, abs=0.005)
+    yield gas, np.zeros(3), np.array([tumbling, tumbling, 0.0])
 
 
 def test_balance_is_the_sum_of_the_parts(gtmab):

@@ -143,7 +143,7 @@ WHOLE: Final[dict[str, float]] = {
 # Bounds of the relative change of an effect that a vehicle of the same kind may lack.
 ABSENT: Final = {'oblique_lift': (-1.0, 1.0)}
 # Tolerances of numbers that a vehicle file has from computed flows, which nobody measured.
-COMPUTED: Final[dict[str, float]] = {'munk_moment.lost': 0.2}
+COMPUTED: Final[dict[str, float]] = {'munk_moment.lost': 0.2, 'gas_rotation.share': 0.05}
 # Tolerances of every vehicle (standard deviations), in the unit of the parameter.
 TOLERANCES: Final[dict[str, float]] = {
     'vehicle.mass': 0.01,

@@ -35,6 +35,7 @@ BUILT_IN_EFFECTS: tuple[Effect, ...] = (
     air.GUSTS,
     gas.GAS_PURITY,
     gas.GAS_STATE,
+    gas.GAS_ROTATION,
     gas.AIR_STATE,
     weight.BALLAST,
     weight.PAYLOAD,

@@ -24,9 +24,8 @@ def gas_purity(p: Values, rigid: RigidBody) -> RigidBody:
 
     `purity` is the deviation of the volume fraction of helium, the rest being air; m_d is the mass
     of the displaced air, so 1 % of a 1 m balloon is 3.6 g. Densities are at one temperature and
-    pressure, the volume is constant, and the air is at the hull centre. Not modelled: the inertia
-    of that air; as a solid it would be r^2 / 5 for each axis, but a gas turns only partly with its
-    hull.
+    pressure, the volume is constant, and the air is at the hull centre. Not modelled: what that
+    air adds to the inertia, of which `gas_rotation` has the larger part.
     """
     (purity,) = p
     # Purer gas is lighter at the same volume
@@ -59,8 +58,7 @@ def gas_state(p: Values, rigid: RigidBody) -> RigidBody:
 
     The hull was *filled* to this state: warmer gas of the same pressure is less gas. `superheat`
     is for gas that warms in flight. For 80 g of gas 5 K are 1.3 g and 1 kPa is 0.8 g. The mass
-    acts at the hull centre. Not modelled: its inertia, r^2 / 5 for each axis if solid; a gas turns
-    only partly.
+    acts at the hull centre. Not modelled: its inertia.
     """
     gas, temperature, overpressure = p
     # Ideal gas at constant volume: mass goes with p / T
@@ -84,6 +82,57 @@ GAS_STATE = BodyEffect(
         EffectParameter('overpressure', 'Pa', 0.0, -100.0, 1e4, 300.0, _GAS_STATE_OVERPRESSURE),
     ),
     gas_state,
+)
+
+
+def gas_rotation(p: Values, rigid: RigidBody) -> RigidBody:
+    """
+    Gas that turns with the hull.
+
+        I' = I + share (roll, pitch, yaw)
+
+    The mass properties have the gas as an ideal fluid, which slips along the hull. `roll`, `pitch`
+    and `yaw` are what it would have more if it were frozen to the hull, 4 m b^2 c^2 / (5 (b^2 +
+    c^2)) with the half axes b and c across; the vehicle sets them. A share of 0 is the ideal
+    fluid, 1 the frozen gas; of a vehicle that was swung as a whole, 0 is the gas as it turned.
+
+    The oscillating boundary layer (Stokes) is d = sqrt(2 nu / omega) thick: 9 to 19 mm of helium
+    at periods of 2 to 10 s. It drags a share of 3.7 d / r in yaw, of which 2.6 d / r is in phase:
+    in a 1 m balloon 0.05 to 0.15. Inner walls, pillars and a limp film drag more.
+
+    Not modelled: the damping by that layer, omega times its inertia (5e-4 to 1.2e-3 N m s in yaw
+    of a 1 m balloon), that the share depends on the period, and spin-up: in a steady turn all of
+    the gas turns after about 40 s.
+    """
+    share, roll, pitch, yaw = p
+    i = rigid.inertia
+    inertia = (
+        i[0] + share * roll,
+        i[1] + share * pitch,
+        i[2] + share * yaw,
+        i[3],
+        i[4],
+        i[5],
+    )
+    return RigidBody(rigid.mass, rigid.moment, inertia, rigid.displaced)
+
+
+_GAS_ROTATION_SHARE = (
+    'by definition from ideal fluid (0) to frozen (1); spread: walls or a limp film inside '
+    '(assumed)'
+)
+_GAS_ROTATION_FROZEN = 'follows from hull and gas; spread: a tenth of a 1 m balloon; limit: 50 kg'
+
+GAS_ROTATION = BodyEffect(
+    'gas_rotation',
+    (
+        EffectParameter('share', '1', 0.0, 0.0, 1.0, 0.3, _GAS_ROTATION_SHARE),
+        *(
+            EffectParameter(axis, 'kg m2', 0.0, 0.0, 500.0, 5e-4, _GAS_ROTATION_FROZEN, beside=own)
+            for axis, own in (('roll', 4.3e-3), ('pitch', 4.3e-3), ('yaw', 8.2e-3))
+        ),
+    ),
+    gas_rotation,
 )
 
 

@@ -73,9 +73,11 @@ def compute_pendulum_mode(vehicle: Vehicle, about: Literal['roll', 'pitch']) -> 
     off = np.delete(cg, turn)
     own = float(vehicle.inertia[turn, turn]) + mass * float(off @ off)
     # The coupled translation reduces the effective inertia, see the module docstring
-    inertia = own + added[3 + turn] - moving * lever * lever
     effects = vehicle.collect_effects()
     axis, way = AXES[3 + turn], AXES[along]
+    gas = effects.get('gas_rotation', {})
+    own += gas.get('share', 0.0) * gas.get(axis, 0.0)
+    inertia = own + added[3 + turn] - moving * lever * lever
     # The translation is `lever` times the rate: linear drag acts with lever^2, quadratic with its
     # cube
     linear = effects['rotational_drag'][axis] + effects['linear_drag'][way] * lever**2

@@ -29,6 +29,11 @@ def gas_state(p, mass, cg, inertia, displaced):
     return *with_lump(mass, cg, inertia, more, np.zeros(3)), displaced
 
 
+def gas_rotation(p, mass, cg, inertia, displaced):
+    turning = p('share') * np.diag(p.vector('roll', 'pitch', 'yaw'))
+    return mass, cg, inertia + turning, displaced
+
+
 def air_state(p, mass, cg, inertia, displaced):
     density = (P_AIR + p('pressure')) / P_AIR * T_AIR / (T_AIR + p('temperature'))
     share = p('slack') + (1.0 - p('slack')) * density
@@ -46,6 +51,7 @@ def cg_moved(p, mass, cg, inertia, displaced):
 BODY = {
     'gas_purity': gas_purity,
     'gas_state': gas_state,
+    'gas_rotation': gas_rotation,
     'air_state': air_state,
     'ballast': carried,
     'payload': carried,
