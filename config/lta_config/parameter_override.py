@@ -12,6 +12,7 @@ from typing import Any
 
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.quantity import Quantity, UNITS
+from lta_config.schema.spectrum_file import read_light
 from pydantic import ValidationError
 import yaml
 
@@ -173,6 +174,9 @@ def _copy_with_element(
 
 def _validate_replacement(old: Any, value: Any, where: str) -> Any:  # noqa: ANN401 - what YAML holds
     """Return the new value if it has the type of the old one."""
+    # A light is a number or the name of its spectrum
+    if where.endswith('.efficacy'):
+        old, value = read_light(old), read_light(value)
     before, now = parse_quantity(old), parse_quantity(value)
     if before is not None:
         return _mark_source(_check_same_unit(before, now, value, where))

@@ -12,12 +12,12 @@ from typing import Annotated, Self
 
 from lta_config.files import find_file, load_file, Name, SchemaVersion, StrictModel
 from lta_config.quantity import Quantity, si_quantity
+from lta_config.schema.spectrum_file import Efficacy
 from pydantic import Field, model_validator
 
 DAY = 86400.0  # s
 Share = Annotated[Quantity, si_quantity('1', low=0.0, high=1.0, sourced=True)]
 Shares = Annotated[Quantity, si_quantity('1', low=0.0, high=1.0, length=2, sourced=True)]
-Efficacy = Annotated[Quantity, si_quantity('lm/W', above=0.0, high=683.0, sourced=True)]
 Lux = Annotated[Quantity, si_quantity('lx', low=0.0, high=2e5, sourced=True)]
 STEADY_LIGHT = Quantity(value=1.0, unit='1', source='not flickering')
 

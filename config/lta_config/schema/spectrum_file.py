@@ -1,23 +1,35 @@
 """
 Spectra of light, and the spectral responses of detectors: short tables with their sources.
 
-Wavelengths are in nanometres and increase.
+Wavelengths are in nanometres and increase. The luminous efficacy of a light follows from its
+spectrum, and files that have a light name its spectrum.
 """
 
 from collections.abc import Sequence
 from functools import cache
 from itertools import pairwise
-from typing import Annotated, Literal
+import math
+from typing import Annotated, Any, Final, Literal
 
 from lta_config.files import (
     check_exactly_one,
     find_file,
+    list_shipped_names,
     load_file,
     Name,
     SchemaVersion,
     StrictModel,
 )
-from pydantic import AfterValidator, Field, model_validator
+from lta_config.quantity import Quantity, si_quantity
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+
+Array = NDArray[np.float64]
+PEAK_EFFICACY: Final = 683.0  # lm/W at 555 nm, by definition
+SECOND_RADIATION: Final = 1.438777e7  # nm K, h c / k
+WAVELENGTHS: Final[Array] = np.arange(280.0, 4000.5)  # nm
+FULL_WIDTH_FACTOR: Final = 4.0 * math.log(2.0)
 
 Wavelength = Annotated[float, Field(ge=100.0, le=10_000.0, strict=False)]
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False, strict=False)]
@@ -97,3 +109,67 @@ def load_spectrum(name: str) -> LightSpectrum:
 def load_spectral_response(name: str) -> SpectralResponse:
     """Return a spectral response by shipped name or path; raise `BadInput` if it is invalid."""
     return load_file(SpectralResponse, find_file('spectral response', name))
+
+
+def sample_spectrum(light: LightSpectrum) -> Array:
+    """Return the share of the power by wavelength at `WAVELENGTHS`. [1/nm]"""
+    nm = WAVELENGTHS
+    if light.points is not None and light.total is not None:
+        # The total includes what lies outside of the table
+        return interpolate_points(light.points) / light.total
+    if light.temperature is not None:
+        power: Array = nm**-5 / np.expm1(SECOND_RADIATION / (nm * light.temperature))
+    else:
+        power = np.zeros(len(nm))
+        for peak in light.peaks or ():
+            width = np.where(nm < peak.at, peak.below, peak.above)
+            power += peak.height * np.exp(-FULL_WIDTH_FACTOR * ((nm - peak.at) / width) ** 2)
+    share: Array = power / np.trapezoid(power, nm)
+    return share
+
+
+def interpolate_points(points: Sequence[tuple[float, float]]) -> Array:
+    """Return a table of wavelengths [nm] and values at `WAVELENGTHS`, 0 outside of it."""
+    at, values = np.array(points).T
+    interpolated: Array = np.interp(WAVELENGTHS, at, values, left=0.0, right=0.0)
+    return interpolated
+
+
+def photopic_sensitivity(wavelength: Array) -> Array:
+    """
+    Return the sensitivity of the eye by wavelength [nm], 1 at most.
+
+    CIE 1931 by the two-lobe fit of Wyman, Sloan and Shirley (2013, Simple analytic approximations
+    to the CIE XYZ color matching functions, JCGT 2(2)).
+    """
+
+    def lobe(height: float, middle: float, below: float, above: float) -> Array:
+        width = np.where(wavelength < middle, below, above)
+        return height * np.exp(-0.5 * ((wavelength - middle) / width) ** 2)
+
+    return lobe(0.821, 568.8, 46.9, 40.5) + lobe(0.286, 530.9, 16.3, 31.1)
+
+
+@cache
+def luminous_efficacy(light: str) -> float:
+    """Return the luminous efficacy of the radiation of a shipped spectrum. [lm/W]"""
+    power = sample_spectrum(load_spectrum(light))
+    return PEAK_EFFICACY * float(
+        np.trapezoid(power * photopic_sensitivity(WAVELENGTHS), WAVELENGTHS)
+    )
+
+
+def read_light(value: Any) -> Any:  # noqa: ANN401 - as the file has it
+    """Return the efficacy of a shipped spectrum, by its name; another value as it is."""
+    if not isinstance(value, str) or value not in list_shipped_names('spectra'):
+        return value
+    number = luminous_efficacy(value)
+    return {'value': number, 'unit': 'lm/W', 'source': f'spectrum {value}'}
+
+
+# Luminous efficacy of a light [lm/W]: of a named spectrum, or a number
+Efficacy = Annotated[
+    Quantity,
+    si_quantity('lm/W', above=0.0, high=PEAK_EFFICACY),
+    BeforeValidator(read_light),
+]

@@ -15,6 +15,7 @@ from collections.abc import Mapping
 import math
 from typing import Final, final, NamedTuple, Self
 
+from lta_config.schema.spectrum_file import luminous_efficacy
 from lta_config.schema.vehicle_energy import EnergyBlock
 from lta_energy.irradiance import DARK, PanelIrradiance
 from lta_model.electrical.charger import charger_output, ChargerModel
@@ -24,7 +25,7 @@ from lta_model.electrical.panel import (
     find_max_power_point,
     SolarArrayModel,
 )
-from lta_model.light.spectral_factor import luminous_efficacy, STANDARD_LIGHT
+from lta_model.light.spectral_factor import STANDARD_LIGHT
 import numpy as np
 
 WHITE_LED: Final = 'white_led'  # spectrum of all lamps

@@ -76,6 +76,7 @@ class MissionLog:
     ended: float = 0.0
     outages: int = 0  # number of times that the cell ran empty on the perch
     dark: int = 0  # number of flights that ended without light on the panel
+    grounded: int = 0  # number of flights not flown, as warm gas made the drone too light
 
     @property
     def imbalance(self) -> float:
@@ -131,6 +132,7 @@ class PerchConfig:
     reserve: float  # state of charge that a flight must leave [1]
     charge: float  # state of charge at the first midnight [1]
     fetched: float  # time until a drone that landed elsewhere is brought back [s]
+    brightest: float = math.inf  # light above which its warm gas makes it too light to fly [W/m2]
     # Scale factor [1] and offset [A] of the current meter
     gain: float = 1.0
     offset: float = 0.0
@@ -171,6 +173,10 @@ class MissionSimulation:
             wish = self._schedule(self._collect_schedule_inputs())
             if self._out:
                 self._charge_until(self.now + PERCH_STEP, 0.0, EMPTY)
+            elif wish.fly and self._is_too_light():
+                # The time of the flight passes on the perch
+                self.diary.grounded += 1
+                self._rest_on_perch(wish._replace(until=self.now + self._flight_time()))
             elif wish.fly:
                 self._fly_once()
             else:
@@ -181,6 +187,15 @@ class MissionSimulation:
         if self.diary.time[-1] < self.now:
             self._append_sample(self.diary.state[-1], self.now, self.diary.spent)
         return self.diary
+
+    def _is_too_light(self) -> bool:
+        """Return whether light on the hull makes the drone too light to take off now."""
+        light = self._light.at(self.now)
+        return light.sun + light.lamps > self._upkeep.brightest
+
+    def _flight_time(self) -> float:
+        """Return the time that a flight takes: the last one's, at first the assumed one. [s]"""
+        return self.diary.flights[-1].duration if self.diary.flights else self._guess[1]
 
     def _collect_schedule_inputs(self) -> ScheduleInputs:
         """Collect what a schedule may use, with the flight statistics so far."""

@@ -9,21 +9,21 @@ from typing import Annotated, Any, Literal
 
 from lta_config.files import StrictModel
 from lta_config.quantity import describe_misfit, Quantity, si_quantity
+from lta_config.schema.spectrum_file import Efficacy
 from lta_model.light.field import Albedo, Ambient, Daylight, OutdoorArea, Room
 from lta_model.light.lamp import (
     BeaconLamp,
     DriftingClock,
     lambertian_order,
     MAX_CLOCK_OFFSET,
-    MAX_EFFICACY,
     SquareWave,
 )
 from pydantic import AfterValidator, BeforeValidator, Field
 
 Point = Annotated[Quantity, si_quantity('m', low=-1000.0, high=1000.0, length=3)]
-Efficacy = Annotated[Quantity, si_quantity('lm/W', above=0.0, high=MAX_EFFICACY)]
 Share = Annotated[float, Field(ge=0.0, lt=1.0)]
 NO_SHARE = Quantity(value=0.0, unit='1')
+HALF = Quantity(value=0.5, unit='1')
 HALF_POWER_ANGLE = Quantity(value=60.0, unit='deg')
 LAMP_RADIUS = Quantity(value=15.0, unit='mm')
 
@@ -135,7 +135,8 @@ class DaylightScene(StrictModel):
     """
     Sun and sky; the sun on a plane that faces it, the sky on level ground.
 
-    They warm the gas of the hull (effect `superheat`) unless `warms_gas` is false.
+    They warm the gas of the hull (effect `superheat`), whose envelope lets it expand by `slack`:
+    0 is a taut hull, whose lift stays, 1 a slack one. Nothing is known of foil balloons.
     """
 
     sun: Annotated[Quantity, si_quantity('lx', low=0.0, high=2e5)]
@@ -143,7 +144,7 @@ class DaylightScene(StrictModel):
     elevation: Annotated[Quantity, si_quantity('rad', above=0.0, high=math.pi / 2.0)]
     sky: Annotated[Quantity, si_quantity('lx', low=0.0, high=2e5)]
     efficacy: Efficacy
-    warms_gas: bool = True
+    slack: Annotated[Quantity, si_quantity('1', low=0.0, high=1.0)] = HALF
 
     def build_daylight(self, ground: float) -> Daylight:
         """Return the light over ground of some albedo. [1]"""

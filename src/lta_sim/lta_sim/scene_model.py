@@ -69,8 +69,9 @@ def collect_scene_effects(vehicle: Vehicle, scenario: Scenario) -> Effects:
             )
     sun = scenario.sun
     # A vehicle file may have measured values; a bare frame has no gas
-    if sun is not None and sun.warms_gas and vehicle.file.hull.shape != 'none':
-        effects |= {} if WARMED in vehicle.file.effects else {WARMED: dict(IN_SUN)}
+    if sun is not None and sun.slack.si > 0.0 and vehicle.file.hull.shape != 'none':
+        own = {} if WARMED in vehicle.file.effects else {WARMED: IN_SUN | {'slack': sun.slack.si}}
+        effects |= own
     return effects
 
 

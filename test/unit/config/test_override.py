@@ -8,12 +8,14 @@ from lta_config.parameter_override import (
     parse_value,
     replace_parameter,
 )
+from lta_config.schema.spectrum_file import luminous_efficacy
 import pytest
 
 FILE = {
     'trim': {'heaviness': {'value': 2, 'unit': 'g', 'source': 'scale'}},
     'air': {'wind': {'value': [0, 1, 2], 'unit': 'm/s'}, 'temperature': '20 degC'},
     'room': {'albedo': 0.5},
+    'lamp': {'efficacy': 'white_led'},
     'diodes': {'count': 8},
     'rotor': {'reversible': False},
     'effects': {'motor_lag': {'up': {'value': 72, 'unit': 'ms', 'source': 'paper'}}},
@@ -43,6 +45,11 @@ def changed(text):
             {'value': [1e-5, 0, 0], 'unit': 'm/s', 'source': OVERRIDE_SOURCE},
         ),
         ('diodes.count=4', 4),
+        ('lamp.efficacy=300 lm/W', {'value': 300.0, 'unit': 'lm/W', 'source': OVERRIDE_SOURCE}),
+        (
+            'lamp.efficacy=sun',
+            {'value': luminous_efficacy('sun'), 'unit': 'lm/W', 'source': OVERRIDE_SOURCE},
+        ),
         ('rotor.reversible=true', True),
         ('effects.motor_lag.up=0 ms', {'value': 0.0, 'unit': 'ms', 'source': OVERRIDE_SOURCE}),
         ('effects.leak.rate=1 g', {'value': 1.0, 'unit': 'g', 'source': OVERRIDE_SOURCE}),

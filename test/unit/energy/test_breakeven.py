@@ -2,6 +2,7 @@
 
 import math
 
+from lta_config.schema.spectrum_file import luminous_efficacy
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_energy.harvest import (
     break_even_illuminance,
@@ -13,7 +14,6 @@ from lta_energy.harvest import (
 )
 from lta_model.electrical.charger import ChargerModel
 from lta_model.electrical.panel import cell_spectral_factor, find_max_power_point, SolarArrayModel
-from lta_model.light.spectral_factor import luminous_efficacy
 import pytest
 
 ENERGY = load_vehicle_file('gtmab').energy

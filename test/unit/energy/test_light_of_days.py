@@ -4,6 +4,7 @@ import dataclasses
 import math
 
 from lta_config.schema.mission_file import load_light_day
+from lta_config.schema.spectrum_file import luminous_efficacy
 from lta_energy.irradiance import (
     clear_sky_irradiance,
     lamp_irradiance,
@@ -17,6 +18,7 @@ import pytest
 
 SPRING = load_light_day('greenhouse_spring')
 DOCK = load_light_day('warehouse_dock')
+LED = luminous_efficacy('white_led')
 HOUR = 3600.0
 
 
@@ -70,8 +72,8 @@ def test_a_seed_is_a_sky():
 def test_lamps_burn_by_their_timers_over_midnight_too():
     light = simulate_irradiance(DOCK, 1, 1)
     assert light.at(4.9 * HOUR) == (0.0, 0.0, 0.0, 0.5)
-    assert light.at(5.1 * HOUR) == (0.0, 0.0, pytest.approx(80e3 / 300.0), 0.5)
-    assert light.at(12.0 * HOUR).lamps == pytest.approx(1.0)
+    assert light.at(5.1 * HOUR) == (0.0, 0.0, pytest.approx(80e3 / LED), 0.5)
+    assert light.at(12.0 * HOUR).lamps == pytest.approx(300.0 / LED)
     assert light.illuminance()[12 * 60] == pytest.approx(300.0 + 40e3)
     hours = DOCK.lamps['beacon'].hours.model_copy(update={'value': (23.0, 5.0)})
     lamp = DOCK.lamps['beacon'].model_copy(update={'hours': hours})
@@ -115,11 +117,11 @@ def test_lux_are_watts_by_the_efficacy_of_each_and_a_beacon_counts_by_its_duty()
         light, sun=ones, lamps=ones, beacon=ones, duty=0.25, efficacies=(110.0, 300.0, 200.0)
     )
     assert even.illuminance().tolist() == [460.0] * 1440
-    assert (light.mean, light.duty, light.efficacies) == (1.0, 0.5, (1.0, 300.0, 300.0))
+    assert (light.mean, light.duty, light.efficacies) == (1.0, 0.5, (1.0, LED, LED))
     spring = simulate_irradiance(SPRING, 1, 1)
     # Half of the sky, of which 35 % comes through: 1 - 0.5 * 0.65.
     assert spring.mean == pytest.approx(0.675)
-    assert (spring.duty, spring.efficacies) == (1.0, (110.0, 1.0, 1.0))
+    assert (spring.duty, spring.efficacies) == (1.0, (luminous_efficacy('sun'), 1.0, 1.0))
 
 
 def test_a_day_without_clouds_is_clear_and_an_overcast_one_has_no_gap():

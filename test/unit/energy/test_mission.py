@@ -186,6 +186,25 @@ def test_work_round_the_clock_is_flown_by_day_and_by_night():
     assert max(starts) > 2 * DAY - 2 * HOUR
 
 
+def test_a_flight_in_light_that_makes_the_drone_too_light_stays_on_the_perch():
+    """The naive schedule of a summer day: it flies while the sun is weak, and counts the rest."""
+    light = simulate_irradiance(SUMMER, 1, 1)
+    starts, diaries = {}, {}
+    for brightest in (math.inf, 100.0):
+        upkeep, guess = replace(UPKEEP, brightest=brightest), (180.0, 100.0)
+        simulation = MissionSimulation(upkeep, light, build_fixed_schedule(4.0), flown, guess)
+        diaries[brightest] = simulation.run()
+        starts[brightest] = [each.start for each in diaries[brightest].flights]
+    assert diaries[math.inf].grounded == 0
+    assert all(light.at(start).sun <= 100.0 for start in starts[100.0])
+    assert any(light.at(start).sun > 100.0 for start in starts[math.inf])
+    dimmer = [start for start in starts[math.inf] if light.at(start).sun <= 100.0]
+    # What is not flown charges the cell, so that more is flown in dim light
+    assert len(starts[100.0]) >= len(dimmer)
+    assert diaries[100.0].grounded > 0
+    assert abs(diaries[100.0].imbalance) < 1e-9
+
+
 def test_a_lost_drone_is_fetched_and_counted():
     diary = lived(SUMMER, build_fixed_schedule(4.0), fly=partial(flown, ending='lost'))
     assert diary.failure_count == len(diary.flights)

@@ -5,6 +5,7 @@ import math
 
 from lta_config.errors import BadInput
 from lta_config.files import find_file, load_yaml
+from lta_config.schema.spectrum_file import luminous_efficacy
 from lta_model.scenario import load_scenario
 import pytest
 import yaml
@@ -39,8 +40,8 @@ def test_the_shipped_scene():
     assert field.first_lamp.flux == 10000.0
     assert field.first_lamp.wave.frequency == 150.0
     assert field.first_lamp.wave.duty == 0.5
-    assert field.first_lamp.efficacy == 300.0
-    assert field.ambient.efficacy == 300.0
+    # One number a spectrum: 326 lm/W of the white LED, whatever names it
+    assert field.first_lamp.efficacy == field.ambient.efficacy == luminous_efficacy('white_led')
     assert tuple(field.room.size) == (10.0, 8.0, 3.0)
     assert tuple(field.room.albedo) == (0.5, 0.5, 0.5)
     assert field.ambient.steady == 100.0

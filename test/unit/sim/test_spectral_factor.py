@@ -7,17 +7,17 @@ from lta_config.schema.spectrum_file import (
     LightSpectrum,
     load_spectral_response,
     load_spectrum,
+    luminous_efficacy,
+    photopic_sensitivity,
+    sample_spectrum,
     SpectralResponse,
+    WAVELENGTHS,
 )
 from lta_model.electrical.panel import array_spectral_factor, cell_spectral_factor
 from lta_model.light.spectral_factor import (
     find_spectrum,
-    luminous_efficacy,
     mean_responsivity,
-    photopic_sensitivity,
-    sample_spectrum,
     spectral_factor,
-    WAVELENGTHS,
 )
 from lta_model.vehicle import load_vehicle
 import numpy as np

@@ -3,6 +3,7 @@
 import math
 
 from lta_config.files import list_shipped_names
+from lta_config.schema.spectrum_file import luminous_efficacy
 from lta_config.topics import load_topic_table
 from lta_model.electrical.battery import open_circuit_voltage
 from lta_model.electrical.panel import cell_spectral_factor, find_max_power_point, SolarArrayModel
@@ -53,7 +54,7 @@ def test_light_on_the_panel_charges():
     readings = fly(bright, 200)
     lux = readings[10].illuminance
     assert lux == pytest.approx(1e5, rel=1e-9)
-    voltage, current = find_max_power_point(PANEL, SPECTRAL * 1e5 / 300.0)
+    voltage, current = find_max_power_point(PANEL, SPECTRAL * 1e5 / luminous_efficacy('white_led'))
     assert readings[10].panel[0] == pytest.approx(voltage, abs=0.04)
     assert readings[10].panel[1] == pytest.approx(TRACKED * current, abs=0.002)
     net = (TRACKED * voltage * current - OWN) * CONVERTED - 0.12
@@ -109,7 +110,9 @@ def test_a_shorted_panel_gives_current_without_voltage():
     readings = fly(world, 221)
     assert readings[90].panel[0] > 8.0
     assert readings[210].panel[0] == pytest.approx(0.0, abs=0.01)
-    assert readings[210].panel[1] == pytest.approx(SPECTRAL * 0.297 / 3.0, rel=0.02)
+    # 0.297 A in 1000 W/m2
+    shorted = SPECTRAL * 0.297 * 100.0 / luminous_efficacy('white_led')
+    assert readings[210].panel[1] == pytest.approx(shorted, rel=0.02)
     assert world.supply.flow.harvested == 0.0
 
 

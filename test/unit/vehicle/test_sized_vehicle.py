@@ -37,16 +37,20 @@ def test_lift_ballast_and_added_mass_follow_from_the_size(tmp_path: Path) -> Non
 
 
 def test_inertia_is_that_of_its_four_masses(tmp_path: Path) -> None:
-    # A thin film, a bar of 0.4 m with motors and ballast at the same depth, and the gas
+    # A thin film, a bar of 0.4 m with motors and ballast at the same depth, and the gas, which
+    # slips along a hull that turns about its axis of symmetry but for its boundary layer
     vehicle = write_vehicle(tmp_path, envelope=0.07, hang=0.3)
     gas, ballast = vehicle.gas_mass, vehicle.ballast_mass
     below = 0.05 + ballast
     depth = below * 0.3 / vehicle.mass
-    film, filling = 0.07 * 2.0 * 0.25**2 / 3.0, gas * 2.0 * 0.25**2 / 5.0
-    bar = 0.05 * (0.4**2 + 0.03**2) / 12.0
-    roll = film + filling + bar + (0.07 + gas) * depth**2 + below * (0.3 - depth) ** 2
+    film, bar = 0.07 * 2.0 * 0.25**2 / 3.0, 0.05 * (0.4**2 + 0.03**2) / 12.0
+    roll = film + bar + (0.07 + gas) * depth**2 + below * (0.3 - depth) ** 2
     assert vehicle.inertia[0, 0] == pytest.approx(roll, rel=1e-3)
     assert -vehicle.cg[2] == pytest.approx(depth, rel=1e-3)
+    # A diameter of 0.5 m, in which GT-MAB's share of 0.09 m over the diameter turns along
+    turning = vehicle.collect_effects()['gas_rotation']
+    assert turning['share'] == pytest.approx(0.18)
+    assert turning['roll'] == pytest.approx(gas * 2.0 * 0.25**2 / 5.0)
 
 
 def test_drag_is_hoerner_s_with_a_plate_for_the_gondola(tmp_path: Path) -> None:

@@ -82,7 +82,7 @@ def test_warnings_leave_the_status_at_zero(call):
     found = json.loads(said.out)
     assert found['faults'] == []
     assert any(
-        '39 of the 116 numbers in the vehicle file are assumed' in line
+        '39 of the 117 numbers in the vehicle file are assumed' in line
         for line in found['warnings']
     )
 

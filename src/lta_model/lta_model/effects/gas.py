@@ -1,6 +1,5 @@
 """Lifting gas and outside air: purity, state, leak and warming by light."""
 
-from collections.abc import Mapping
 from typing import Final
 
 from lta_config.constants import AIR_PRESSURE, AIR_TEMPERATURE, HELIUM_TO_AIR, STANDARD_GRAVITY
@@ -228,8 +227,8 @@ HELIUM_LEAK = WrenchEffect(
 )
 
 
-# Heat balance above, and the envelope that lets all of the lift out
-IN_SUN: Final[Mapping[str, float]] = {'warming': 0.017, 'lag': 70.0, 'slack': 1.0}
+# Heat balance of the docstring below
+IN_SUN: Final[dict[str, float]] = {'warming': 0.017, 'lag': 70.0}
 
 
 def superheat(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
@@ -251,9 +250,9 @@ def superheat(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) 
     of aluminised film, aluminium outside: Fortescue, Swinerd and Stark 2011, table 11.3) on 0.785
     m2 and loses h = 2.6 W/(m2 K) by free convection on 2.47 m2 (unverified, from memory; radiation
     is small, emittance 0.05), so warming = 0.017 K m2/W; gas 296 J/K and film 152 J/K (116.8 g at
-    1.3 kJ/(kg K), unverified, from memory) over 6.4 W/K, so lag = 70 s. In `sunny_field` (daylight
-    of 105 lm/W) E is 1020 W/m2: 17 K and, slack, 24 g of lift when steady; 10 K and 14 g after a
-    minute. `IN_SUN` has these values, for scenes with a sun; a vehicle file that has the effect
+    1.3 kJ/(kg K), unverified, from memory) over 6.4 W/K, so lag = 70 s. In `sunny_field` E is
+    980 W/m2: 17 K and, slack, 23 g of lift when steady; 10 K and 13 g after a minute. `IN_SUN` has
+    these values, for scenes with a sun, which have the slack; a vehicle file that has the effect
     has its own.
 
     Not modelled: forced convection by wind, stirring of the gas, one-sided sun, a change of T.

@@ -18,7 +18,7 @@ plane anywhere lie
 
 .. math:: E = \frac{\Phi}{A} \sum_{k \ge 1} \varrho^k = \frac{\Phi \varrho}{A (1 - \varrho)}
 
-Lux over the luminous efficacy of the light (white LED 300 lm/W, sun 105) is irradiance.
+Lux over the luminous efficacy of the light (white LED 326 lm/W, sun 109) is irradiance.
 """
 
 from dataclasses import dataclass

@@ -21,10 +21,9 @@ import math
 from typing import final
 
 from lta_config.errors import BadInput
+from lta_config.schema.spectrum_file import PEAK_EFFICACY
 import numpy as np
 from numpy.typing import NDArray
-
-MAX_EFFICACY = 683.0  # lm/W, by definition of the lumen, of green light at 555 nm
 
 
 def require(holds: bool, sentence: str) -> None:
@@ -36,9 +35,9 @@ def require(holds: bool, sentence: str) -> None:
 def require_efficacy(efficacy: float) -> None:
     """Raise `BadInput` for an impossible luminous efficacy. [lm/W]"""
     require(
-        0.0 < efficacy <= MAX_EFFICACY,
+        0.0 < efficacy <= PEAK_EFFICACY,
         f'The light has a luminous efficacy of {efficacy} lm/W; it must be above 0 and at '
-        f'most {MAX_EFFICACY:g} lm/W.',
+        f'most {PEAK_EFFICACY:g} lm/W.',
     )
 
 

@@ -22,8 +22,9 @@ FAILED: Final = {
 class MissionFigures:
     """Summary of one mission; energies in J, times in s."""
 
-    # Number of flights, of flights that reached every beacon, and of beacons reached
     flights: int
+    not_flown: int  # flights that the schedule wanted while the gas was too light
+    # Number of flights that reached every beacon, and of beacons reached
     rounds: int
     visits: int
     # Time in the air, and the longest flight
@@ -61,6 +62,7 @@ def summarize_mission(diary: MissionLog, beacons: int) -> MissionFigures:
     apart = [abs(a - b) for a, b in zip(diary.charge, diary.told, strict=True)]
     return MissionFigures(
         flights=len(flights),
+        not_flown=diary.grounded,
         rounds=sum(each.visits == beacons for each in flights),
         visits=sum(each.visits for each in flights),
         flown=flight_time,

@@ -12,7 +12,7 @@ from lta_studies.light.evaluation.intervals import BootstrapMean
 from lta_studies.mission import paper
 from lta_studies.mission.gas import (
     describe_gas,
-    describe_too_light,
+    draw_slack,
     estimate_gas_over_day,
     GasOverDay,
 )
@@ -67,12 +67,10 @@ def build_report(request: MissionRequest, results: Sequence[MissionResult]) -> R
     # The plots show the first seed only; tiles and tables average over all.
     selected = [each for each in results if each.seed == seed]
     light, gas = request.simulate_light(seed), estimate_gas(request)
-    alike = filter_by_schedule(results, select_main_result(results).schedule)
-    too_light = describe_too_light(gas, list_starts(alike))
     return Report(
         command='mission',
         subject=mission.name,
-        headline=f'{format_headline(request, results)} {too_light}'.rstrip(),
+        headline=format_headline(request, results),
         introduction=mission.about,
         tiles=build_tiles(request, results),
         blocks=(
@@ -122,7 +120,7 @@ def to_json(request: MissionRequest, results: Sequence[MissionResult]) -> dict[s
                 'schedule': each.schedule,
                 'seed': each.seed,
                 **asdict(each.figures),
-                'flights_too_light': gas.count_too_light(list_starts([each])),
+                'slack': draw_slack(each.seed),
             }
             for each in results
         ],
@@ -146,12 +144,11 @@ def format_headline(request: MissionRequest, results: Sequence[MissionResult]) -
     if failed := sum(each.figures.failure_count for each in alike):
         count = sum(each.figures.flights for each in alike)
         sentence += f'; {format_count(failed, "failure")} in {format_count(count, "flight")}'
+    if grounded := sum(each.figures.not_flown for each in alike):
+        sentence += (
+            f'; {format_count(grounded, "flight")} not flown, as the sun made the drone too light'
+        )
     return f'{sentence}.'
-
-
-def list_starts(results: Sequence[MissionResult]) -> list[float]:
-    """Return the starts of all flights, since the first midnight. [s]"""
-    return [flight.start for each in results for flight in each.diary.flights]
 
 
 def build_tiles(request: MissionRequest, results: Sequence[MissionResult]) -> list[Tile]:
@@ -240,6 +237,7 @@ def build_schedule_table(request: MissionRequest, results: Sequence[MissionResul
                 name,
                 format_mean(mean_daily_minutes(alike, request.days), 0),
                 f'{sum(f.flights for f in figures) / per:.0f}',
+                f'{sum(f.not_flown for f in figures) / per:.0f}',
                 f'{sum(f.rounds for f in figures) / per:.0f}',
                 f'{sum(f.harvested for f in figures) / per / 1e3:.1f}',
                 f'{abs(sum(f.curtailed for f in figures)) / per / 1e3:.1f}',
@@ -250,8 +248,8 @@ def build_schedule_table(request: MissionRequest, results: Sequence[MissionResul
             ]
         )
     heads = [
-        'a day', 'flown [min]', 'flights', 'whole rounds', 'harvested [kJ]', 'wasted [kJ]',
-        'asleep [%]', 'energy imbalance', 'total failures',
+        'a day', 'flown [min]', 'flights', 'not flown', 'whole rounds', 'harvested [kJ]',
+        'wasted [kJ]', 'asleep [%]', 'energy imbalance', 'total failures',
     ]  # fmt: skip
     note = (
         f'Means per day over {format_count(len(request.seeds), "seed")} of {request.days} d; '

@@ -11,6 +11,7 @@ from typing import final
 
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.schema.mission_file import InspectionPayload, MissionFile
+from lta_config.schema.spectrum_file import luminous_efficacy
 from lta_config.topics import load_topic_table
 from lta_control.cascade import CascadeGains
 from lta_control.strategies.homing import STRATEGY
@@ -27,9 +28,9 @@ from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec, loa
 from lta_model.electrical.panel import array_spectral_factor
 from lta_model.light.field import LightField
 from lta_model.light.lamp import BeaconLamp
-from lta_model.light.spectral_factor import luminous_efficacy
 from lta_model.mass_properties import half_axes
 from lta_model.scenario import Scenario
+from lta_model.scenario_light import NO_SHARE
 from lta_sim.light_link import build_light_link, LightLink
 
 OFF_AXIS = math.radians(75.0)  # emission angle from a lantern on the floor to the diodes
@@ -74,7 +75,7 @@ def keep_gas_cool(scenario: Scenario) -> Scenario:
     """Return the scenario with gas at the temperature of the air, also in sunlight."""
     if scenario.sun is None:
         return scenario
-    cool = {'daylight': scenario.sun.model_copy(update={'warms_gas': False})}
+    cool = {'daylight': scenario.sun.model_copy(update={'slack': NO_SHARE})}
     if scenario.outside is None:
         return scenario.model_copy(update=cool)
     return scenario.model_copy(update={'outside': scenario.outside.model_copy(update=cool)})

@@ -9,6 +9,7 @@ from lta_energy.mission import MissionSimulation, PerchConfig
 from lta_energy.schedule import build_fixed_schedule, Schedule, schedule_by_light
 from lta_sim.sensors.power import draw_errors, PowerMeterSettings
 from lta_studies.mission.flyer import MissionFlyer
+from lta_studies.mission.gas import draw_slack, find_brightest_light
 from lta_studies.mission.scene import MissionScene
 import numpy as np
 
@@ -26,7 +27,7 @@ def build_schedule(name: str, mission: MissionFile) -> Schedule:
 
 
 def build_perch_power_config(mission: MissionFile, scenes: MissionScene, seed: int) -> PerchConfig:
-    """Return the configuration on the perch, with meter errors drawn from the seed."""
+    """Return the configuration on the perch, with meter errors and slack drawn from the seed."""
     vehicle = scenes.vehicle
     meter = draw_errors(
         # 219 (the meter is an INA219) only keeps this stream independent of other draws.
@@ -38,7 +39,8 @@ def build_perch_power_config(mission: MissionFile, scenes: MissionScene, seed: i
         vehicle.battery, vehicle.charger, HarvestCurve.of_energy(vehicle.file.energy),
         vehicle.loads.idle,
         mission.asleep.si, (begin, end), mission.reserve.si, mission.charge.si,
-        mission.fetched.si, meter.current_gain, meter.current_offset,
+        mission.fetched.si, find_brightest_light(vehicle, draw_slack(seed)),
+        meter.current_gain, meter.current_offset,
     )  # fmt: skip
 
 

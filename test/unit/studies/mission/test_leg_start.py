@@ -33,8 +33,8 @@ def test_the_gas_of_a_mission_stays_at_the_temperature_of_the_air(name):
     (lamp,) = load_scenario(name).lamps
     day = {'scene': name, 'perch': lamp, 'round': (lamp,), 'payload': None}
     scenes = scene.MissionScene(warehouse.model_copy(update=day))
-    assert load_scenario(name).sun.warms_gas
-    assert not scenes.scenario.sun.warms_gas
+    assert load_scenario(name).sun.slack.si == 0.5
+    assert scenes.scenario.sun.slack.si == 0.0
     assert scenes.scenario.light_field == load_scenario(name).light_field
     assert 'superheat' not in scenes._model.effect_parameters
 

@@ -84,9 +84,16 @@ def test_a_log_is_stored_whole(tmp_path):
         assert isinstance(store.results['a'].flights[0].spent, EnergyTotals)
 
 
-@pytest.mark.parametrize(('failures', 'end'), [(0, ''), (1, '; 1 failure in 40 flights')])
-def test_the_headline_counts_failures_of_the_schedule_by_light(failures, end):
-    own = SimpleNamespace(flown=7200.0, flights=40, failure_count=failures)
+@pytest.mark.parametrize(
+    ('failures', 'grounded', 'end'),
+    [
+        (0, 0, ''),
+        (1, 0, '; 1 failure in 40 flights'),
+        (0, 7, '; 7 flights not flown, as the sun made the drone too light'),
+    ],
+)
+def test_the_headline_counts_failures_of_the_schedule_by_light(failures, grounded, end):
+    own = SimpleNamespace(flown=7200.0, flights=40, failure_count=failures, not_flown=grounded)
     fixed = SimpleNamespace(flown=3600.0, flights=30, failure_count=9)
     best = SimpleNamespace(flown=6000.0, flights=35, failure_count=0)
     results = [

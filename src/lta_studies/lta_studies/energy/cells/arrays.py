@@ -6,11 +6,11 @@ import math
 from typing import final
 
 from lta_config.schema.cell_file import BuiltArray, CellFile, CellTable, load_cell_file
+from lta_config.schema.spectrum_file import luminous_efficacy
 from lta_config.schema.vehicle_energy import EnergyBlock
 from lta_model.electrical.charger import charger_output, ChargerModel
 from lta_model.electrical.loads import LoadModel, power_demand
 from lta_model.electrical.panel import cell_spectral_factor, find_max_power_point, SolarArrayModel
-from lta_model.light.spectral_factor import luminous_efficacy
 
 LOWEST = 4.95  # V, minimum input of the seed paper's charger LT3652 (data sheet)
 

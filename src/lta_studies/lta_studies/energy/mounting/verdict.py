@@ -3,10 +3,10 @@
 from collections.abc import Mapping
 import math
 
+from lta_config.schema.spectrum_file import luminous_efficacy
 from lta_energy.harvest import WHITE_LED
 from lta_model.electrical.charger import charger_output
 from lta_model.electrical.panel import array_spectral_factor, find_max_power_point
-from lta_model.light.spectral_factor import luminous_efficacy
 from lta_model.vehicle import Vehicle
 from lta_studies.energy.mounting.run import MountingStudy
 from lta_studies.energy.mounting.straight_flight import average_over_seeds

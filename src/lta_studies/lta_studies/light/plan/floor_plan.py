@@ -10,7 +10,8 @@ from typing import Annotated, final, Literal, Self
 
 from lta_config.files import StrictModel
 from lta_config.quantity import Quantity, si_quantity
-from lta_model.light.lamp import lambertian_order, MAX_EFFICACY
+from lta_config.schema.spectrum_file import Efficacy
+from lta_model.light.lamp import lambertian_order
 from lta_model.scenario_light import AmbientScene
 from lta_studies.light.plan.polygon import (
     Array,
@@ -91,7 +92,7 @@ class LampKind(StrictModel):
 
     flux: Annotated[Quantity, si_quantity('lm', above=0.0, high=1e7)]
     half_power: Annotated[Quantity, si_quantity('rad', low=math.radians(1.0), high=1.55)]
-    efficacy: Annotated[Quantity, si_quantity('lm/W', above=0.0, high=MAX_EFFICACY)]
+    efficacy: Efficacy
     duty: Annotated[Quantity, si_quantity('1', low=0.01, high=0.99)]
     height: Length
     facing: Literal['down', 'sideways']

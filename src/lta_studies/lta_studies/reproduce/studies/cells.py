@@ -8,12 +8,12 @@ from lta_config.command_line import format_lta_command
 from lta_config.files import find_file, load_yaml, validate_content
 from lta_config.schema.cell_file import CellFile, CellTable, load_cell_table
 from lta_config.schema.parameter_ranges import draw_between, draw_content
-from lta_config.schema.spectrum_file import load_spectrum
+from lta_config.schema.spectrum_file import load_spectrum, luminous_efficacy
 from lta_config.schema.vehicle_energy import EnergyBlock
 from lta_config.schema.vehicle_file import load_vehicle_file, VehicleFile
 from lta_energy.harvest import break_even_illuminance, HarvestCurve, LAMPS
 from lta_model.electrical.charger import ChargerModel
-from lta_model.light.spectral_factor import luminous_efficacy, spectral_factor
+from lta_model.light.spectral_factor import spectral_factor
 from lta_studies.energy.cells.arrays import (
     build_all_arrays,
     compute_ground_loads,

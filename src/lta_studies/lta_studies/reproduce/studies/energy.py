@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Final
 
 from lta_config.command_line import format_lta_command
+from lta_config.schema.spectrum_file import luminous_efficacy
 from lta_energy.harvest import charging_power, HarvestCurve, LAMPS, LightSource, WHITE_LED
 from lta_flight.flight_spec import build_vehicle_scenario_stack, load_spec
 from lta_model.electrical.panel import cell_spectral_factor, SolarArrayModel
-from lta_model.light.spectral_factor import luminous_efficacy
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_studies.energy import paper
 from lta_studies.energy.budget.report import (
