@@ -76,7 +76,8 @@ QUOTES = {
         'takes {seconds:.0f} s on average, at {in_flight_a:.1f} W.',
         'lifts {slack:.1f} g more at noon',
         'GT-MAB can counter {held:.1f} g',
-        'between 5:15 and 18:59, by up to {ballast:.1f} g.**',
+        'would need {ballast:.1f} g more ballast',
+        '| not flown, too light | {not_flown_a:.0f} | {not_flown_b:.0f} | {not_flown_c:.0f} |',
         '| steady white LED | {net_led:.0f} | {ratio_led:.1f} : 1 | {an_hour_led:.0f} |',
         'half of the time | {net_flicker:.0f} | {ratio_flicker:.1f} : 1 | {an_hour_flicker:.0f} |',
         '| sun | {net_sun:.0f} | {ratio_sun:.1f} : 1 | {an_hour_sun:.0f} |',
@@ -156,11 +157,12 @@ def lived(net):
         minutes = format_mean(bootstrap_mean([life['flown'] / 60.0 for life in lives]), 0)
         found[f'flown_{key}'], _, found[f'flown_{key}_ci'] = minutes.partition(' ')
         found[f'flights_{key}'], found[f'in_flight_{key}'] = mean('flights'), mean('in_flight')
+        found[f'not_flown_{key}'] = mean('not_flown')
         found[f'harvested_{key}'] = mean('harvested') / 1e3
         found[f'curtailed_{key}'] = mean('curtailed') / 1e3
         found[f'imbalance_{key}'] = max(abs(life['imbalance']) for life in lives)
         found[f'failures_{key}'] = (
-            'none' if not any(life['failures'] for life in lives) else 'some'
+            str(sum(sum(life['failures'].values()) for life in lives) or 'none')
         )
         found[f'seconds_{key}'] = mean('flown') / mean('flights')
         found[f'all_{key}'] = mean('flown')

@@ -31,6 +31,8 @@ from plotly.graph_objects import Figure
 
 PAPERS = ('bag', 'dga', 'des')  # strategies of the paper
 BATCHED = 100  # draws from which on it pays to compile a batch
+FLIGHTS_A_DRAW = 3  # of which the rate of a draw is that most of them show
+SEEDS_APART = 100_000  # between the flights of one draw, above any number of draws
 
 
 @final
@@ -100,9 +102,10 @@ def fly_draws(
     *,
     strategies: Sequence[str] = PAPERS,
     change: Mapping[str, Any] | None = None,
-) -> dict[str, list[SweepRow]]:
+    flights: int = 1,
+) -> dict[str, list[list[SweepRow]]]:
     """
-    Fly part of a set once in each draw of what is assumed; return the flights by strategy.
+    Fly part of a set in each draw of what is assumed; return the flights by strategy and draw.
 
     Many are flown as a batch, which compiles for minutes and then flies hundreds a minute; a few
     are flown one after the other.
@@ -113,8 +116,8 @@ def fly_draws(
     plan = SweepPlan(file.model_copy(update={**cut, 'settings': settings}))
     changes = {seed: request.draw_changes(seed) for seed in request.draw_seeds}
     jobs = [
-        SweepJob(index, seed, {STRATEGY: name, **changes[seed]})
-        for index, (name, seed) in enumerate(product(strategies, changes))
+        SweepJob(index, seed + again * SEEDS_APART, {STRATEGY: name, **changes[seed]})
+        for index, (name, seed, again) in enumerate(product(strategies, changes, range(flights)))
     ]
     if len(changes) < BATCHED:
         rows = [fly_standalone_job(build_standalone_job(plan, job)) for job in jobs]
@@ -122,16 +125,21 @@ def fly_draws(
         # A batch may return flights of other strategies in between
         results = {job.index: row for job, row in BatchWorkers(plan.base, 'cpu-batch').run(jobs)}
         rows = [results[job.index] for job in jobs]
+    draws = [rows[k : k + flights] for k in range(0, len(rows), flights)]
     count = len(changes)
-    return {name: rows[k * count : (k + 1) * count] for k, name in enumerate(strategies)}
+    return {name: draws[k * count : (k + 1) * count] for k, name in enumerate(strategies)}
 
 
-def summarize_draws(name: str, rows: Sequence[SweepRow]) -> dict[str, list[float | str]]:
-    """Return share, path [m] and time [s] of single flights; NaN where one did not arrive."""
+def summarize_draws(
+    name: str, draws: Sequence[Sequence[SweepRow]]
+) -> dict[str, list[float | str]]:
+    """Return the share that arrives, path [m] and time [s] of one flight; NaN if it did not."""
     return {
-        f'{name}_reached': [float(row.outcome == REACHED) for row in rows],
-        f'{name}_path': [arrival_figure(row, 'path_length') for row in rows],
-        f'{name}_time': [arrival_figure(row, 'search_time') for row in rows],
+        f'{name}_reached': [
+            sum(row.outcome == REACHED for row in flights) / len(flights) for flights in draws
+        ],
+        f'{name}_path': [arrival_figure(first, 'path_length') for first, *_ in draws],
+        f'{name}_time': [arrival_figure(first, 'search_time') for first, *_ in draws],
     }
 
 

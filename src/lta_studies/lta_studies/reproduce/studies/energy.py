@@ -100,7 +100,7 @@ def draw_navigation(request: RowStudyRequest) -> dict[str, list[float | str]]:
     """Return the power of navigating by each strategy, one flight in every draw. [W]"""
     rows = fly_draws('indoors', request, strategies=STRATEGIES)
     powers: dict[str, list[float | str]] = {
-        name: [float(row.figures.get('power') or math.nan) for row in results]
+        name: [float(row.figures.get('power') or math.nan) for (row,) in results]
         for name, results in rows.items()
     }
     together = zip(*powers.values(), strict=True)

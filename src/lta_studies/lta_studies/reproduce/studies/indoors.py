@@ -13,6 +13,7 @@ from lta_studies.light.evaluation.tracks import fly_again, plot_tracks, select_t
 from lta_studies.reproduce.flights import (
     arrival_figure,
     FlightGroup,
+    FLIGHTS_A_DRAW,
     fly_draws,
     fly_group,
     format_command,
@@ -105,17 +106,18 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
 
 
 def draw_readings(request: RowStudyRequest) -> dict[str, list[float | str]]:
-    """Fly each reading once in every draw of what is assumed."""
+    """Fly each reading in every draw of what is assumed; a path is that of one flight."""
     draws: dict[str, list[float | str]] = {}
     for prefix, change in READINGS.items():
         if request.quick and change:
             continue
-        rows = fly_draws('indoors', request, change=change)
+        flights = 1 if request.quick else FLIGHTS_A_DRAW
+        rows = fly_draws('indoors', request, change=change, flights=flights)
         for name, results in rows.items():
             draws |= summarize_draws(f'{prefix}{name}', results)
         figures = {
             figure: {
-                name: [arrival_figure(row, figure) for row in results]
+                name: [arrival_figure(first, figure) for first, *_ in results]
                 for name, results in rows.items()
             }
             for figure in ('path_length', 'search_time')

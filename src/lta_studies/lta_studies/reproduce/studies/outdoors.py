@@ -25,6 +25,7 @@ from lta_studies.light.evaluation.pictures import LEGEND, strategy_color
 from lta_studies.light.evaluation.tracks import fly_again, plot_tracks
 from lta_studies.reproduce.flights import (
     FlightGroup,
+    FLIGHTS_A_DRAW,
     fly_draws,
     fly_group,
     format_command,
@@ -110,10 +111,15 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
 
 
 def draw_winds(request: RowStudyRequest) -> dict[str, list[float | str]]:
-    """Fly both winds once in every draw, and compare them with the thrust."""
+    """Fly both winds in every draw, and compare them with the thrust."""
     draws: dict[str, list[float | str]] = {}
     for speed in WINDS[:1] if request.quick else WINDS:
-        rows = fly_draws('winds', request, change={WIND: f'{speed:g} m/s'})
+        rows = fly_draws(
+            'winds',
+            request,
+            change={WIND: f'{speed:g} m/s'},
+            flights=1 if request.quick else FLIGHTS_A_DRAW,
+        )
         for name, results in rows.items():
             summary = summarize_draws(f'{name}_{speed:g}', results)
             draws |= {key: each for key, each in summary.items() if not key.endswith('_path')}
