@@ -161,8 +161,8 @@ def lived(net):
         found[f'harvested_{key}'] = mean('harvested') / 1e3
         found[f'curtailed_{key}'] = mean('curtailed') / 1e3
         found[f'imbalance_{key}'] = max(abs(life['imbalance']) for life in lives)
-        found[f'failures_{key}'] = (
-            str(sum(sum(life['failures'].values()) for life in lives) or 'none')
+        found[f'failures_{key}'] = str(
+            sum(sum(life['failures'].values()) for life in lives) or 'none'
         )
         found[f'seconds_{key}'] = mean('flown') / mean('flights')
         found[f'all_{key}'] = mean('flown')

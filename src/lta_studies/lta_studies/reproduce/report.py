@@ -61,8 +61,9 @@ METHOD: Final = (
     'readings. The rest is open, for one of three reasons: readings of the words contradict each '
     'other; single flights were flown, whose chance decides; or our numbers are not known well '
     'enough. Where the paper prints a figure of one flight, it differs only if it is outside of '
-    'the interval of nine of ten flights that arrive; those that do not are counted apart. Where '
-    'a rate of success is claimed and each draw flies once, so few flights may go the other way '
+    'the interval of nine of ten flights that arrive; those that do not are counted apart. A '
+    'strategy flies three times in each draw, which has the rate of these flights. Where a rate '
+    'of success is claimed and each draw flies once, so few flights may go the other way '
     "that, by Markov's inequality, 95 % of the draws have the rate. Claims that hold by "
     'construction, and agreements that say nothing because anything would agree, are counted '
     'apart. For each claim that cannot be tested, the reason is given.'

@@ -7,11 +7,12 @@ the upper end is 5 % or less. A claim agrees or differs if all of its readings d
 is open, because of how the paper is read (one reading agrees and another differs), because single
 flights were flown, or because our numbers are not known well enough.
 
-Each draw flies once. If the claim is about the rate at which flights succeed, a draw shows one
-outcome and not the rate. By Markov's inequality a share P(p < L) of the draws with a rate p below
-L makes at least (1 - L) P(p < L) of all flights fail, so that few failures bound it. If the paper
-prints a figure of one flight, it differs where that figure is outside of the interval in which
-nine of ten single flights lie.
+The navigation rows fly several flights in each draw, and the rate of a draw is their share. A
+manoeuvre is flown once in each draw: of a claim about the rate at which flights succeed, such a
+draw shows one outcome and not the rate. By Markov's inequality a share P(p < L) of the draws with
+a rate p below L makes at least (1 - L) P(p < L) of all flights fail, so that few failures bound
+it. If the paper prints a figure of one flight, it differs where that figure is outside of the
+interval in which nine of ten single flights lie.
 
 A measure that was not drawn counts as it is, with its whole interval over the seeds if it has one.
 """
