@@ -15,11 +15,9 @@ from lta_bridge.crazyflie.safety import (
     SafetyRequest,
     SafetyStage,
     SafetyState,
-    SETTLING,
     SILENT,
     STALE,
     step_state,
-    STOPS,
 )
 from lta_bridge.crazyflie.supervisor_word import explain_fault, SupervisorBit
 import pytest
@@ -179,25 +177,6 @@ def flying():
     return SafetyState(SafetyStage.FLYING, began=0.0)
 
 
-def test_every_limit_lands():
-    for change in (
-        {'active': False},
-        {'silence': 0.6},
-        {'height': 4.1},
-        {'distance': 51.0},
-        {'command_age': 0.31},
-        {'place_age': 0.51},
-    ):
-        state, order = step_state(flying(), 1.0, FIT._replace(**change), SafetyRequest(), LIMITS)
-        assert state.stage is SafetyStage.LANDING, change
-        assert order.stream
-    state, _ = step_state(flying(), 601.0, FIT, SafetyRequest(), LIMITS)
-    assert (state.stage, state.why) == (
-        SafetyStage.LANDING,
-        'the flight has reached its time limit of 600 s',
-    )
-
-
 @given(
     seen=seen, stage=st.sampled_from([SafetyStage.READY, SafetyStage.FLYING, SafetyStage.DISARMED])
 )
@@ -221,51 +200,6 @@ def test_no_motor_begins_to_turn_while_nobody_tells_the_place(seen, drive):
     assert state.stage is not SafetyStage.FLYING
 
 
-@pytest.mark.parametrize(
-    'change',
-    [{'active': False}, {'silence': 0.6}, {'height': 4.1}, {'distance': 51.0}, {'voltage': 3.1}],
-)
-def test_what_would_end_a_flight_lets_none_begin(change):
-    """Armed and ready, with a command that is fresh."""
-    ready = SafetyState(SafetyStage.READY, low_since=0.0)
-    state, order = step_state(ready, 1.0, FIT, SafetyRequest(), LIMITS)
-    assert (state.stage, order.drive) == (SafetyStage.FLYING, 1.0)
-    state, order = step_state(ready, 1.0, FIT._replace(**change), SafetyRequest(), LIMITS)
-    assert (state.stage, order) == (SafetyStage.DISARMED, SafetyOutputs(arm=False))
-
-
-@pytest.mark.parametrize(
-    ('word', 'asked_again'),
-    [
-        (SupervisorBit.ARMED, 10),
-        (SupervisorBit.ARMED | SupervisorBit.AUTO_ARM, 0),  # it arms itself, whatever we ask
-        (SupervisorBit.ARMED | SupervisorBit.FLYING, 0),  # somebody else flies it
-        (SupervisorBit.CAN_BE_ARMED, 0),
-    ],
-)
-def test_a_drone_that_is_found_armed_is_disarmed_unless_it_flies_or_arms_itself(word, asked_again):
-    state, seen, sent = SafetyState(), FIT._replace(word=int(word)), 0
-    for turn in range(64):  # 1 s; asked at the first of these that is 0.1 s after the one before
-        state, order = step_state(state, turn / 64, seen, SafetyRequest(), LIMITS)
-        assert order in (SafetyOutputs(), SafetyOutputs(arm=False))
-        sent += order.arm is False
-    assert (state.stage, sent) == (SafetyStage.DISARMED, asked_again)
-
-
-def test_a_landing_of_which_nobody_says_that_it_ends_is_disarmed_after_ten_seconds():
-    state, _ = step_state(flying(), 1.0, FIT, SafetyRequest(arm=False), LIMITS)
-    aloft = FIT._replace(word=int(SupervisorBit.ARMED | SupervisorBit.FLYING))
-    end = 1.0 + RAMP + SETTLING
-    state, order = step_state(state, end - PERIOD, aloft, SafetyRequest(), LIMITS)
-    assert (state.stage, order.arm) == (SafetyStage.LANDING, None)
-    state, order = step_state(state, end + PERIOD, aloft, SafetyRequest(), LIMITS)
-    assert (state.stage, state.why, order) == (
-        SafetyStage.DISARMED,
-        'on request',
-        SafetyOutputs(arm=False),
-    )
-
-
 def landed_after(voltages):
     """Return after how long the voltages told ten times a second end a flight; None if never."""
     state, each = flying(), round(0.1 / PERIOD)
@@ -287,89 +221,3 @@ def test_a_cell_that_is_told_low_for_a_moment_is_flown_on_with(low, before):
 @given(st.lists(st.floats(-1e3, 3.1), min_size=5, max_size=20))
 def test_a_cell_that_stays_low_lands_in_time(low):
     assert landed_after(low) == pytest.approx(LOW, abs=1.01 * PERIOD)
-
-
-def test_voltages_that_end_with_a_low_one_land_too():
-    """The newest counts until another comes: what nobody takes back is believed."""
-    assert landed_after([4.0] + [3.1] * 5) == pytest.approx(0.1 + LOW, abs=1.01 * PERIOD)
-
-
-def test_the_ramp_falls_in_a_line_and_then_it_hands_over_and_disarms():
-    state, _ = step_state(flying(), 1.0, FIT, SafetyRequest(arm=False), LIMITS)
-    seen = FIT._replace(word=int(SupervisorBit.ARMED | SupervisorBit.FLYING))
-    state, order = step_state(state, 1.1, seen, SafetyRequest(), LIMITS)
-    assert abs(order.drive - 0.8) < 1e-9  # 0.1 s of 0.5 s
-    state, order = step_state(state, 1.5, seen, SafetyRequest(), LIMITS)
-    assert order == SafetyOutputs(hand_over=True)
-    state, order = step_state(state, 4.0, FIT, SafetyRequest(), LIMITS)
-    assert (state.stage, state.why, order) == (
-        SafetyStage.DISARMED,
-        'on request',
-        SafetyOutputs(arm=False),
-    )
-
-
-def test_a_hiccup_is_flown_through_and_a_landing_that_was_asked_for_is_not():
-    for change in ({'command_age': 0.31}, {'place_age': 0.51}):
-        state, _ = step_state(flying(), 1.0, FIT._replace(**change), SafetyRequest(), LIMITS)
-        state, order = step_state(state, 1.2, FIT, SafetyRequest(), LIMITS)
-        assert (state.stage, order.drive) == (SafetyStage.FLYING, 1.0)
-    state, _ = step_state(flying(), 1.0, FIT, SafetyRequest(arm=False), LIMITS)
-    state, order = step_state(state, 1.2, FIT, SafetyRequest(), LIMITS)
-    assert (state.stage, round(order.drive, 9)) == (SafetyStage.LANDING, 0.6)
-
-
-def test_arming_is_asked_again_until_it_is_confirmed_and_given_up_after_a_second():
-    state, order = step_state(
-        SafetyState(), 0.0, FIT._replace(word=1), SafetyRequest(arm=True), LIMITS
-    )
-    requests = int(order.arm is True)
-    now = 0.0
-    while state.stage is SafetyStage.ARMING:
-        now += PERIOD
-        state, order = step_state(state, now, FIT._replace(word=1), SafetyRequest(), LIMITS)
-        requests += order.arm is True
-    assert 1.0 < now < 1.0 + 2 * PERIOD
-    assert requests == 10  # at 0.0, 0.1 ... 0.9 s
-    assert order.arm is False
-    assert 'did not confirm' in state.why
-
-
-def test_a_word_older_than_the_request_confirms_nothing():
-    state, _ = step_state(SafetyState(), 0.0, FIT, SafetyRequest(arm=True), LIMITS)
-    state, _ = step_state(state, 0.02, FIT._replace(silence=0.03), SafetyRequest(), LIMITS)
-    assert state.stage is SafetyStage.ARMING
-    state, _ = step_state(state, 0.04, FIT._replace(silence=0.01), SafetyRequest(), LIMITS)
-    assert state.stage is SafetyStage.READY
-
-
-@pytest.mark.parametrize(
-    ('word', 'expected'), [(SupervisorBit.LOCKED, STOPS), (SupervisorBit.ARMED, 3 * STOPS)]
-)
-def test_an_emergency_stop_is_sent_ten_times_and_until_the_drone_is_not_armed(word, expected):
-    seen = FIT._replace(word=int(word))
-    for stage in SafetyStage:
-        state, sent = SafetyState(stage), 0
-        for turn in range(3 * STOPS):
-            state, order = step_state(
-                state, turn * PERIOD, seen, SafetyRequest(stop=turn == 0), LIMITS
-            )
-            sent += order.stop
-        assert (state.stage, sent) == (SafetyStage.STOPPED, expected)
-
-
-def test_refusals_name_the_remedy():
-    for change, word in (
-        ({'linked': False}, 'no link'),
-        ({'active': False}, 'activate'),
-        ({'voltage': 3.0}, 'charge'),
-        ({'voltage': math.nan}, 'has not reported'),
-        ({'word': int(SupervisorBit.LOCKED)}, 'off and on'),
-        ({'silence': 1.0}, 'sent nothing'),
-        ({'silence': math.inf}, 'try again'),
-    ):
-        state, order = step_state(
-            SafetyState(), 0.0, FIT._replace(**change), SafetyRequest(arm=True), LIMITS
-        )
-        assert order.arm is None
-        assert word in state.why
