@@ -6,24 +6,21 @@ import struct
 from lta_bridge.crazyflie import duties_packet
 from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 from lta_emulation.crazyflie.body import BenchBody
-from lta_emulation.crazyflie.firmware import Firmware, FULL_RATIO
-from lta_emulation.crazyflie.firmware_build import APP, ARMING, AS_SOLD, KCONFIG_IDLE
+from lta_emulation.crazyflie.firmware import Firmware
+from lta_emulation.crazyflie.firmware_build import APP, ARMING, AS_SOLD
 from lta_emulation.crazyflie.lossy_link import LossyLink
 from lta_emulation.crazyflie.packet import CrtpPacket, unpack_datagram
 from lta_emulation.crazyflie.supervisor import PERIOD, SupervisorState
 import pytest
 
 HOVER = CrtpPacket(7, 0, b'\x0a' + struct.pack('<ffff', 0.0, 0.0, 0.0, 0.45))
-STOP_SETPOINT = CrtpPacket(7, 0, b'\0')
 NOTIFY = CrtpPacket(7, 1, b'\0' + bytes(4))
 LAND = CrtpPacket(8, 0, b'\x08' + bytes(14))
 ARM, DISARM = CrtpPacket(9, 1, b'\x01\x01'), CrtpPacket(9, 1, b'\x01\x00')
 EMERGENCY, WATCHDOG = CrtpPacket(9, 1, b'\x03'), CrtpPacket(9, 1, b'\x04')
-OLD_EMERGENCY = CrtpPacket(6, 1, b'\x03')
 
 
 STILL = (0.0,) * 4
-STEP = (1.0 / FULL_RATIO, 0.0, 0.0, 0.0)  # of a blimp that coasts under the app's duties
 AT_ONCE = 2 * PERIOD  # s: the supervisor looks every 40 ms
 
 
@@ -84,19 +81,6 @@ def word(drone, now):
     return int.from_bytes(answer.data[1:], 'little')
 
 
-def test_silence_in_flight_levels_out_and_locks_after_two_seconds(drone):
-    hovering(drone)
-    run(drone, 1.0, 1.4)
-    assert drone.supervisor.state is SupervisorState.FLYING
-    run(drone, 1.4, 1.7)
-    assert drone.supervisor.state is SupervisorState.LEVEL_OUT
-    assert word(drone, 1.7) & SupervisorBit.FLYING
-    assert run(drone, 1.7, 4.0) == pytest.approx(3.0, abs=0.08)
-    assert word(drone, 4.0) == SupervisorBit.LOCKED
-    (answer,) = drone.receive(ARM, 4.0)
-    assert answer.data == b'\x81\x00\x00'
-
-
 def test_a_setpoint_in_time_is_flown_again_after_levelling_out(drone):
     hovering(drone)
     run(drone, 1.0, 2.0)
@@ -105,78 +89,6 @@ def test_a_setpoint_in_time_is_flown_again_after_levelling_out(drone):
     assert drone.supervisor.state is SupervisorState.LEVEL_OUT
     assert drone.body.duties == (0.5,) * 4
     assert run(drone, 2.2, 2.5, HOVER) == pytest.approx(2.2, abs=AT_ONCE)
-
-
-@pytest.mark.parametrize('packet', [EMERGENCY, OLD_EMERGENCY])
-def test_an_emergency_stop_locks_at_once(drone, packet):
-    hovering(drone)
-    drone.receive(packet, 1.0)
-    assert run(drone, 1.0, 1.2, HOVER) == pytest.approx(1.0, abs=AT_ONCE)
-    assert word(drone, 1.2) == SupervisorBit.LOCKED
-
-
-def test_stabilizer_stop_is_an_emergency_stop(drone):
-    hovering(drone)
-    write(drone, 'stabilizer.stop', '<B', 1, 1.0)
-    assert run(drone, 1.0, 1.2, HOVER) == pytest.approx(1.0, abs=AT_ONCE)
-    assert word(drone, 1.2) == SupervisorBit.LOCKED
-
-
-def test_one_word_to_the_watchdog_wants_another_every_second(drone):
-    hovering(drone)
-    drone.receive(WATCHDOG, 1.0)
-    assert run(drone, 1.0, 3.0, HOVER) == pytest.approx(2.0, abs=0.08)
-    assert word(drone, 3.0) == SupervisorBit.LOCKED
-
-
-def test_disarming_stops_at_once_and_arming_works_again(drone):
-    hovering(drone)
-    assert drone.receive(DISARM, 1.0)[0].data == b'\x81\x01\x00'
-    assert run(drone, 1.0, 1.2, HOVER) == pytest.approx(1.0, abs=AT_ONCE)
-    assert word(drone, 1.2) == SupervisorBit.CAN_BE_ARMED
-    assert drone.receive(ARM, 1.2)[0].data == b'\x81\x01\x01'
-
-
-def test_a_stop_setpoint_stops_at_once_and_locks_two_seconds_later(drone):
-    hovering(drone)
-    drone.receive(STOP_SETPOINT, 1.0)
-    assert run(drone, 1.0, 2.9) == pytest.approx(1.0, abs=AT_ONCE)
-    assert not word(drone, 2.9) & SupervisorBit.LOCKED
-    run(drone, 2.9, 3.2)
-    assert word(drone, 3.2) & SupervisorBit.LOCKED
-
-
-def test_after_the_hand_over_it_lands_and_disarms_itself_unlocked(drone):
-    hovering(drone)
-    drone.receive(NOTIFY, 1.0)
-    (answer,) = drone.receive(LAND, 1.0)
-    assert answer.data == b'\x08\x00\x00\x00'
-    run(drone, 1.0, 9.0)
-    assert not word(drone, 9.0) & SupervisorBit.LOCKED
-
-
-def test_without_the_app_a_coasting_drone_counts_as_landed_and_is_disarmed(drone):
-    hovering(drone)
-    drone.receive(NOTIFY, 1.0)
-    run(drone, 1.0, 2.9)
-    assert word(drone, 2.9) & SupervisorBit.FLYING
-    run(drone, 2.9, 3.2)
-    assert drone.supervisor.state is SupervisorState.LANDED
-    run(drone, 3.2, 5.9)
-    assert word(drone, 5.9) & SupervisorBit.ARMED
-    run(drone, 5.9, 6.3)
-    assert word(drone, 6.3) == SupervisorBit.CAN_BE_ARMED
-
-
-def test_an_emergency_stop_of_a_landed_drone_waits_until_it_is_disarmed(drone):
-    hovering(drone)
-    drone.receive(NOTIFY, 1.0)
-    run(drone, 1.0, 3.2)
-    drone.receive(EMERGENCY, 3.2)
-    run(drone, 3.2, 5.9)
-    assert drone.supervisor.state is SupervisorState.LANDED
-    run(drone, 5.9, 6.4)
-    assert word(drone, 6.4) == SupervisorBit.LOCKED
 
 
 def test_upside_down_in_flight_it_crashes_and_recovers_upright(drone):
@@ -214,15 +126,6 @@ def test_without_its_check_it_minds_no_tumble(drone):
     assert drone.supervisor.state is SupervisorState.FLYING
 
 
-def test_armed_and_idle_it_disarms_itself_after_the_preflight_time(drone):
-    write(drone, 'supervisor.prefltTimeout', '<H', 4000)
-    drone.receive(ARM, 0.0)
-    run(drone, 0.0, 3.9)
-    assert word(drone, 3.9) & SupervisorBit.ARMED
-    run(drone, 3.9, 4.3)
-    assert not word(drone, 4.3) & SupervisorBit.ARMED
-
-
 def test_unarmed_it_ignores_every_command(drone, app):
     assert run(drone, 0.0, 1.0, HOVER) == 0.0
     assert drone.body.duties == STILL
@@ -233,43 +136,6 @@ def test_unarmed_it_ignores_every_command(drone, app):
 # Builds.
 
 
-def test_as_sold_it_arms_itself_and_does_so_again_when_it_is_disarmed():
-    drone = Firmware(BenchBody(), build=AS_SOLD)
-    run(drone, 0.0, 0.2)
-    assert word(drone, 0.2) == SupervisorBit.ARMED | SupervisorBit.AUTO_ARM | SupervisorBit.CAN_FLY
-    run(drone, 0.2, 1.0, HOVER)
-    assert word(drone, 1.0) & SupervisorBit.FLYING
-    drone.receive(DISARM, 1.0)
-    assert run(drone, 1.0, 1.06) is not None
-    drone.receive(NOTIFY, 1.06)
-    run(drone, 1.06, 1.4)
-    assert (
-        word(drone, 1.4) & (SupervisorBit.ARMED | SupervisorBit.AUTO_ARM)
-        == SupervisorBit.ARMED | SupervisorBit.AUTO_ARM
-    )
-    write(drone, 'powerDist.idleThrust', '<I', KCONFIG_IDLE)  # without effect on this build
-    run(drone, 4.0, 4.2)
-    assert drone.body.duties == STILL
-
-
-def test_motors_of_the_arming_build_idle_as_soon_as_it_is_armed_until_somebody_writes_zero():
-    """CONFIG_MOTORS_DEFAULT_IDLE_THRUST is 7000 of 65535 where nobody sets it."""
-    drone = Firmware(BenchBody(), build=ARMING)
-    assert run(drone, 0.0, 0.5) == 0.0
-    drone.receive(ARM, 0.5)
-    run(drone, 0.5, 0.7)
-    assert drone.body.duties == pytest.approx((0.107,) * 4, abs=1e-3)
-    run(drone, 0.7, 3.0)
-    assert not word(drone, 3.0) & SupervisorBit.FLYING  # at idle, not over it
-    write(drone, 'powerDist.idleThrust', '<I', 0, 3.0)
-    run(drone, 3.0, 3.1)
-    assert drone.body.duties == STILL
-    drone.receive(DISARM, 3.1)
-    write(drone, 'powerDist.idleThrust', '<I', KCONFIG_IDLE, 3.1)
-    run(drone, 3.1, 3.3)
-    assert drone.body.duties == STILL
-
-
 def test_while_it_starts_it_hears_nothing_and_turns_nothing():
     drone = Firmware(BenchBody(), build=AS_SOLD, up_at=2.0)
     assert run(drone, 0.0, 1.9, HOVER) == 0.0
@@ -278,15 +144,6 @@ def test_while_it_starts_it_hears_nothing_and_turns_nothing():
     assert drone.body.duties == STILL
     run(drone, 2.0, 2.2, HOVER)
     assert drone.body.duties == (0.5,) * 4
-
-
-def test_the_builds_have_their_own_parameters():
-    app, sold = Firmware(BenchBody(), build=APP), Firmware(BenchBody(), build=AS_SOLD)
-    wanted = {'lta.app': 3, 'lta.compensated': 0, 'stabilizer.controller': 6}
-    assert {name: app.parameters.values[name] for name in wanted} == wanted
-    assert not [name for name in sold.parameters.values if name.startswith('lta.')]
-    assert sold.parameters.values['stabilizer.controller'] == 1
-    assert Firmware(BenchBody(), build=ARMING).parameters.values['powerDist.idleThrust'] == 7000
 
 
 @pytest.mark.parametrize(
@@ -334,34 +191,6 @@ def test_duties_hold_for_their_time_out_and_old_ones_are_not_flown(app):
     assert word(app, 6.0) == SupervisorBit.CAN_BE_ARMED  # not locked: the app has let go
 
 
-def test_a_blimp_that_coasts_stays_armed_while_packets_hold_and_not_a_second_longer(app):
-    app.receive(ARM, 0.0)
-    run(app, 0.0, 1.0, stream(0.3, 0.3, 0.3, 0.3))
-    run(app, 1.0, 21.0, stream(0.0, 0.0, 0.0, 0.0))
-    assert app.body.duties == STEP
-    assert (
-        word(app, 21.0) & (SupervisorBit.ARMED | SupervisorBit.FLYING)
-        == SupervisorBit.ARMED | SupervisorBit.FLYING
-    )
-    # The last came at 20.98 s and holds for 200 ms.
-    assert run(app, 21.0, 22.1) == pytest.approx(21.18, abs=0.03)
-    assert word(app, 22.1) & SupervisorBit.ARMED
-    run(app, 22.1, 22.3)
-    assert not word(app, 22.3) & SupervisorBit.ARMED
-    run(app, 22.3, 30.0)
-    assert word(app, 30.0) == SupervisorBit.CAN_BE_ARMED
-
-
-def test_packets_that_turned_nothing_yet_leave_the_preflight_time_in_force(app):
-    write(app, 'supervisor.prefltTimeout', '<H', 4000)
-    app.receive(ARM, 0.0)
-    run(app, 0.0, 3.9, stream(0.0, 0.0, 0.0, 0.0))
-    assert word(app, 3.9) & (SupervisorBit.ARMED | SupervisorBit.FLYING) == SupervisorBit.ARMED
-    assert app.body.duties == STILL
-    run(app, 3.9, 4.3, stream(0.0, 0.0, 0.0, 0.0))
-    assert not word(app, 4.3) & SupervisorBit.ARMED
-
-
 def test_after_a_flight_it_arms_and_flies_again(app):
     for begin in (0.0, 10.0):
         app.receive(ARM, begin)
@@ -372,13 +201,6 @@ def test_after_a_flight_it_arms_and_flies_again(app):
 
 
 # Packets of a wrong length.
-
-
-def test_what_is_too_much_of_a_parameter_is_left_and_the_packet_comes_back(app):
-    """param_logic.c looks at no length."""
-    packet = CrtpPacket(2, 2, number(app, 'supervisor.landedTimeout') + b'\x10\x27\x63\x63')
-    assert app.receive(packet, 0.0) == [packet]
-    assert app.parameters.values['supervisor.landedTimeout'] == 10000
 
 
 def test_what_is_too_little_is_read_of_an_earlier_packet(app):

@@ -20,7 +20,6 @@ from lta_emulation.crazyflie.variables import list_parameters
 import pytest
 
 COUNT = 10_000  # packets to a drone
-NUMBER = b'\x05\0'  # of the override, in these tests
 PORTS = (0, 2, 4, 5, 6, 7, 8, 9, 13, 14, 15)
 REQUESTS = ((9, 1), (13, 0))  # ports and channels on which 1 asks to arm
 WRITE, OTHER = (2, 2), (2, 3)
@@ -91,24 +90,3 @@ def test_no_malformed_packet_turns_a_motor(build, seed):
     suffered = to_drone(COUNT, Random(seed), build)
     assert not suffered.turned
     assert suffered.packets > 0.9 * COUNT
-
-
-@pytest.mark.parametrize(
-    ('packet', 'obeyed'),
-    [
-        (CrtpPacket(9, 1, b'\x01\x01'), True),
-        (CrtpPacket(9, 1, b'\x01'), True),  # what follows is left by an earlier packet
-        (CrtpPacket(9, 1, b'\x03\x01'), False),
-        (CrtpPacket(13, 0, b'\x01\x01\x63'), True),
-        (CrtpPacket(2, 2, NUMBER + b'\x01'), True),
-        (CrtpPacket(2, 2, NUMBER), True),
-        (CrtpPacket(2, 2, NUMBER + b'\x01\x63\x63'), True),  # nothing looks at its length
-        (CrtpPacket(2, 2, b'\x06\0\x01'), False),
-        (CrtpPacket(2, 1, NUMBER + b'\x01'), False),
-        (CrtpPacket(2, 3, b'\0motorPowerSet\0enable\0\x08\x01'), True),
-        (CrtpPacket(2, 3, b'\0motorPowerSet\0m1\0\x09\x01\x01'), False),
-        (CrtpPacket(7, 0, b'\x0a' + bytes(16)), False),
-    ],
-)
-def test_only_what_the_firmware_obeys_as_a_command_is_no_noise(packet, obeyed):
-    assert is_command(packet, packet.data.ljust(30, b'\0'), NUMBER) == obeyed
