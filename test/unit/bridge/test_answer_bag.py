@@ -10,7 +10,6 @@ from lta_bridge.bag import build_offered_qos, storage
 from lta_bridge.playback import answer_bag
 from lta_bridge.playback.answer_bag import AnswerBag
 from lta_bridge.playback.node_selection import NodeSelection
-from lta_bridge.playback.origin import build_replay_origin
 from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table
 from lta_data.bag.reader import read_bag
@@ -78,16 +77,3 @@ def test_a_disk_that_is_full_from_the_start_is_bad_input(tmp_path, full):
     full()
     with pytest.raises(BadInput, match='No space left on device'):
         answers(tmp_path / 'bag')
-
-
-def test_a_recorded_replay_tells_the_scene_that_was_played_and_the_nodes_that_ran():
-    recording = SimpleNamespace(
-        path=Path('flight'),
-        provenance={'seed': '7', 'scenario': 'hall', 'vehicle': 'a', 'set': 'x=1', 'kind': 'real'},
-    )
-    graph = {'seed': '1', 'scenario': 'lamp_room', 'scenario_file': '', 'vehicle': 'b'}
-    assert build_replay_origin(recording, graph) == {
-        'seed': '7', 'scenario': 'hall', 'vehicle': 'b', 'kind': 'real', 'replay_of': 'flight'
-    }  # fmt: skip
-    bare = SimpleNamespace(path=Path('theirs.mcap'), provenance={})
-    assert build_replay_origin(bare, graph) == {'vehicle': 'b', 'replay_of': 'theirs.mcap'}

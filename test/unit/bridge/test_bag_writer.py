@@ -62,18 +62,6 @@ def test_busy_place_is_refused_and_untouched(tmp_path, kind):
     assert sorted(tmp_path.rglob('*')) == before
 
 
-def test_empty_folder_is_taken(tmp_path):
-    BagWriter(tmp_path, {}).close()
-    with Reader(tmp_path) as reader:
-        assert reader.message_count == 0
-
-
-def test_place_that_cannot_be_made_is_named(tmp_path):
-    (tmp_path / 'file').write_text('')
-    with pytest.raises(BadInput, match='cannot be created or read'):
-        BagWriter(tmp_path / 'file' / 'bag', {})
-
-
 def test_unknown_type_leaves_the_bag_as_it_was(tmp_path):
     with BagWriter(tmp_path / 'bag', {}) as bag:
         with pytest.raises(BadInput, match="Nothing' cannot be recorded, because it is not"):
@@ -265,11 +253,6 @@ def test_reserve_covers_what_closing_writes(tmp_path):
     assert used <= reserve < 2 * used
 
 
-def test_free_space_is_what_the_system_says(tmp_path):
-    status = os.statvfs(tmp_path)
-    assert free_space(tmp_path) == pytest.approx(status.f_bavail * status.f_frsize, rel=0.05)
-
-
 def test_a_folder_that_is_gone_is_a_fault_of_the_disk_and_said(tmp_path):
     with pytest.raises(StorageFault, match='is no longer available'):
         free_space(tmp_path / 'gone')
@@ -321,19 +304,3 @@ def test_two_hours_cost_some_megabytes_of_indexes(tmp_path):
     with (tmp_path / 'bag' / 'bag_0.mcap').open('rb') as stream:
         assert len(make_reader(stream).get_summary().chunk_indexes) == chunks
     assert held / (0.9 * chunks) * 7200 / FLUSH_PERIOD < 30e6
-
-
-def test_small_messages_are_written_by_the_chunk(tmp_path, monkeypatch):
-    """What one costs in time is measured by campaigns/bench_graph.py."""
-    data, writes, write = bytes(500), [], os.pwrite
-
-    def counted(fd, data, offset):
-        writes.append(len(data))
-        return write(fd, data, offset)
-
-    monkeypatch.setattr(storage.os, 'pwrite', counted)
-    with BagWriter(tmp_path / 'bag', {}) as bag:
-        bag.add_topic('/o', 'nav_msgs/msg/Odometry', [])
-        for i in range(20_000):
-            bag.write('/o', data, i)
-    assert len(writes) < 40  # ten chunks, and what describes the bag

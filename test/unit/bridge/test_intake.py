@@ -119,16 +119,6 @@ def test_what_is_missing_is_counted_by_topic_and_cause(robots, name):
     }
 
 
-def test_when_nothing_is_missing_it_records():
-    taking, _ = intake('lta1')
-    taking.create_topic_callback('/rosout')(b'')
-    assert taking.summarize_recording({}) == (
-        HealthLevel.OK,
-        'recording',
-        {'messages': 1, 'waiting_bytes': 12},
-    )
-
-
 def test_what_is_due_is_learnt_by_robot():
     taking, writer = intake('a', 'b', lockstep=False)
     take = [taking.create_topic_callback(f'/{who}/energy/reserve') for who in 'ab']

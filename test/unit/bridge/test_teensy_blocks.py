@@ -58,13 +58,6 @@ def test_every_row_is_counted_once(missing):
         assert (np.diff(block.samples[:, 0]) == 1).all()
 
 
-def test_what_comes_twice_or_late_is_left():
-    blocks = BlockAssembler(100, 10e3)
-    found = fill(blocks, [0, 1, 1, 2, 0, 3, 4, 5, 6])
-    assert len(found) == 1
-    assert (blocks.old, blocks.lost, blocks.rows) == (2 * ROWS, 0, 7 * ROWS)
-
-
 def test_a_board_that_counts_anew_is_followed():
     blocks = BlockAssembler(100, 10e3)
     fill(blocks, range(50, 70))

@@ -1,10 +1,8 @@
 """What the bridge says of its link and of its motors."""
 
-from types import SimpleNamespace
-
 from lta_bridge.crazyflie import readings
 from lta_bridge.crazyflie.bridge_core import BridgeCore
-from lta_bridge.crazyflie.health_diagnostics import describe_connection, describe_health
+from lta_bridge.crazyflie.health_diagnostics import describe_health
 from lta_bridge.crazyflie.safety import SafetyInputs, SafetyStage, SafetyState
 from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 from lta_config.schema.crazyflie_file import load_crazyflie
@@ -12,11 +10,6 @@ from lta_graph.health import HealthLevel
 from lta_model.vehicle import load_vehicle
 
 ARMED = SafetyInputs(True, True, 2, 0.0, 0.0, 4.0, 1.0, 1.0, 0.0)
-
-
-def test_without_a_keeper_nothing_is_configured():
-    assert describe_connection(None) == ('not configured', 0)
-    assert describe_connection(SimpleNamespace(why='gone', attempts=3)) == ('gone', 3)
 
 
 def fact(task, bridge, why='', attempts=1, **changed):
