@@ -44,11 +44,15 @@ VEHICLE = load_vehicle('gtmab')
 
 
 def list_named_tuples():
-    """Return every named tuple of the modules loaded so far by its name, which is unique."""
+    """
+    Return every named tuple of the modules loaded so far by its name, which is unique.
+
+    Kernels, which another test may have loaded, have copies of their own.
+    """
     found = [
         value
         for name, module in list(sys.modules.items())
-        if name.startswith('lta_')
+        if name.startswith('lta_') and not name.startswith('lta_kernel_')
         for value in vars(module).values()
         if isinstance(value, type) and issubclass(value, tuple) and hasattr(value, '_fields')
     ]
