@@ -33,27 +33,12 @@ def thrust(duty):
     return 0.0915 * duty**2 + 0.0677 * duty
 
 
-def test_climb_turns_only_the_upward_rotors():
-    duties, memory = control(AT_REST._replace(altitude=0.4))
-    # 0.5 * 0.6 * 0.1 = 0.03 N by two rotors of 0.961 N/N.
-    assert thrust(duties[0]) == pytest.approx(0.03 / 1.922, rel=1e-7)
-    assert duties[1] == pytest.approx(duties[0], rel=1e-7)
-    assert duties[2:] == (0.0,) * 6
-    assert memory.thrusts[:2] == pytest.approx((0.03 / 1.922,) * 2, rel=1e-7)
-
-
 def test_a_turn_to_the_left_is_by_the_right_rotor():
     duties, _ = control(setpoint=HOLD._replace(heading=0.3))
     assert duties[2] == 0.0
     # Asked are 0.006 N m, the limit; the surge that comes with it is unwanted:
     # minimise (0.981 t)^2 + 1000 (0.1 t - 0.006)^2.
     assert thrust(duties[3]) == pytest.approx(0.6 / (0.981**2 + 10.0), rel=1e-4)
-
-
-def test_the_shortfall_is_what_the_rotors_gave_less():
-    _, memory = control(AT_REST._replace(speed=0.3))
-    # Braking asked for -0.15 * 0.3 N; rotors that do not reverse give nothing.
-    assert memory.shortfall == pytest.approx((0.045, 0.0, 0.0), abs=1e-9)
 
 
 def test_the_shortfall_acts_at_the_next_step():

@@ -199,21 +199,6 @@ NAN = (math.nan, 0.0, 0.0)
 TILTED = (math.sin(0.51), 0.0, 0.0, math.cos(0.51))  # 1.02 rad
 
 
-@pytest.mark.parametrize('lost', [STILL._replace(rates=NAN), STILL._replace(force=NAN)])
-def test_a_sample_that_is_no_number_is_left_out(lost):
-    flying = run(guided(), 20)
-    assert run(flying, 1, lost).estimate == flying.estimate
-    assert not stopped(run(flying, 1, lost))
-
-
-def test_a_setpoint_that_is_no_number_stops_the_motors_for_good():
-    flying = run(guided(), 20)
-    after = run(guided(flying, UP._replace(heading=math.nan)), 1)
-    assert stopped(after)
-    assert duties(after) == NONE
-    assert duties(run(guided(after), 3)) == NONE
-
-
 def test_an_estimate_that_is_no_number_stops_the_motors_for_good():
     flying = run(guided(), 20)
     lost = flying.estimate._replace(altitude=flying.estimate.altitude._replace(height=math.nan))
@@ -238,14 +223,6 @@ def test_instead_replaces_the_newest_duties_in_the_memory():
     law = memory.pilot.law._replace(command=command)
     told = memory._replace(pilot=memory.pilot._replace(law=law))
     assert numbers(pilot.memory) == numbers(told)
-
-
-def test_a_fresh_memory_is_zero_and_unguided():
-    fresh = DroneMemory()
-    assert fresh.measured == (0.0,) * 7
-    assert (fresh.guided, fresh.setpoint) == (False, (0.0, 0.0, 0.0))
-    assert duties(fresh) == NONE
-    assert not stopped(fresh)
 
 
 @pytest.mark.parametrize('place', range(3))

@@ -33,14 +33,6 @@ def test_it_takes_off_only_with_a_known_motion_and_energy():
     assert guidance.permission is FlightPermission.FLY
 
 
-def test_it_lands_at_the_reserve():
-    guidance = Guidance(None, ())
-    choose(guidance)
-    choose(guidance, report=ReserveReport(0, True, False))
-    assert guidance.permission is FlightPermission.RESERVE
-    assert guidance.mission.phase is Phase.LAND
-
-
 def test_a_course_begins_with_the_first_block():
     row = {'at': '2 s', 'altitude': '1 m', 'heading': '0.5 rad', 'speed': '0.4 m/s'}
     guidance = Guidance(Course.model_validate({'between': 'step', 'rows': [row]}), ())

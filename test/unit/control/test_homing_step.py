@@ -63,14 +63,6 @@ def test_the_drift_noise_is_larger_until_the_airspeed_has_settled():
     assert build_filter_prior(own, 5.0).gusts == pytest.approx(math.hypot(0.3, 0.4 / math.e))
 
 
-def test_the_first_memory_holds_the_heading_alone():
-    memory = start(0.7)
-    assert memory[:2] == (0.7, False)
-    assert memory.fix == (0.0,) * 5 + (((0.0,) * 5,) * 5,)
-    assert memory[3:] == (False, (0.0, 0.0), 0.0, 0.0, 0.0, 0.0, 0.0, False, False)
-    assert watch(QUICK, memory, dark()) == memory._replace(begun=True, flight_time=0.25, lost=0.25)
-
-
 def test_for_the_next_lamp_only_the_wind_the_place_and_the_flight_time_are_kept():
     memory = HomingState(
         0.1, True, placed().fix, True, (1.0, 2.0), 7.0, 3.0, 900.0, 1.0, 2.0, True, True

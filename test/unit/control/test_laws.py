@@ -1,19 +1,14 @@
 """Control laws by name: they hold a vehicle by its trim, and refuse what they cannot fly."""
 
-from dataclasses import replace
 import math
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
 from lta_config.files import list_shipped_names
-from lta_control.allocation import create_working_array, deliver_wrench
+from lta_control.allocation import create_working_array
 from lta_control.autopilot import motion_from_tracker
 from lta_control.cascade import (
-    build_measurement,
-    cascade_step,
-    CascadeMemory,
     Setpoint,
-    WrenchDemand,
 )
 from lta_control.gains_file import load_gains, load_law_gains
 from lta_control.laws import find_control_law, LAWS
@@ -26,9 +21,7 @@ from lta_control.laws.frames import (
 )
 from lta_control.laws.lateral import mix_thrusts
 from lta_control.laws.onboard_law import check_onboard_law, load_onboard_law, vehicle_law_name
-from lta_control.laws.protocol import ControlMotion, Feedback, LawCommand, LawInputs
-from lta_control.per_rotor import NONE
-from lta_control.vehicle_parameters import build_rotors, surge_drag_coefficients
+from lta_control.laws.protocol import ControlMotion, Feedback, LawInputs
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
@@ -83,11 +76,6 @@ def test_every_vehicle_names_a_law_and_gains_that_fit():
         ready(name)
 
 
-def test_an_unknown_law_lists_the_known():
-    with pytest.raises(BadInput, match='cascade, glide, lateral'):
-        find_control_law('lateral_thinking')
-
-
 @pytest.mark.parametrize('name', ['beavis', 'sblimp', 'skye', 'multirotor', 'blimp2b'])
 def test_without_error_the_rotors_carry_the_weight_and_nothing_else(name):
     vehicle, made, constants = ready(name)
@@ -116,33 +104,6 @@ def test_the_glider_moves_its_mass_back_to_climb_and_pushes_right_to_turn_left()
     left = once(made, constants, motion, Setpoint(2.0, 0.5, 0.8)).command
     assert vehicle.file.moving_mass.low.vector[0] <= up.mass_place[0] < rest
     assert left.duties[1] > left.duties[0]
-
-
-def test_the_cascade_among_the_laws_is_the_cascade():
-    vehicle, made, constants = ready('gtmab')
-    motion = ControlMotion(
-        (0.1, 0.2, 0.4),
-        quaternion_from_angles(0.05, -0.1, 0.7),
-        (0.3, -0.1, 0.05),
-        (0.0, 0.1, 0.2),
-    )
-    setpoint = Setpoint(0.6, 0.2, 0.4)
-    after = once(made, constants, motion, setpoint)
-    measured = build_measurement(motion.attitude, 0.4, motion.velocity, motion.rates)
-    demand, memory = cascade_step(
-        load_gains('gtmab'), surge_drag_coefficients(vehicle), constants.rotors.lowest_heave,
-        constants.rotors.sink, CascadeMemory(), measured, setpoint, WrenchDemand(0.0, 0.0, 0.0),
-        DT,
-    )  # fmt: skip
-    wrench = (demand.surge, 0.0, demand.heave, 0.0, 0.0, demand.yaw)
-    duties, thrusts, delivered = deliver_wrench(
-        build_rotors(vehicle), wrench, NONE, create_working_array()
-    )
-    assert (after.command, after.cascade) == (LawCommand(duties, (0.0, 0.0, 0.0)), memory)
-    assert after.thrusts == thrusts
-    assert after.shortfall == tuple(
-        delivered[axis] - asked for axis, asked in zip((0, 2, 5), demand, strict=True)
-    )
 
 
 def test_jets_that_collide_give_what_is_asked_for():
@@ -240,13 +201,6 @@ def test_aboard_a_law_flies_by_the_gains_of_the_vehicle_and_the_cascade_by_those
     assert (law.name, constants.gains) == ('cascade', load_gains('gtmab'))
 
 
-def test_unlike_thrust_curves_are_each_obeyed():
-    """Blimp2b: 40, 30 and 45 mN forward, 45, 25 and 25 mN in reverse, by its authors."""
-    rotors = build_rotors(load_vehicle('blimp2b'))
-    assert rotors.high[:3] == pytest.approx((0.040, 0.030, 0.045))
-    assert rotors.low[:3] == pytest.approx((-0.045, -0.025, -0.025))
-
-
 def test_frames_agree_with_scipy():
     roll, pitch, yaw = 0.3, -0.5, 2.1
     q = quaternion_from_angles(roll, pitch, yaw)
@@ -275,17 +229,6 @@ def test_a_tracker_s_frame_begins_with_the_vehicle():
     assert motion.rates == (0.0, 0.0, 0.2)
 
 
-def test_who_needs_a_tracker_is_in_the_registry():
-    aboard = {name for name, each in LAWS.items() if each.feedback is Feedback.ESTIMATOR}
-    assert aboard == {'cascade', 'lateral', 'open_loop'}
-
-
-def test_laws_are_called_what_the_registry_calls_them():
-    assert all(name == each.name for name, each in LAWS.items())
-    assert all(isinstance(each.start.command, LawCommand) for each in LAWS.values())
-    assert replace(LAWS['glide'], name='x') != LAWS['glide']
-
-
 def test_each_law_weights_the_axes_of_its_allocation():
     """The multirotor's moments count by levers: 1 / 0.01^2 about x and y, 1 / 0.1^2 about z."""
     weights = {name: ready(name)[2].rotors.weights for name in ('multirotor', 'skye', 'sblimp')}
@@ -305,16 +248,3 @@ def test_a_tilted_multirotor_at_most_doubles_its_thrust():
         newtons = sum(after.thrusts) * vehicle.allocation[0][2]
         demands.append((newtons - after.missing) / constants.weight)
     assert demands == pytest.approx([1.0, 1.0 / math.cos(math.radians(59.0)), 2.0], rel=1e-6)
-
-
-def test_the_defaults_of_a_law_are_a_vehicle_at_rest_and_a_zero_setpoint():
-    """The vehicle is level with its nose along x, and the period is 10 ms."""
-    nowhere = (0.0, 0.0, 0.0)
-    assert ControlMotion() == (nowhere, (0.0, 0.0, 0.0, 1.0), nowhere, nowhere)
-    assert LawInputs() == (ControlMotion(), Setpoint(0.0, 0.0, 0.0), 0.01)
-    assert LawCommand() == ((0.0,) * 8, nowhere)
-    for name, each in LAWS.items():
-        assert each.start.command == LawCommand(), name
-        if name != 'cascade':  # its derivative terms start as NaN, without a measurement
-            remembered = np.concatenate([np.ravel(part) for part in each.start[1:]])
-            assert not remembered.any(), name

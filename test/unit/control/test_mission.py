@@ -6,7 +6,7 @@ import math
 from lta_config.course import Course
 from lta_control.cascade import Setpoint
 from lta_control.mission import course_step, mission_step, MissionSettings, remove_light
-from lta_control.phases import Mission, Phase, SWITCHING
+from lta_control.phases import Mission, Phase
 from lta_control.reserve import FlightPermission, ReserveResponseSettings
 from lta_control.strategies import find_navigation_strategy
 from lta_control.strategies.protocol import LightMeasurement
@@ -51,10 +51,6 @@ def test_it_seeks_where_the_strategy_says():
     assert mission == Mission(Phase.SEEK, (pytest.approx(1.4),), heading=pytest.approx(1.4))
 
 
-def test_sinking_does_not_start_another_climb():
-    assert go(Mission(Phase.SEEK, (1.0,), heading=1.0), altitude=0.1)[1].phase is Phase.SEEK
-
-
 @pytest.mark.parametrize('order', [FlightPermission.RESERVE, FlightPermission.DOWN])
 @pytest.mark.parametrize('phase', [Phase.CLIMB, Phase.SEEK, Phase.LAND])
 @pytest.mark.parametrize('altitude', [0.42, 0.5])
@@ -69,16 +65,6 @@ def test_it_does_not_take_off_on_the_reserve_and_does_when_it_is_taken_back(orde
     setpoint, mission = go(order=order)
     assert (setpoint, mission) == (Setpoint(0.0, 1.0, 0.0), Mission())
     assert go(mission)[1].phase is Phase.CLIMB
-
-
-def test_it_goes_on_landing_when_the_reserve_recovers():
-    setpoint, mission = go(Mission(Phase.LAND, (0.7,), heading=0.7), altitude=0.5)
-    assert setpoint == Setpoint(0.3, 0.7, 0.0)
-    assert mission.phase is Phase.LAND
-
-
-def test_landing_asks_for_less_than_where_the_gear_stands():
-    assert SETTINGS.landing < 0.42
 
 
 def test_phases_only_go_forward():
@@ -100,10 +86,6 @@ def test_blind_removes_only_the_light_from_a_sight():
     )
     without = (False, 0.0, 1.0, (5.0, 6.0), 0.1, 0.0, 0.0, 0.0, (1.0, 2.0), (0.5, 0.1))
     assert remove_light(told) == without
-
-
-def test_a_fresh_mission_rests_and_has_waited_for_its_first_lamp():
-    assert Mission() == (Phase.REST, (), 0, 0, SWITCHING, 0, False, (0.0, 0.0), 0.0, 0.0)
 
 
 def test_a_course_is_flown_by_its_rows_until_the_energy_reserve():

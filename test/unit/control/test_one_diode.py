@@ -60,13 +60,6 @@ def plane(a, b, c, places):
     return (NONE,) * (PAIRS - len(pairs)) + tuple(pairs)
 
 
-def test_dga_finds_the_slope_of_a_plane():
-    places = np.random.default_rng(2).normal(3.0, 0.5, (20, 2))
-    own = GradientSettings(ridge=1e-9)
-    found = steepest_heading(own, plane(-3.0, 4.0, 50.0, places), 20.0, 9.0)
-    assert found == pytest.approx(math.atan2(4.0, -3.0), abs=1e-6)
-
-
 def test_the_paper_s_plane_without_a_constant_points_away_from_the_origin():
     """Light of 50 counts at 3 m, 3 m is all slope to it: 45 degrees, whatever the truth is."""
     places = np.random.default_rng(2).normal(3.0, 0.3, (20, 2))
@@ -82,39 +75,6 @@ def test_places_on_a_line_give_the_slope_along_it():
     places = [(0.05 * k, 0.0) for k in range(20)]
     assert steepest_heading(own, plane(2.0, 5.0, 9.0, places), 20.0, 9.0) == pytest.approx(0.0)
     assert steepest_heading(own, plane(0.0, 0.0, 9.0, places), 20.0, 9.0) == 9.0
-
-
-def test_a_cell_of_the_map_keeps_one_pair():
-    pairs, more = add_pair((NONE,) * PAIRS, 0.0, (0.001, 0.001, 10.0), 0.02)
-    assert more == 1.0
-    pairs, more = add_pair(pairs, 1.0, (0.015, 0.001, 20.0), 0.02)
-    assert (more, pairs[-1]) == (0.0, (0.015, 0.001, 15.0))
-    pairs, more = add_pair(pairs, 1.0, (0.021, 0.001, 20.0), 0.02)
-    assert (more, pairs[-2:]) == (1.0, ((0.015, 0.001, 15.0), (0.021, 0.001, 20.0)))
-
-
-def test_dga_reckons_with_what_it_commands():
-    """It believes to fly at the speed that it asks for, along the heading of the turn before."""
-    settings = StrategySettings(dga=GradientSettings(arc=0.0))
-    memory = gradient.start(math.pi / 2)
-    for _ in range(11):
-        _, memory = gradient.steer(settings, memory, light(10.0, math.pi / 2))
-    assert (memory.x, memory.y) == (pytest.approx(0.0, abs=1e-12), pytest.approx(0.5))
-
-
-def test_dga_computes_late_and_stops_for_a_sharp_turn():
-    """A light that lies behind is turned to one computing time after it could be known."""
-    own = GradientSettings(arc=0.0, least=10.0, computing=1.0)
-    settings, memory, courses = StrategySettings(dga=own), gradient.start(0.0), []
-    for k in range(60):
-        course, memory = gradient.steer(settings, memory, light(1000.0 - 10.0 * k))
-        courses.append(course)
-    asked = [k for k, course in enumerate(courses) if abs(course.heading) > 3.0]
-    assert 9 + 10 <= asked[0] <= 9 + 12
-    assert courses[asked[0] - 1].speed == settings.speed
-    assert all(course.speed == 0.0 for course in courses[asked[0] :])  # it never comes round
-    course, _ = gradient.steer(settings, memory, light(500.0, math.pi))
-    assert course.speed == settings.speed
 
 
 def test_the_mean_of_des_does_not_pass_the_newest_light():
@@ -214,10 +174,6 @@ def test_dga_stops_to_turn_beyond_1_2_rad_and_flies_on_within_half_a_radian(off,
         course, memory = ascended(ascending(turning=turning), 0.5 + side)
         assert (course.speed == 0.0, memory.turning) == (stands, stands)
         assert memory.speed == course.speed
-
-
-def test_the_first_memory_of_dga_holds_the_heading_alone():
-    assert gradient.start(0.3) == (0.3, 0.0, 0.0, 0.0, 0.3, 0.3, 0.0, False, 0.0, EMPTY)
 
 
 @pytest.mark.parametrize(('commanded', 'turned'), [(False, 0.0), (True, 0.5)])

@@ -38,11 +38,6 @@ def test_derivative_brakes_the_measurement():
     assert integral == pytest.approx(0.1 * 0.5 * 0.1)  # the derivative is not integrated
 
 
-@pytest.mark.parametrize(('error', 'output'), [(5.0, 1.5), (-5.0, -0.5), (0.25, 0.5)])
-def test_output_is_held_within_its_limits(error, output):
-    assert step(Gains(2.0, 0.0, 0.0, 1.5), error=error, lowest=-0.5)[0] == output
-
-
 def test_the_limit_of_the_gains_holds_below_a_lower_lowest_output():
     assert step(Gains(2.0, 0.0, 0.0, 1.5), error=-5.0, lowest=-9.0)[0] == -1.5
 

@@ -153,10 +153,3 @@ def test_with_a_speed_of_zero_it_lands_instead_of_returning():
     sight = SIGHT._replace(position=(3.0, 0.0))
     asked = (airborne(), sight, 0.5, FlightPermission.RESERVE, 1, RETURN)
     assert mission_step(still, SEEKER, *asked)[1].phase is Phase.LAND
-
-
-def test_a_landing_continues_whatever_the_energy_allows():
-    landing = airborne()._replace(phase=Phase.LAND)
-    for order in FlightPermission:
-        for reserve in (LAND, RETURN, PERCH):
-            assert go(landing, order, reserve, (3.0, 0.0))[1].phase is Phase.LAND

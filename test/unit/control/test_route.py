@@ -84,15 +84,6 @@ def test_a_single_lamp_is_never_left():
     assert {(row.leg, row.target, row.phase) for row in rows} == {(0, 0, Phase.ARRIVED)}
 
 
-def test_the_reserve_lands_it_on_a_route_too():
-    mission = fly([SEEN] * 3)[-1]
-    asked, mission = mission_step(
-        SETTINGS, THERE, mission, SEEN, 0.5, FlightPermission.RESERVE, 2, LAND
-    )
-    assert mission.phase is Phase.LAND
-    assert (asked.altitude, asked.speed) == (SETTINGS.landing, 0.0)
-
-
 def test_who_never_arrives_is_refused_on_a_route():
     check_route(find_navigation_strategy('homing'), 3)
     check_route(find_navigation_strategy('bag'), 1)

@@ -9,7 +9,6 @@ from lta_control.sighting import (
     facing_strength,
     LampPosition,
 )
-from lta_control.strategies.protocol import LightMeasurement, SteeringCommand
 import pytest
 
 STILL = DeadReckonedMotion(0.3, 1.0, 2.0, 0.4, -0.1)
@@ -65,12 +64,6 @@ def test_a_nan_or_infinite_amplitude_is_taken_as_zero():
     assert (seen.strength, seen.interval) == (4.0, 0.25)
 
 
-def test_fewer_amplitudes_than_diodes_are_an_error():
-    with pytest.raises(IndexError, match='out of range'):
-        facing_strength(((1.0, 0.0), (0.0, 1.0)), (4.0,))
-    assert facing_strength((), ()) == 0.0
-
-
 def test_the_deviation_of_a_bearing_by_hand():
     """Variances along (3, 4): (9 xx + 24 xy + 16 yy) / 25; across: (16 xx - 24 xy + 9 yy) / 25."""
     along, across = (9 * 2.0 + 24 * 0.5 + 16 * 1.0) / 25, (16 * 2.0 - 24 * 0.5 + 9 * 1.0) / 25
@@ -80,14 +73,3 @@ def test_the_deviation_of_a_bearing_by_hand():
     # Rounding may leave a variance a little below zero.
     assert bearing_deviation(LampPosition(1.0, 0.0, 0.0, (1.0, 0.0, -1e-18))) == 0.0
     assert bearing_deviation(LampPosition(1.0, 0.0, 0.0, (-1e-18, 0.0, 1.0))) == 1.0
-
-
-def test_optional_fields_of_sight_and_course_default_to_zero():
-    assert LightMeasurement(False, 0.1, 0.2, (0.3,), 0.4)[5:] == (
-        0.0,
-        0.0,
-        0.0,
-        (0.0, 0.0),
-        (0.0, 0.0),
-    )
-    assert SteeringCommand(0.1, 0.2).arrived is False

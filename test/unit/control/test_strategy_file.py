@@ -77,30 +77,11 @@ def test_what_is_no_strategy_is_refused_in_one_sentence(text, said, tmp_path):
     assert '\n' not in str(refused.value)
 
 
-@pytest.mark.parametrize(
-    ('name', 'said'),
-    [
-        ('./absent.py', "'./absent.py' cannot be read: No such file"),
-        ('./mine.txt', 'is not a Python file'),
-        ('mine', "Unknown strategy 'mine'"),
-    ],
-)
-def test_what_is_no_file_is_refused(name, said):
-    with pytest.raises(BadInput, match=said):
-        find_navigation_strategy(name)
-
-
 def test_a_text_that_is_not_utf_8_is_refused(tmp_path):
     path = tmp_path / 'mine.py'
     path.write_bytes(b'# coding: latin-1\n# \xfc\n' + HEAD.format(GOOD).encode())
     with pytest.raises(BadInput, match='cannot be run as a strategy: UnicodeDecodeError'):
         find_navigation_strategy(str(path))
-
-
-def test_a_folder_is_refused(tmp_path):
-    (tmp_path / 'mine.py').mkdir()
-    with pytest.raises(BadInput, match='cannot be run as a strategy'):
-        find_navigation_strategy(str(tmp_path / 'mine.py'))
 
 
 @pytest.mark.parametrize(
