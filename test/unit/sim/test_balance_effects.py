@@ -3,7 +3,6 @@
 from itertools import pairwise
 import math
 
-from lta_config.errors import BadInput
 from lta_model.effect_parameters import build_strips, DragBox
 from lta_model.effects.drag import STRIP_DAMPING, STRIPS
 from lta_model.effects.weight import MOVING_MASS
@@ -108,9 +107,3 @@ def test_a_frame_is_one_strip_and_a_panel_two():
     both = found['heave_2'] + found['heave_3']
     assert both == pytest.approx(0.6 * 1.17 * 0.178 * 0.156, rel=1e-14)
     assert found['heave_4'] == found['translation'] == 0.0
-
-
-def test_too_many_boxes_are_refused():
-    panel = DragBox((0.0, 0.0, 0.3), (0.2, 0.2, 0.002))
-    with pytest.raises(BadInput, match='3 parts with drag need 6 strips'):
-        build_strips([panel] * 3, 1.2)

@@ -43,25 +43,6 @@ def alone(models, states, duties, winds, dt, steps):
     )
 
 
-@pytest.mark.parametrize('count', [1, 15, 16, 17, 100])
-def test_each_flies_as_alone_to_the_bit(count, steps):
-    models, states, duties, winds = flights(count)
-    many = advance_many(states, VehicleBatch.from_models(models), duties, winds, STEP, steps)
-    np.testing.assert_array_equal(many, alone(models, states, duties, winds, STEP, steps))
-
-
-def test_the_flights_meet_every_branch():
-    models, states, duties, winds = flights(100)
-    later = alone(models, states, duties, winds, STEP, 200)
-    touched = [
-        bool(np.any(kernel.effect_wrenches(state, model, np.zeros(4))['floor_contact']))
-        for state, model in zip(later, models, strict=True)
-    ]
-    assert 5 < sum(touched) < 95
-    slower = abs(duties) < abs(states[:, balloon.LAG])
-    assert 50 < np.count_nonzero(slower) < 350
-
-
 def test_what_is_lost_stays_its_own(steps):
     models, states, duties, winds = flights(20)
     states[3] = np.nan

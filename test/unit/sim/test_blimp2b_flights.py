@@ -94,28 +94,6 @@ def test_straight_surge_does_not_last(vehicle):
     assert math.hypot(*late[7:9]) == pytest.approx(0.297, abs=0.005)
 
 
-def test_it_drifts_with_the_wind(vehicle):
-    """No thrust: quadratic drag leaves 1 / (1 / w + D t / (m + m_a)) of the wind w across it."""
-    wind, seconds = 0.6, 240.0
-    state = flown(vehicle, (0, 0, 0), (0.0, wind, 0.0), seconds)
-    assert 0.0 < wind - over_ground(state)[1] < 0.02 * wind
-    assert np.linalg.norm(over_ground(state)[[0, 2]]) < 0.02 * wind
-
-
-@pytest.mark.parametrize(('surplus', 'sign'), [(0.002, -1.0), (-0.002, 1.0)])
-def test_terminal_velocity(vehicle, surplus, sign):
-    """2 g too heavy or too light: sqrt(2 g / 0.22 N s2/m2) = 0.299 m/s down or up."""
-    body = {'mass': vehicle.mass, 'cg': vehicle.cg, 'inertia': vehicle.inertia}
-    model = kernel.VehicleModel.build(
-        vehicle.collect_effects(), displaced=vehicle.mass - surplus, **body
-    )
-    state = pack_state((0.0, 0.0, 200.0), memory=initial_memory())
-    state = kernel.advance(state, model, (), np.zeros(3), 2e-3, 60_000)
-    terminal = math.sqrt(abs(surplus) * G / 0.22)
-    assert terminal == pytest.approx(0.2986, abs=1e-4)
-    assert state[9] == pytest.approx(sign * terminal, rel=1e-9)
-
-
 def settled_as_published(thrust, seconds=240.0):
     """
     Return body velocity and rates to which the authors' own equations settle, from a small turn.

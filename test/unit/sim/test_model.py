@@ -1,7 +1,7 @@
 """A model is refused in one sentence, or it is a body that can exist."""
 
 from lta_config.errors import BadInput
-from lta_model.effects import EFFECTS, get_effect, MODEL_EFFECTS
+from lta_model.effects import MODEL_EFFECTS
 from lta_model.effects.protocol import KernelEffect
 from lta_model.model import VehicleModel
 from lta_sim.kernels.kernel import LAYOUT
@@ -42,12 +42,6 @@ def test_bad_input(bad, words):
     assert '\n' not in sentence
     for word in words:
         assert word in sentence
-
-
-def test_unknown_effect_names_the_known_ones():
-    with pytest.raises(BadInput) as error:
-        get_effect('drag')
-    assert all(name in str(error.value) for name in EFFECTS)
 
 
 def test_what_is_left_out_is_null():

@@ -50,10 +50,6 @@ def test_shot_noise_by_hand():
     assert noise_volts(tenth, 0.1) == pytest.approx(8.395e-6, rel=1e-3)
 
 
-def test_noises_add_as_squares():
-    assert noise_volts(PLAIN, 1.0) == pytest.approx(math.hypot(300e-6, 83.95e-6), rel=1e-4)
-
-
 def test_ring_looks_around_and_hangs_below():
     array = ring(count=4, depth=0.3, radius=0.1)
     points, axes = array.transform_to_map(np.array([1.0, 2.0, 3.0]), np.eye(3))
@@ -99,9 +95,3 @@ def test_many_poses_are_as_one_by_one():
 def test_what_is_no_ring_is_refused(change):
     with pytest.raises(ValidationError, match=next(iter(change))):
         ring(**change)
-
-
-@pytest.mark.parametrize('name', list(RING))
-def test_the_ring_has_no_defaults(name):
-    with pytest.raises(ValidationError, match=name):
-        PhotodiodeArray(**{key: value for key, value in RING.items() if key != name})

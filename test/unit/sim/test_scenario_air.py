@@ -3,7 +3,7 @@
 import math
 
 from lta_config.errors import BadInput
-from lta_config.files import list_shipped_names, load_yaml, share_folder
+from lta_config.files import list_shipped_names
 from lta_config.quantity import Quantity
 from lta_model.scenario import load_scenario, Scenario
 from lta_model.scenario_air import low_altitude_turbulence
@@ -12,7 +12,6 @@ from lta_sim.scene_model import collect_scene_effects, vehicle_reach
 import pytest
 
 from .lamp_room import edited, ROOM
-from .test_scenario import written
 
 FIELD = {
     'wind': '8 m/s',
@@ -164,74 +163,6 @@ def test_how_far_vehicles_reach():
     assert 0.005 < height < 0.05
 
 
-@pytest.mark.parametrize(
-    ('place', 'value', 'sentence'),
-    [
-        ('room.walls', 'brick', "room.walls is 'brick', but must be 'solid' or 'open'."),
-        ('air.profile', {**FIELD, 'wind': '8 m'}, 'air.profile.wind is in m, but must be in m/s'),
-        (
-            'air.profile',
-            {'wind': '8 m/s', 'towards': '0 deg'},
-            "the key 'air.profile.roughness' is missing; add it.",
-        ),
-        (
-            'air.profile',
-            {**FIELD, 'height': '0.2 m'},
-            'air.profile has its wind at a height of 0.2 m, which is not above the roughness '
-            'length of 0.3 m;',
-        ),
-        (
-            'air.turbulence',
-            {'intensity': '0.3 m/s'},
-            'air.turbulence needs either intensity and length, or "by: MIL-F-8785C" with',
-        ),
-        (
-            'air.turbulence',
-            {'by': 'MIL-F-8785C', 'wind': '8 m/s', 'height': '0.5 m'},
-            'MIL-F-8785C defines no low-altitude turbulence at a height of 0.5 m, only from 3.05',
-        ),
-        (
-            'air.turbulence',
-            {'by': 'MIL-F-8785C', 'sheared': True, 'height': '5 m'},
-            'air.turbulence follows the height ("sheared"), by "by: MIL-F-8785C" and the wind of '
-            'the scene; remove height',
-        ),
-        (
-            'air.turbulence',
-            {'sheared': True},
-            'and the wind of the scene; add "by: MIL-F-8785C"',
-        ),
-        (
-            'air.turbulence',
-            {**ROUGH, 'sheared': True},
-            'and the wind of the scene; add "by: MIL-F-8785C" and remove intensity, length',
-        ),
-        (
-            'air.turbulence',
-            {**ROUGH, 'intensity': {'value': [0.1, 0.2], 'unit': 'm/s'}},
-            'air.turbulence.intensity has 2 numbers, but needs 3.',
-        ),
-        (
-            'air.turbulence',
-            {**ROUGH, 'length': '0 m'},
-            'air.turbulence.length is 0 m, but must be from 0.1 to 1000 m.',
-        ),
-        ('air.gust', {**GUST, 'length': '0 s'}, 'air.gust.length is 0 s, but must be from 0.01'),
-        ('air.recorded', 'wind.txt', 'air.recorded'),
-    ],
-)
-def test_what_cannot_be_is_one_sentence(tmp_path, place, value, sentence):
-    content = load_yaml(share_folder() / 'scenarios' / 'lamp_room.yaml')
-    part, key = place.split('.')
-    content[part].setdefault(key, None)
-    path = written(tmp_path, place, value)
-    with pytest.raises(BadInput) as caught:
-        load_scenario(str(path))
-    text = str(caught.value)
-    assert sentence in text
-    assert '\n' not in text
-
-
 def test_what_vehicle_and_scene_both_say_is_refused():
     vehicle = load_vehicle('gtmab')
     quantities = {
@@ -244,13 +175,3 @@ def test_what_vehicle_and_scene_both_say_is_refused():
         BadInput, match='set both by the wind of the scenario lamp_room and by the veh'
     ):
         collect_scene_effects(both, scene(**{'air/profile': FIELD}))
-
-
-def test_a_start_in_a_wall_is_refused():
-    near = {'start/position': {'value': [-4.6, 0], 'unit': 'm'}, 'room/walls': 'solid'}
-    with pytest.raises(BadInput, match=r'where a hull with a radius of 0\.50 m touches a wall'):
-        effects(**near)
-    low = {'room/size': {'value': [10, 8, 0.5], 'unit': 'm'}, 'room/walls': 'solid'}
-    low |= {'lamp/position': {'value': [3.5, 0, 0.4], 'unit': 'm'}}
-    with pytest.raises(BadInput, match='ceiling must be higher than the hull'):
-        load_vehicle('gtmab').build_model(effects(**low))

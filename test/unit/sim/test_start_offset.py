@@ -25,14 +25,6 @@ def test_the_drone_stands_there_with_the_same_heading_and_chance():
     assert there.sense_motion().rates == here.sense_motion().rates
 
 
-def test_nothing_else_of_the_scenario_changes():
-    other = offset_start(SCENE, 1.0, 0.0)
-    assert other.start.position.vector == (-2.5, 0.0)
-    fields = set(type(SCENE).model_fields) - {'start'}
-    assert all(getattr(other, name) == getattr(SCENE, name) for name in fields)
-    assert other.start.heading_spread == SCENE.start.heading_spread
-
-
 @pytest.mark.parametrize(
     ('x', 'y', 'why'),
     [
