@@ -12,6 +12,7 @@ from typing import Any, Final
 from unittest.mock import patch
 
 from command import Lta, processes
+from command import NODES as FLIGHT_NODES
 from diagnostic_msgs.msg import DiagnosticArray
 from lta_config.topics import load_topic_table
 from lta_emulation.emulated_hardware import EmulatedHardware, serve_hardware
@@ -20,31 +21,16 @@ from peer import Peer
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_srvs.srv import SetBool
 
-from campaigns.graph_trial import write_endless_flight
+from campaigns.graph_trial import READY, write_endless_flight
 
 TABLE: Final = load_topic_table()
 ROBOT: Final = 'lta1'
 ERROR: Final = 2  # the level of a fault
 HOOK: Final = Path(__file__).with_name('chaos_hook')
-COMMON: Final = (
-    'estimator',
-    'controller',
-    'demodulator',
-    'navigator',
-    'energy_monitor',
-    'recorder',
-)
 NODES: Final = {
-    'lockstep': ('simulator', *COMMON),
-    'realtime': ('simulator', *COMMON),
-    'hardware': ('crazyflie_bridge', 'teensy_bridge', *COMMON),
-}
-READY: Final = {  # who must have said what before anybody may arm
-    'crazyflie_bridge: link': 'connected',
-    'teensy_bridge: light board': 'receiving light',
-    'estimator: estimate': 'biases are known',
-    'demodulator: light': 'beacon found',
-    'navigator: mission': 'climb',
+    'lockstep': FLIGHT_NODES,
+    'realtime': FLIGHT_NODES,
+    'hardware': ('crazyflie_bridge', 'teensy_bridge', *FLIGHT_NODES[1:]),
 }
 NEWEST: Final = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 PORTS: Final = (7400, 250)  # of DDS: of domain 0, and from one domain to the next

@@ -19,7 +19,6 @@ import select
 import subprocess
 import sys
 import termios
-import threading
 import time
 import tty
 from typing import Final, final, Self
@@ -33,6 +32,7 @@ from lta_emulation.crazyflie.commander import BodyCommand
 from lta_emulation.crazyflie.firmware_bench import FirmwareBench
 from lta_emulation.crazyflie.simulated_body import SimulatedBody
 from lta_emulation.emulated_hardware import build_simulated_body
+from lta_emulation.step_thread import StepThread
 from lta_emulation.teensy.emulated_board import Cable
 import numpy as np
 from numpy.typing import NDArray
@@ -41,7 +41,7 @@ from std_srvs.srv import SetBool
 
 from campaigns import ROOT
 from campaigns.firmware import check_sources
-from campaigns.graph_trial import Outcome, try_flight
+from campaigns.graph_trial import Outcome, READY, try_flight
 from campaigns.harness import Campaign, Case, Row, Rows
 from campaigns.linux_crazyflie import build, Process
 
@@ -51,13 +51,6 @@ MEMORY: Final = 1 << 24  # bytes that the board shares with us (flight.c)
 FIRST: Final = 64  # byte after the count
 CONVERTER_ROWS: Final = 1 << 19
 LINK, LINK_BYTES = 0xC00000, 1 << 20
-READY: Final = {
-    'crazyflie_bridge: link': 'connected',
-    'teensy_bridge: light board': 'receiving light',
-    'estimator: estimate': 'biases are known',
-    'demodulator: light': 'beacon found',
-    'navigator: mission': 'climb',
-}
 PROCESS, EMULATED = 'process', 'emulated'  # ways to run the light board's core
 
 
@@ -107,8 +100,10 @@ class EmulatedCore:
         self._far = theirs  # stays open: without a reader the port would be gone
         with self._file.open('wb') as file:
             file.truncate(MEMORY)
-        self._running = threading.Event()
-        self._relay = threading.Thread(target=self._carry, daemon=True)
+        # Until the bridge has asked for the time nobody reads; afterwards nothing is lost, as
+        # the memory holds 6 s
+        self._is_open, self._pending = False, b''
+        self._relay = StepThread(self._carry, 'relay')
 
     def __enter__(self) -> Self:
         memory = f'memory-backend-file,id=shared,size={MEMORY},mem-path={self._file},share=on'
@@ -120,13 +115,11 @@ class EmulatedCore:
             self._memory = mmap.mmap(file.fileno(), MEMORY)
         counts = memoryview(self._memory).cast('I')
         self._rows_count, self._link_count = counts[:1], counts[LINK // 4 : LINK // 4 + 1]
-        self._running.set()
         self._relay.start()
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._running.clear()
-        self._relay.join()
+        self._relay.stop()
         self._process.kill()
         self._process.communicate()
         os.close(self._near)
@@ -149,19 +142,16 @@ class EmulatedCore:
         self._rows_count[0] = self._rows
 
     def _carry(self) -> None:
-        # Until the bridge has asked for the time nobody reads; afterwards nothing is lost, as
-        # the memory holds 6 s
         assert self._process.stdin is not None
-        is_open, pending = False, b''
-        while self._running.is_set():
-            if select.select([self._near], [], [], 0.002)[0]:
-                self._process.stdin.write(os.read(self._near, 65536))
-                is_open = True
-            if not pending:
-                sent = self._read_link()
-                pending = sent if is_open else b''
-            with suppress(BlockingIOError):
-                pending = pending[os.write(self._near, pending) :] if pending else b''
+        if select.select([self._near], [], [], 0.002)[0]:
+            self._process.stdin.write(os.read(self._near, 65536))
+            self._is_open = True
+        if not self._pending:
+            sent = self._read_link()
+            self._pending = sent if self._is_open else b''
+        with suppress(BlockingIOError):
+            if self._pending:
+                self._pending = self._pending[os.write(self._near, self._pending) :]
 
     def _read_link(self) -> bytes:
         """Return what the board has sent since the last call."""
@@ -185,8 +175,10 @@ class ProcessCore:
         self._near, self._far = Cable(folder / 'light_board'), Cable(folder / 'inner')
         self._inner = folder / 'inner'
         self.port = folder / 'light_board'
-        self._running = threading.Event()
-        self._relay = threading.Thread(target=self._carry, daemon=True)
+        # Until the bridge has asked for the time nobody reads, and a full port would hold up the
+        # board and with it the world
+        self._is_open = False
+        self._relay = StepThread(self._carry, 'relay')
         os.mkfifo(self._rows)
 
     def __enter__(self) -> Self:
@@ -195,15 +187,13 @@ class ProcessCore:
         self._process = subprocess.Popen([self._program, *map(str, words)])
         # The board boots when its samples can begin
         self._samples = self._rows.open('wb', buffering=0)
-        self._running.set()
         self._relay.start()
         return self
 
     def __exit__(self, *_: object) -> None:
         self._process.kill()
         self._process.wait()
-        self._running.clear()
-        self._relay.join()
+        self._relay.stop()
         self._samples.close()
         self._near.pull()
         self._far.pull()
@@ -218,15 +208,11 @@ class ProcessCore:
         self._samples.write(samples.astype('<u2').tobytes())
 
     def _carry(self) -> None:
-        # Until the bridge has asked for the time nobody reads, and a full port would hold up the
-        # board and with it the world
-        is_open = False
-        while self._running.is_set():
-            sent, asked = self._far.read(0.002), self._near.read()
-            is_open = is_open or bool(asked)
-            self._far.write(asked)
-            if is_open:
-                self._near.write(sent)
+        sent, asked = self._far.read(0.002), self._near.read()
+        self._is_open = self._is_open or bool(asked)
+        self._far.write(asked)
+        if self._is_open:
+            self._near.write(sent)
 
 
 def read_processor_time(process: int) -> float:

@@ -17,6 +17,7 @@ from typing import Any, Final, Self
 
 from firmware_scenarios import APP, FULL, PWM_STEP
 from lta_emulation.crazyflie.lossy_link import LossyLink
+from lta_emulation.step_thread import StepThread
 from lta_model.vehicle import load_vehicle
 
 from campaigns.fault_kinds import WRAP_MS
@@ -66,18 +67,15 @@ class Relay:
             one.setblocking(False)
         self.uri = f'udp://127.0.0.1:{self._near.getsockname()[1]}'
         self._peer: tuple[str, int] | None = None
-        self._running, self._shut = threading.Event(), threading.Event()
-        self._thread = threading.Thread(target=self._work, daemon=True)
+        self._shut, self._thread = threading.Event(), StepThread(self._carry, 'relay')
         self._began = time.monotonic()
 
     def __enter__(self) -> Self:
-        self._running.set()
         self._thread.start()
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._running.clear()
-        self._thread.join()
+        self._thread.stop()
         self._near.close()
         self._far.close()
         self.process.close()
@@ -95,19 +93,18 @@ class Relay:
         """Close the port: whoever sends hears that nobody is there."""
         self._shut.set()
 
-    def _work(self) -> None:
-        while self._running.is_set():
-            if self._shut.is_set():
-                self._near.close()
-                time.sleep(TICK)
-                continue
-            delayed = self.up.has_pending or self.down.has_pending
-            select([self._near, self._far], [], [], TICK if delayed else IDLE)
-            self._take()
-            for datagram in self.up.receive(self.now):
-                self._pass(lambda datagram=datagram: self._far.send(datagram))
-            for datagram in self.down.receive(self.now):
-                self._pass(lambda datagram=datagram: self._near.sendto(datagram, self._peer))
+    def _carry(self) -> None:
+        if self._shut.is_set():
+            self._near.close()
+            time.sleep(TICK)
+            return
+        delayed = self.up.has_pending or self.down.has_pending
+        select([self._near, self._far], [], [], TICK if delayed else IDLE)
+        self._take()
+        for datagram in self.up.receive(self.now):
+            self._pass(lambda datagram=datagram: self._far.send(datagram))
+        for datagram in self.down.receive(self.now):
+            self._pass(lambda datagram=datagram: self._near.sendto(datagram, self._peer))
 
     def _take(self) -> None:
         """Take what has come from either side."""

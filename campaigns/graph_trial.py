@@ -4,11 +4,11 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 import tempfile
-import threading
 import time
 from typing import Any, Final, final, Self
 
 from domain import free_domain
+from lta_emulation.step_thread import StepThread
 import peer as peers
 from peer import Peer, put_away
 
@@ -16,6 +16,13 @@ from campaigns import ROOT
 
 SLACK: Final = 1.0  # s beyond what is stated, for a machine with other work
 NAP: Final = 0.01  # s between two looks at how late the machine is
+READY: Final = {  # who must have said what before anybody may arm a drone of hardware
+    'crazyflie_bridge: link': 'connected',
+    'teensy_bridge: light board': 'receiving light',
+    'estimator: estimate': 'biases are known',
+    'demodulator: light': 'beacon found',
+    'navigator: mission': 'climb',
+}
 ROUNDS: Final = 1000  # of three lanterns, half a minute each: more than a day takes
 
 
@@ -47,22 +54,19 @@ class Lateness:
 
     def __init__(self) -> None:
         self.most = 0.0
-        self._over = threading.Event()
-        self._thread = threading.Thread(target=self._work, daemon=True)
+        self._thread = StepThread(self._sleep, 'lateness')
 
     def __enter__(self) -> Self:
         self._thread.start()
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._over.set()
-        self._thread.join()
+        self._thread.stop()
 
-    def _work(self) -> None:
-        while not self._over.is_set():
-            began = time.monotonic()
-            time.sleep(NAP)
-            self.most = max(self.most, time.monotonic() - began - NAP)
+    def _sleep(self) -> None:
+        began = time.monotonic()
+        time.sleep(NAP)
+        self.most = max(self.most, time.monotonic() - began - NAP)
 
 
 def try_flight(fly: Callable[[Path, Peer], Outcome]) -> dict[str, Any]:

@@ -8,6 +8,7 @@ import time
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState
 from lta_config.schema.vehicle_file import load_vehicle_file
+from lta_emulation.step_thread import StepThread
 from lta_emulation.teensy.emulated_board import Cable, EmulatedBoard
 from lta_graph.health import HealthLevel
 from lta_graph.ros.stamps import from_stamp
@@ -50,9 +51,9 @@ class Bench(Peer):
         super().__init__(domain_id)
         self.cable = Cable(folder / 'ttyACM0')
         self.board = EmulatedBoard(time.time_ns(), **board)
-        self.hold, self._running = threading.Lock(), True
+        self.hold = threading.Lock()
         # A thread: an answer that waits for its turn of the graph's would tell a time long gone.
-        self._answering = threading.Thread(target=self._answer)
+        self._answering = StepThread(self._answer, 'answers')
         self._answering.start()
         self.begun = 0  # ns; when the first light was sampled
         self.blocks, self.bearings, self.facts = [], {}, {}
@@ -69,11 +70,10 @@ class Bench(Peer):
             self.facts[status.name.rpartition('/')[2]] = (status.level[0], status.message, values)
 
     def _answer(self):
-        while self._running:
-            with self.hold:
-                asked = self.cable.read(0.005)
-                self.cable.write(self.board.answer_timesync(asked, time.time_ns()))
-            time.sleep(0.001)  # whoever else wants the cable has it now
+        with self.hold:
+            asked = self.cable.read(0.005)
+            self.cable.write(self.board.answer_timesync(asked, time.time_ns()))
+        time.sleep(0.001)  # whoever else wants the cable has it now
 
     def send(self, data):
         """Send whole frames."""
@@ -88,8 +88,7 @@ class Bench(Peer):
 
     def end(self):
         """Pull the cable for good."""
-        self._running = False
-        self._answering.join()
+        self._answering.stop()
         self.cable.pull()
 
     def told(self, word):
@@ -242,10 +241,3 @@ def test_a_second_source_of_light_is_told(bench, tmp_path):
         lambda: bench.facts.get('teensy_bridge: others', ())[:2] == (HealthLevel.ERROR, told)
     )
     ended(process)
-
-
-def test_a_port_that_is_not_there_is_one_sentence(tmp_path):
-    process = start(BRIDGE, '-p', f'port:={tmp_path}/nothing')
-    _, errors = process.communicate(timeout=PATIENCE)
-    assert process.returncode == 2
-    assert errors.splitlines()[-1].startswith(f'There is no serial port {tmp_path}/nothing; plug')

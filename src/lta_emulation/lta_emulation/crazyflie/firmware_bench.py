@@ -7,13 +7,13 @@ gets what the drone senses, and answers with what its motors do.
 
 from contextlib import suppress
 import socket
-import threading
 import time
 from typing import Final, final, Self
 
 from lta_config.errors import BadInput
 from lta_emulation.crazyflie.body import CrazyflieBody
 from lta_emulation.crazyflie.commander import BodyCommand
+from lta_emulation.step_thread import StepThread
 
 PERIOD: Final = 0.01  # s between two exchanges
 ANSWER: Final = 0.05  # s to wait for an answer; a busy machine may take longer, and misses one
@@ -48,8 +48,9 @@ class FirmwareBench:
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._socket.connect(('127.0.0.1', bench_port))
         self._socket.settimeout(ANSWER)
-        self._running = threading.Event()
-        self._thread = threading.Thread(target=self._run, name='firmware_bench', daemon=True)
+        self._began, self._turn = 0.0, 0
+        self._duties: tuple[float, ...] = (0.0,) * 4
+        self._thread = StepThread(self._exchange, 'firmware_bench')
 
     def __enter__(self) -> Self:
         """Start, once the firmware answers."""
@@ -62,24 +63,20 @@ class FirmwareBench:
                     'start it first (docs/tutorials/rehearsal.md).'
                 )
             time.sleep(ANSWER)
-        self._running.set()
+        self._began = time.monotonic()
         self._thread.start()
         return self
 
     def __exit__(self, *_: object) -> None:
         """Stop; the firmware keeps the last readings."""
-        self._running.clear()
-        self._thread.join()
+        self._thread.stop()
         self._socket.close()
 
-    def _run(self) -> None:
-        began, turn = time.monotonic(), 0
-        duties: tuple[float, ...] = (0.0,) * 4
-        while self._running.is_set():
-            turn += 1
-            time.sleep(max(0.0, began + turn * PERIOD - time.monotonic()))
-            self._body.advance(time.monotonic() - began, BodyCommand(duties))
-            duties = self._exchange_readings() or duties
+    def _exchange(self) -> None:
+        self._turn += 1
+        time.sleep(max(0.0, self._began + self._turn * PERIOD - time.monotonic()))
+        self._body.advance(time.monotonic() - self._began, BodyCommand(self._duties))
+        self._duties = self._exchange_readings() or self._duties
 
     def _exchange_readings(self) -> tuple[float, ...] | None:
         """Send what the body senses; return the duties of M1 to M4, None without an answer."""

@@ -8,6 +8,7 @@ from typing import Final, final, Self
 from lta_emulation.crazyflie.firmware import Firmware
 from lta_emulation.crazyflie.lossy_link import LossyLink
 from lta_emulation.crazyflie.packet import unpack_datagram
+from lta_emulation.step_thread import StepThread
 
 TICK: Final = 0.002  # s between two ticks
 
@@ -48,9 +49,7 @@ class CrazyflieServer:
         self._peer: tuple[str, int] | None = None
         self._began = time.monotonic()
         self._shut = threading.Event()
-        self._running = threading.Event()
-        self._running.set()
-        self._thread = threading.Thread(target=self._run, name='emulated_crazyflie', daemon=True)
+        self._thread = StepThread(self._serve, 'emulated_crazyflie')
 
     @property
     def now(self) -> float:
@@ -73,20 +72,17 @@ class CrazyflieServer:
 
     def close(self) -> None:
         """Switch off."""
-        self._running.clear()
-        if self._thread.is_alive():
-            self._thread.join()
+        self._thread.stop()
         self._socket.close()
 
-    def _run(self) -> None:
-        while self._running.is_set():
-            self._receive_datagrams()
-            now = self.now
-            for datagram in self.up.receive(now):
-                self._answer_datagram(datagram, now)
-            for packet in self.firmware.tick(now):
-                self.down.send(packet.pack_datagram(), now)
-            self._send_datagrams(now)
+    def _serve(self) -> None:
+        self._receive_datagrams()
+        now = self.now
+        for datagram in self.up.receive(now):
+            self._answer_datagram(datagram, now)
+        for packet in self.firmware.tick(now):
+            self.down.send(packet.pack_datagram(), now)
+        self._send_datagrams(now)
 
     def _receive_datagrams(self) -> None:
         """Receive packets, or wait a moment."""

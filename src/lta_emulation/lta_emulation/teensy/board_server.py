@@ -2,10 +2,10 @@
 
 from pathlib import Path
 from queue import Empty, SimpleQueue
-import threading
 import time
 from typing import Final, final, Self
 
+from lta_emulation.step_thread import StepThread
 from lta_emulation.teensy.emulated_board import Cable, EmulatedBoard
 import numpy as np
 from numpy.typing import NDArray
@@ -48,9 +48,8 @@ class BoardServer:
         self._began = time.monotonic_ns()
         # The simulation's thread puts blocks in, the board's thread takes them out
         self._blocks: SimpleQueue[tuple[int, NDArray[np.uint16]]] = SimpleQueue()
-        self._running = threading.Event()
-        self._running.set()
-        self._thread = threading.Thread(target=self._run, name='emulated_board', daemon=True)
+        self._beat, self._was_plugged = 0, True
+        self._thread = StepThread(self._serve, 'emulated_board')
 
     @property
     def now_ns(self) -> int:
@@ -70,8 +69,7 @@ class BoardServer:
 
     def __exit__(self, *_: object) -> None:
         """Switch off and pull the cable."""
-        self._running.clear()
-        self._thread.join()
+        self._thread.stop()
         self.cable.pull()
 
     def toggle_cable(self) -> None:
@@ -82,22 +80,20 @@ class BoardServer:
         """Sample a block, from a time since the boot on [s]; shape (samples, diodes)."""
         self._blocks.put((round(1e9 * begun), samples))
 
-    def _run(self) -> None:
-        beat, plugged = 0, True
-        while self._running.is_set():
-            if self.plugged != plugged:
-                plugged = not plugged
-                # Only this thread touches the cable, so no lock is needed
-                (self.cable.plug if plugged else self.cable.pull)()
-            looked = self.now_ns
-            received = self.cable.read(LOOK)
-            self._write_to_cable(self.board.answer_timesync(received, self.now_ns))
-            if self.now_ns >= beat:
-                beat = self.now_ns + BEAT_NS
-                self._write_to_cable(self.board.encode_status())
-            self._send_light()
-            if not received and self.now_ns - looked < 1e9 * LOOK:
-                time.sleep(LOOK)  # reading a port that is not open returns at once
+    def _serve(self) -> None:
+        if self.plugged != self._was_plugged:
+            self._was_plugged = not self._was_plugged
+            # Only this thread touches the cable, so no lock is needed
+            (self.cable.plug if self._was_plugged else self.cable.pull)()
+        looked = self.now_ns
+        received = self.cable.read(LOOK)
+        self._write_to_cable(self.board.answer_timesync(received, self.now_ns))
+        if self.now_ns >= self._beat:
+            self._beat = self.now_ns + BEAT_NS
+            self._write_to_cable(self.board.encode_status())
+        self._send_light()
+        if not received and self.now_ns - looked < 1e9 * LOOK:
+            time.sleep(LOOK)  # reading a port that is not open returns at once
 
     def _send_light(self) -> None:
         try:
