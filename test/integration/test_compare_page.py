@@ -5,18 +5,13 @@ from lta_data.compare.comparison import compare_flights, ComparisonRequest
 from lta_data.compare.report import build_report
 from lta_report.report_output import write_report
 from lta_report.screenshots import (
-    collect_errors,
-    COUNT_PANELS,
-    list_requests,
     open_page,
-    RenderedPicture,
 )
 import pytest
 
 from ..unit.data.compare.compare_flight import write_motion  # noqa: TID252 - `test` is Python's own
 
 Z = 'odom/pose.pose.position.z'
-PANELS = ['path', 'x', 'y', 'altitude', 'heading', 'channel', 'spectrum']
 
 
 @pytest.fixture(scope='module')
@@ -31,22 +26,6 @@ def page(browser, tmp_path_factory):
     ]  # fmt: skip
     found = compare_flights(*map(open_flight, bags), ComparisonRequest())
     return write_report(build_report(found), folder)
-
-
-@pytest.mark.parametrize(
-    ('theme', 'width'), [('light', 390), pytest.param('dark', 1280, marks=pytest.mark.long)]
-)
-def test_every_picture_is_drawn_without_a_complaint_or_a_request(browser, page, theme, width):
-    browser.events.clear()
-    open_page(browser, page, theme, width)
-    assert collect_errors(browser) == []
-    assert list_requests(browser, page) == []
-    panels = [RenderedPicture(**panel) for panel in browser.evaluate(COUNT_PANELS)]
-    assert [panel.name for panel in panels] == PANELS
-    for panel in panels:
-        assert panel.marks > 0, panel
-        assert 250 < panel.width <= width, panel
-        assert panel.height > 150, panel
 
 
 def test_a_channel_that_is_picked_is_drawn_over_time_and_by_frequency(browser, page):

@@ -274,16 +274,3 @@ def test_it_knows_the_cell_of_its_vehicle(domain_id: int, tmp_path: Path) -> Non
         cell = vehicle.answers['energy/battery'][-1]
         assert cell.design_capacity == pytest.approx(0.125)
         assert cell.charge == pytest.approx(0.125 * cell.percentage, rel=1e-6)
-
-
-def test_a_bad_parameter_at_the_start_is_one_sentence_and_exit_2(domain_id: int) -> None:
-    told = {
-        'vehicle:=zeppelin': "Unknown vehicle 'zeppelin'; known: ",
-        'reserve:=2.0': 'energy_monitor: parameter reserve',
-    }
-    started = [start('-p', word) for word in told]
-    for process, sentence in zip(started, told.values(), strict=True):
-        _, errors = process.communicate(timeout=PATIENCE)
-        assert process.returncode == 2
-        assert errors.count('\n') == 1
-        assert sentence in errors

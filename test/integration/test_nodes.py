@@ -207,16 +207,6 @@ def test_a_landing_ends_where_the_drone_no_longer_sinks(flown, hear, stale):
     hear(lambda facts: max(estimate(flown, at + 1)) > 0.0)
 
 
-def test_a_setpoint_of_the_future_is_as_old_as_none(flown, hear):
-    """Held while its clock was ahead, it would keep a drone up for an hour after its sender."""
-    step = flying_controller(flown)
-    setpoint(flown, 1.0, step + 3600 * 10**9 // STEP)
-    flown.until(lambda: estimate(flown, step + 1)[:2] == [0.0, 0.0])
-    hear(lambda facts: motors(facts) == 'the time stamp of the setpoint is in the future: landing')
-    setpoint(flown, 1.0, step + 2)
-    hear(lambda facts: max(estimate(flown, step + 3)) > 0.0)
-
-
 def test_a_drone_that_two_nodes_steer_comes_down_until_it_is_armed_again(controller, hear):
     later = itertools.count(flying_controller(controller) + 1)
     name, node = 'setpoint/pose', controller.beside()
@@ -333,24 +323,6 @@ def test_qualities_are_overridden_by_the_parameters_of_ros(peer):
             assert [each.qos_profile.reliability for each in found] == [reliability]
 
 
-@pytest.mark.parametrize(
-    ('words', 'sentence'),
-    [
-        ('reliability:=good', 'override for policy `reliability`: `good`'),
-        ('depth:=deep', "expecting type 'INTEGER'"),
-        ('liveliness:=automatic', 'The node estimator has no parameter'),
-        ('depth:=1 -p time:=lockstep', 'The node estimator has no parameter'),
-    ],
-)
-def test_an_override_that_cannot_be_is_refused(domain_id, words, sentence):
-    given = f'-p qos_overrides./lta1/odom.publisher.{words}'.split()
-    with running('lta_control.nodes.estimator', *given) as process:
-        _, errors = process.communicate(timeout=PATIENCE)
-        assert process.returncode == 2
-    assert sentence in errors
-    assert 'Traceback' not in errors
-
-
 def test_a_fault_at_the_very_end_is_logged(peer):
     with running('lta_control.nodes.controller', *ARMED) as process:
         assert peer.ask(Trigger, 'emergency_stop').success
@@ -365,26 +337,6 @@ def test_disarmed_motors_stand_still_and_armed_ones_turn(flown):
     assert estimate(flown, step + 1) == [0.0] * 4
     assert flown.ask(SetBool, 'arm', data=True).success
     assert any(estimate(flown, step + 2))
-
-
-def test_armed_in_the_hands_the_motors_wait_for_a_setpoint_above_the_floor(flown, hear):
-    later = itertools.count(flying_controller(flown) + 1000)  # its setpoint is stale
-    for data in (False, True):
-        assert flown.ask(SetBool, 'arm', data=data).success
-    duties = []
-
-    def rest(facts):
-        at = next(later)
-        setpoint(flown, 0.0, at, heading=1.0)
-        duties.append(estimate(flown, at))
-        fact = facts.get('controller: motors')
-        return fact and fact.message == 'armed; waits for a setpoint above the floor'
-
-    hear(rest)
-    assert all(each == [0.0] * 4 for each in duties)
-    at = next(later)
-    setpoint(flown, 1.0, at)
-    hear(lambda facts: max(estimate(flown, at + 1)) > 0.0)
 
 
 @pytest.mark.long

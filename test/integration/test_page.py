@@ -4,11 +4,10 @@ import os
 import re
 import struct
 
-from lta_config.errors import BadInput
 from lta_flight.report import write_page
 from lta_flight.report.panels.registry import PANELS
 from lta_report import screenshots
-from lta_report.browser import Browser, find_chromium, OVERRIDE
+from lta_report.browser import Browser
 from lta_report.screenshots import (
     collect_errors,
     COUNT_PANELS,
@@ -17,7 +16,6 @@ from lta_report.screenshots import (
     open_page,
     RenderedPicture,
     SHARPNESS,
-    write_picture,
     write_pictures,
 )
 import pytest
@@ -153,17 +151,6 @@ def test_pictures_of_the_whole_top_and_of_every_panel(page, tmp_path):
     assert all(height > 300 * SHARPNESS for _, height in sizes.values())
 
 
-@pytest.mark.long
-def test_picture_of_an_unknown_panel_names_the_known_ones(page, tmp_path):
-    with pytest.raises(BadInput, match=r"Unknown panel 'nose'; known: .*path.*top"):
-        write_picture(page, tmp_path / 'x.png', 'nose')
-
-
-def test_no_page_is_one_sentence(browser, tmp_path):
-    with pytest.raises(BadInput, match=r"^HTML page '.+' does not exist; check the path\.$"):
-        open_page(browser, tmp_path / 'none.html', 'light', 1280)
-
-
 def test_complaints_and_requests_are_seen_and_the_browser_ends(monkeypatch, tmp_path):
     started = []
 
@@ -184,24 +171,3 @@ def test_complaints_and_requests_are_seen_and_the_browser_ends(monkeypatch, tmp_
     (session,) = started
     with pytest.raises(ProcessLookupError):
         os.kill(session._process.pid, 0)
-
-
-def test_without_a_browser_the_sentence_says_how_to_get_one(monkeypatch, tmp_path):
-    monkeypatch.setenv('PATH', str(tmp_path))
-    monkeypatch.delenv(OVERRIDE, raising=False)
-    with pytest.raises(BadInput, match='sudo apt install chromium'):
-        find_chromium()
-
-
-def test_named_browser_must_exist(monkeypatch):
-    monkeypatch.setenv(OVERRIDE, '/no/such/program')
-    with pytest.raises(BadInput, match="LTA_CHROMIUM is '/no/such/program'"):
-        find_chromium()
-
-
-def test_program_that_is_no_browser_is_one_sentence(monkeypatch):
-    monkeypatch.setenv(OVERRIDE, 'true')
-    with pytest.raises(
-        BadInput, match=r'true\) exited with status 0 during .+; start Chromium in a terminal'
-    ):
-        Browser().__enter__()

@@ -260,23 +260,3 @@ def test_a_node_that_does_not_answer_ends_the_replay_and_is_named(recorded, peer
     assert 'did not arrive within 4 s: motors from controller.' in errors
     said = json.loads(out.splitlines()[-1])
     assert (said['outcome'], said['answers'], said['owed']) == ('unanswered', '0', '402')
-
-
-def test_what_a_player_cannot_do_is_one_sentence(lta, call, meters, tmp_path):
-    def refused(*words):
-        done = lta.run('run', 'lta_bridge', 'player', '--ros-args', *words)
-        assert done.returncode == 2
-        assert len(done.stderr.splitlines()) == 1, done.stderr
-        return done.stderr
-
-    bag = ('-p', f'bag:={meters}')
-    assert 'has no bag' in refused()
-    assert 'loop:=true in lockstep would never end' in refused(
-        *bag, '-p', 'loop:=true', '-p', 'time:=lockstep'
-    )
-    status, told = call('replay', meters, '--out', tmp_path / 'replay')
-    assert (status, told.err) == (
-        2,
-        f"'{meters}' has no topic 'photodiodes', which the node demodulator needs as input; leave "
-        'demodulator out of --nodes.\n',
-    )
