@@ -15,6 +15,7 @@ import time
 from typing import Any, Self
 
 from lta_config.topics import load_topic_table
+from lta_graph.health import HealthFact, HealthLevel
 from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.qos import select_profile, select_reader_profile
 from rcl_interfaces.srv import SetParameters
@@ -86,6 +87,13 @@ def complaints(errors: str) -> list[str]:
     return [line for line in errors.splitlines() if not LOGGED.match(line)]
 
 
+def ended(process: 'subprocess.Popen[str]') -> None:
+    """Press Ctrl-C on a node: it exits in order, and prints nothing but its log."""
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=PATIENCE)
+    assert (process.returncode, complaints(errors)) == (0, [])
+
+
 def put_away() -> None:
     """End what a failed test has left: an open pipe would fail whichever test comes next."""
     while STARTED:
@@ -106,7 +114,7 @@ def _place_of(condition: Callable[[], Any]) -> str:
 class Peer:
     """A node beside those under test, in a DDS domain: `with Peer(domain) as peer: ...`."""
 
-    def __init__(self, domain_id: int) -> None:
+    def __init__(self, domain_id: int, *, lockstep: bool = False) -> None:
         self._context = Context()
         rclpy.init(args=[], context=self._context, domain_id=domain_id)
         self.node = rclpy.create_node('peer', namespace='/lta1', context=self._context)
@@ -115,7 +123,9 @@ class Peer:
         self._publishers: dict[str, Any] = {}
         self._clients: dict[str, Any] = {}
         self._beside: list[Any] = []
+        self._lockstep = lockstep
         self.heard: Counter[str] = Counter()  # messages by topic
+        self.facts: dict[str, HealthFact] = {}  # newest by 'NODE: TASK', after `hear_facts`
 
     def __enter__(self) -> Self:
         return self
@@ -144,7 +154,7 @@ class Peer:
     def hear(self, name: str, callback: Callable[[Any], object]) -> None:
         """Listen to a topic of the table."""
         row = TABLE[name]
-        quality = select_reader_profile(row, lockstep=False)
+        quality = select_reader_profile(row, self._lockstep)
 
         def take(message: Any) -> None:
             self.heard[name] += 1
@@ -152,11 +162,26 @@ class Peer:
 
         self.node.create_subscription(find_message_type(row), name, take, quality)
 
+    def hear_facts(self) -> None:
+        """Listen to what the nodes say of their health."""
+        self.hear('/diagnostics', self._take_facts)
+
+    def _take_facts(self, array: Any) -> None:
+        for status in array.status:
+            name = status.name.rpartition('/')[2]
+            values = {pair.key: pair.value for pair in status.values}
+            level = HealthLevel(status.level[0])
+            self.facts[name] = HealthFact(name, level, status.message, values)
+
+    def told(self, task: str) -> str:
+        """Return the newest words of a task; empty before the first."""
+        return self.facts[task].message if task in self.facts else ''
+
     def publisher(self, name: str) -> Any:
         """Return the publisher of a topic of the table, once somebody has found it."""
         if name not in self._publishers:
             row = TABLE[name]
-            quality = select_profile(row, lockstep=False)
+            quality = select_profile(row, self._lockstep)
             self._publishers[name] = self.offering(name, find_message_type(row), quality)
         return self._publishers[name]
 

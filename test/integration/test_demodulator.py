@@ -1,20 +1,19 @@
 """The demodulator over real DDS: how soon it answers, and what it says of wrong blocks."""
 
 import math
-import signal
 import time
 
 from lta_config.files import share_folder
 from lta_config.topics import load_topic_table
+from lta_graph.health import HealthFact, HealthLevel
 from lta_graph.ros.stamps import from_stamp, to_stamp
 from lta_model.messages import build_light_block_message
 import numpy as np
 import pytest
 from sensor_msgs.msg import Image
 from std_msgs.msg import Float64
-from waiting import PATIENCE
 
-from .peer import complaints, Peer, start
+from .peer import ended, Peer, start
 
 NODE = 'lta_vlc.nodes.demodulator'
 PERIOD = load_topic_table()['photodiodes'].period_ns
@@ -26,22 +25,17 @@ class Listening(Peer):
 
     def __init__(self, domain_id, diodes=8):
         super().__init__(domain_id)
-        self.bearings, self.facts = {}, {}
+        self.bearings = {}
         self.first = 0  # block, of those that the tests count
         chance = np.random.default_rng(1)
         facing = np.cos(np.arange(diodes) * math.tau / diodes).clip(0.0) ** 1.2 + 0.03
         light = np.outer(np.arange(1000) * 0.015 % 1.0 < 0.5, 200.0 * facing)
         self.block = (800.0 + light + chance.normal(0.0, 3.0, light.shape)).astype(np.uint16)
         self.hear('light/bearing', self._hear_bearing)
-        self.hear('/diagnostics', self._hear_facts)
+        self.hear_facts()
 
     def _hear_bearing(self, message):
         self.bearings[from_stamp(message.header.stamp)] = message.vector
-
-    def _hear_facts(self, message):
-        for status in message.status:
-            values = {pair.key: pair.value for pair in status.values}
-            self.facts[status.name.rpartition('/')[2]] = (status.message, values)
 
     def meet(self):
         """Send blocks until one is answered."""
@@ -78,20 +72,14 @@ class Listening(Peer):
         return stamp
 
     def light(self):
-        """Return message and values of the light."""
-        return self.facts.get('demodulator: light', ('', {}))
+        """Return what is said of the light, or nothing yet."""
+        return self.facts.get('demodulator: light', HealthFact('light', HealthLevel.OK, ''))
 
 
 @pytest.fixture
 def vehicle(domain_id):
     with Listening(domain_id) as made:
         yield made
-
-
-def ended(process):
-    process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=PATIENCE)
-    assert (process.returncode, complaints(errors)) == (0, [])
 
 
 def vehicle_of(folder, diodes, bits=12):
@@ -122,8 +110,8 @@ def test_the_light_is_told_with_its_faults(vehicle):
     for k in range(3):
         stamp = vehicle.send(k)
         vehicle.until(lambda stamp=stamp: stamp in vehicle.bearings)
-    vehicle.until(lambda: vehicle.light()[0] == 'beacon found')
-    values = vehicle.light()[1]
+    vehicle.until(lambda: vehicle.light().message == 'beacon found')
+    values = vehicle.light().values
     assert float(values['best_snr']) > 100.0
     assert abs(float(values['frequency_error_Hz'])) < 0.1
     assert (values['saturated_diodes'], values['flat_diodes']) == ('0', '0')
@@ -132,8 +120,8 @@ def test_the_light_is_told_with_its_faults(vehicle):
     vehicle.block[::2, 4] = 4095
     vehicle.block[:, 5] = 7
     stamp = vehicle.send(7)  # four blocks later than it should be
-    vehicle.until(lambda: vehicle.light()[1].get('blocks_missing') == '4')
-    values = vehicle.light()[1]
+    vehicle.until(lambda: vehicle.light().values.get('blocks_missing') == '4')
+    values = vehicle.light().values
     assert (values['saturated_diodes'], values['flat_diodes']) == ('2', '2')
     assert vehicle.bearings[stamp].x > 0.4  # and none of them pulls
 
@@ -149,8 +137,8 @@ def test_the_light_is_told_with_its_faults(vehicle):
         (10, None, f'follows one with {vehicle.stamp(10) * 1e-9:.3f} s'),
     ):
         vehicle.send(k, message)
-        vehicle.until(lambda sentence=sentence: sentence in vehicle.light()[0])
-    assert vehicle.light()[1]['blocks_refused'] == '4'
+        vehicle.until(lambda sentence=sentence: sentence in vehicle.light().message)
+    assert vehicle.light().values['blocks_refused'] == '4'
     ended(process)
 
 
@@ -181,5 +169,5 @@ def test_where_a_reading_clips_is_said_by_the_vehicle(vehicle, tmp_path):
     vehicle.block[:] = vehicle.block.clip(0, 1023)
     vehicle.block[::2, 4] = 1023
     vehicle.meet()
-    vehicle.until(lambda: vehicle.light()[1].get('saturated_diodes') == '1')
+    vehicle.until(lambda: vehicle.light().values.get('saturated_diodes') == '1')
     ended(process)

@@ -13,9 +13,8 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
-from waiting import PATIENCE
 
-from .peer import Peer, start
+from .peer import ended, Peer, start
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -29,9 +28,7 @@ def test_a_viewer_that_comes_late_gets_the_urdf(domain_id):
         assert ElementTree.fromstring(heard[0].data).get('name') == 'gtmab'
         # The URDF comes while the node is made; who answers a service works, and leaves in order.
         peer.ask(ListParameters, 'description/list_parameters')
-    process.terminate()
-    process.communicate(timeout=PATIENCE)
-    assert process.returncode == 0
+    ended(process)
 
 
 def test_frames_follow_the_vehicle_file_and_odom_if_asked(domain_id):
@@ -66,9 +63,7 @@ def test_frames_follow_the_vehicle_file_and_odom_if_asked(domain_id):
             assert fixed[f'lta1/{frame.name}'].header.frame_id == f'lta1/{frame.parent}'
             place = fixed[f'lta1/{frame.name}'].transform.translation
             assert (place.x, place.y, place.z) == pytest.approx(frame.place)
-    process.terminate()
-    process.communicate(timeout=PATIENCE)
-    assert process.returncode == 0
+    ended(process)
 
 
 def test_a_flight_publishes_one_tree_and_nobody_who_flies_reads_truth_or_transforms(

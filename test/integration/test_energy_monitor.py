@@ -1,39 +1,20 @@
 """The energy monitor as a process over DDS, fed as the simulator feeds it."""
 
 from collections.abc import Iterator
-import contextlib
-import os
+from contextlib import contextmanager
 from pathlib import Path
-import signal
-import subprocess
-import sys
 from typing import Any
 
-from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Point, Pose, PoseWithCovariance
 from lta_config.files import find_file
-from lta_config.topics import load_topic_table
+from lta_graph.health import HealthLevel
 from lta_graph.ros.message_validation import find_message_type
-from lta_graph.ros.qos import select_profile
 from lta_graph.ros.stamps import from_stamp, to_stamp
 import pytest
-from rcl_interfaces.srv import SetParameters
-import rclpy
-from rclpy.context import Context
-from rclpy.executors import SingleThreadedExecutor
-from rclpy.parameter import Parameter
 from sensor_msgs.msg import BatteryState
-from waiting import PATIENCE, wait_until
 
-from .peer import complaints
+from .peer import ended, Peer, start, TABLE
 
-# rclpy generates message support through lark, which imports a module that Python retires.
-pytestmark = [
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
-
-ROOT = Path(__file__).resolve().parents[2]
-TABLE = load_topic_table()
 INPUTS = ('battery', 'panel', 'illuminance', 'odom', 'airspeed')
 OUTPUTS = ('energy/battery', 'energy/status', 'energy/reserve')
 RESTING = 3.84  # V; half full
@@ -42,78 +23,35 @@ GIVEN = 0.85 * (0.44 - 0.022)  # W, of its charger from 0.44 W of the panel
 STEPS = 10  # messages of odom and of airspeed between two of the battery
 
 
-def start(*arguments):
-    """Start the node of this very source tree as a process."""
-    code = 'from lta_energy.nodes.energy_monitor import main; main()'
-    paths = [str(path.parent) for path in ROOT.glob('src/*/setup.py')] + [str(ROOT / 'config')]
-    return subprocess.Popen(
-        [sys.executable, '-c', code, '--ros-args', '-r', '__ns:=/lta1', *arguments],
-        env={**os.environ, 'PYTHONPATH': os.pathsep.join(paths)},
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-
-
-class Vehicle:
+class Vehicle(Peer):
     """The other side of the graph: publishes the meters and collects the answers."""
 
-    def __init__(self, context: Context, lockstep: bool) -> None:
-        self.node = rclpy.create_node('vehicle', namespace='/lta1', context=context)
-        self._executor = SingleThreadedExecutor(context=context)
-        self._executor.add_node(self.node)
-        self.answers = {name: [] for name in OUTPUTS}
-        self.facts = {}
+    def __init__(self, domain_id: int, *, lockstep: bool) -> None:
+        super().__init__(domain_id, lockstep=lockstep)
         self.lockstep = lockstep
-        self._publishers = {}
+        self.answers: dict[str, list[Any]] = {name: [] for name in OUTPUTS}
         self._steps = 0
+        for name, got in self.answers.items():
+            self.hear(name, got.append)
+        self.hear_facts()
+
+    def connect(self) -> None:
+        """Wait until whatever is sent is heard, and is answered."""
         for name in INPUTS:
-            row = TABLE[name]
-            self._publishers[name] = self.node.create_publisher(
-                find_message_type(row), name, select_profile(row, lockstep)
-            )
-        for name in OUTPUTS:
-            row = TABLE[name]
-            self.node.create_subscription(
-                find_message_type(row),
-                name,
-                self.answers[name].append,
-                select_profile(row, lockstep),
-            )
-        self.node.create_subscription(DiagnosticArray, '/diagnostics', self._on_health, 10)
-        self._client = self.node.create_client(SetParameters, 'energy_monitor/set_parameters')
-
-    def _on_health(self, message: DiagnosticArray) -> None:
-        for status in message.status:
-            self.facts[status.name.rpartition('/')[2]] = (status.level[0], status.message)
-
-    def until(self, condition) -> None:
-        wait_until(
-            condition,
-            'the graph',
-            lambda: self.facts,
-            step=lambda: self._executor.spin_once(timeout_sec=0.05),
-        )
-
-    def connected(self) -> bool:
-        there = all(item.get_subscription_count() for item in self._publishers.values())
-        back = all(self.node.count_publishers(name) for name in OUTPUTS)
-        return there and back and self._client.service_is_ready()
+            self.publisher(name)
+        self.until(lambda: all(map(self.node.count_publishers, OUTPUTS)))
 
     def send(self, name: str, turn: int, **fields) -> None:
         message = find_message_type(TABLE[name])(**fields)
         message.header.frame_id = 'base_link'
         message.header.stamp = to_stamp(TABLE.start_ns + turn * TABLE[name].period_ns)
-        self._publishers[name].publish(message)
+        self.publisher(name).publish(message)
 
-    def turn(self, turn: int, current: float, order=('panel', 'illuminance', 'battery')) -> None:
+    def turn(self, turn: int, current: float) -> None:
         """Publish one turn of all meters and wait for its three answers."""
-        content = {
-            'battery': {'voltage': RESTING + RESISTANCE * current, 'current': current},
-            'panel': {'voltage': 4.4, 'current': 0.1},
-            'illuminance': {'illuminance': 40000.0},
-        }
-        for name in order:
-            self.send(name, turn, **content[name])
+        self.send('panel', turn, voltage=4.4, current=0.1)
+        self.send('illuminance', turn, illuminance=40000.0)
+        self.send('battery', turn, voltage=RESTING + RESISTANCE * current, current=current)
         self.move(turn)
         self.until(lambda: all(len(got) == turn + 1 for got in self.answers.values()))
 
@@ -125,36 +63,21 @@ class Vehicle:
             self.send('airspeed', step)
         self._steps = STEPS * turn + 1
 
-    def set(self, name: str, value: float | str):
-        """Set one parameter of the node and return the result."""
-        request = SetParameters.Request(
-            parameters=[Parameter(name, value=value).to_parameter_msg()]
-        )
-        future = self._client.call_async(request)
-        self.until(future.done)
-        return future.result().results[0]
-
-    def close(self) -> None:
-        self._executor.shutdown()
-        self.node.destroy_node()
+    def until_level(self, task: str, level: HealthLevel) -> str:
+        """Wait until a task of the monitor is of a level, and return its words."""
+        name = f'energy_monitor: {task}'
+        self.until(lambda: name in self.facts and self.facts[name].level == level)
+        return self.told(name)
 
 
-@contextlib.contextmanager
+@contextmanager
 def graph(domain_id: int, mode: str, *arguments: str) -> Iterator[Vehicle]:
     """Run the node beside a vehicle; the node must leave in order when interrupted."""
-    context = Context()
-    rclpy.init(context=context, domain_id=domain_id)
-    vehicle = Vehicle(context, mode == 'lockstep')
-    process = start('-p', f'time:={mode}', *arguments)
-    try:
-        vehicle.until(vehicle.connected)
+    process = start('lta_energy.nodes.energy_monitor', '-p', f'time:={mode}', *arguments)
+    with Vehicle(domain_id, lockstep=mode == 'lockstep') as vehicle:
+        vehicle.connect()
         yield vehicle
-    finally:
-        vehicle.close()
-        rclpy.try_shutdown(context=context)
-        process.send_signal(signal.SIGINT)
-        _, errors = process.communicate(timeout=PATIENCE)
-    assert (process.returncode, complaints(errors)) == (0, [])
+    ended(process)
 
 
 @pytest.fixture
@@ -224,8 +147,8 @@ def test_in_lockstep_an_answer_waits_for_every_meter(domain_id: int) -> None:
         vehicle.send('battery', 1, voltage=3.8, current=-0.1)
         vehicle.send('panel', 1, voltage=4.4, current=0.1)
         vehicle.move(1)
-        vehicle.until(lambda: vehicle.facts.get('energy_monitor: inputs', (0,))[0] == 2)
-        assert 'waiting for messages on illuminance' in vehicle.facts['energy_monitor: inputs'][1]
+        told = vehicle.until_level('inputs', HealthLevel.ERROR)
+        assert 'waiting for messages on illuminance' in told
         assert len(vehicle.answers['energy/reserve']) == 1
         vehicle.send('illuminance', 1, illuminance=1.0)
         vehicle.until(lambda: len(vehicle.answers['energy/status']) == 2)
@@ -234,11 +157,10 @@ def test_in_lockstep_an_answer_waits_for_every_meter(domain_id: int) -> None:
 @mostly_lockstep
 def test_the_reserve_can_be_moved_in_flight_but_not_out_of_range(vehicle: Vehicle) -> None:
     vehicle.turn(0, -0.05)
-    assert vehicle.set('reserve', 0.6).successful
+    assert vehicle.set('energy_monitor', 'reserve', 0.6).successful
     vehicle.turn(1, -0.05)
     assert [item.data for item in vehicle.answers['energy/reserve']] == [False, True]
-    vehicle.until(lambda: vehicle.facts.get('energy_monitor: battery', (0,))[0] == 1)
-    said = vehicle.facts['energy_monitor: battery'][1]
+    said = vehicle.until_level('battery', HealthLevel.WARN)
     assert said.startswith('energy reserve reached: ')
     assert 'reserve 60%, flight home' in said
 
@@ -247,7 +169,7 @@ def test_the_reserve_can_be_moved_in_flight_but_not_out_of_range(vehicle: Vehicl
         ('smoothing', -1.0, 'smoothing'),
         ('vehicle', 'other', 'read-only'),
     ):
-        refusal = vehicle.set(name, value)
+        refusal = vehicle.set('energy_monitor', name, value)
         assert not refusal.successful
         assert word in refusal.reason
     vehicle.turn(2, -0.05)
@@ -258,8 +180,8 @@ def test_the_reserve_can_be_moved_in_flight_but_not_out_of_range(vehicle: Vehicl
 def test_a_meter_mounted_the_wrong_way_round_is_named(vehicle: Vehicle) -> None:
     for turn in range(4):  # 0.3 s
         vehicle.turn(turn, 0.45)
-    vehicle.until(lambda: vehicle.facts.get('energy_monitor: meters', (0,))[0] == 2)
-    assert 'check the sign of the measured current' in vehicle.facts['energy_monitor: meters'][1]
+    told = vehicle.until_level('meters', HealthLevel.ERROR)
+    assert 'check the sign of the measured current' in told
 
 
 def test_it_knows_the_cell_of_its_vehicle(domain_id: int, tmp_path: Path) -> None:

@@ -23,7 +23,7 @@ from rclpy.qos import ReliabilityPolicy
 from std_srvs.srv import SetBool, Trigger
 from waiting import PATIENCE
 
-from .peer import complaints, Peer, running, TABLE
+from .peer import ended, Peer, running, TABLE
 
 ROTORS = ['up_left', 'up_right', 'forward_left', 'forward_right']
 STEP = TABLE.control_ns
@@ -68,9 +68,7 @@ def beside_a_controller(domain_id: int) -> Iterator[Pilot]:
     """Run an armed controller, yield a peer of it, and check that it exits without complaints."""
     with Pilot(domain_id) as pilot, running('lta_control.nodes.controller', *ARMED) as process:
         yield pilot
-        process.send_signal(signal.SIGINT)
-        _, errors = process.communicate(timeout=PATIENCE)
-        assert (process.returncode, complaints(errors)) == (0, [])
+        ended(process)
 
 
 @pytest.fixture

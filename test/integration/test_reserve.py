@@ -1,7 +1,5 @@
 """The navigator over real DDS obeys the energy monitor, and comes down when that falls silent."""
 
-import signal
-
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from lta_config.topics import load_topic_table
 from lta_graph.ros.message_validation import find_message_type
@@ -9,9 +7,8 @@ from lta_graph.ros.stamps import from_stamp, to_stamp
 from nav_msgs.msg import Odometry
 import pytest
 from std_msgs.msg import Bool
-from waiting import PATIENCE
 
-from .peer import complaints, Peer, start
+from .peer import ended, Peer, start
 
 PERIOD = load_topic_table()['light/estimate'].period_ns
 RESTING, ALOFT, LANDING = 0.0, 0.5, 0.3  # m; what the navigator asks for
@@ -23,19 +20,16 @@ class Drone(Peer):
 
     def __init__(self, domain_id):
         super().__init__(domain_id)
-        self.asked, self.facts, self.turns = {}, {}, 0
+        self.asked, self.turns = {}, 0
         self.hear('setpoint/pose', self._hear_setpoint)
-        self.hear('/diagnostics', self._hear_facts)
+        self.hear_facts()
 
     def _hear_setpoint(self, message):
         self.asked[from_stamp(message.header.stamp)] = message.pose.position.z
 
-    def _hear_facts(self, message):
-        self.facts |= {status.name.rpartition('/')[2]: status.message for status in message.status}
-
     @property
     def mission(self):
-        return self.facts.get('navigator: mission', '')
+        return self.told('navigator: mission')
 
     def energy(self, reserve, level=OK, sentence='90% left'):
         """Say what the energy monitor says."""
@@ -97,9 +91,7 @@ def drone(domain_id):
             made.until(lambda name=name: made.publisher(name).get_subscription_count())
         made.meet()
         yield made
-        process.send_signal(signal.SIGINT)
-        _, errors = process.communicate(timeout=PATIENCE)
-    assert (process.returncode, complaints(errors)) == (0, [])
+        ended(process)
 
 
 def test_it_waits_for_good_energy_flies_and_obeys_the_reserve(drone):

@@ -1,7 +1,6 @@
 """Simulated light through an emulated board, its cable, the bridge and the demodulator."""
 
 from itertools import cycle
-import signal
 import threading
 import time
 
@@ -23,7 +22,7 @@ from lta_vlc.settings import DemodulationSettings
 import pytest
 from waiting import PATIENCE
 
-from .peer import Peer, start, TABLE
+from .peer import ended, Peer, start, TABLE
 
 BRIDGE, DEMODULATOR = 'lta_bridge.nodes.teensy_bridge', 'lta_vlc.nodes.demodulator'
 BLOCKS = 8
@@ -56,18 +55,13 @@ class Bench(Peer):
         self._answering = StepThread(self._answer, 'answers')
         self._answering.start()
         self.begun = 0  # ns; when the first light was sampled
-        self.blocks, self.bearings, self.facts = [], {}, {}
+        self.blocks, self.bearings = [], {}
         self.hear('photodiodes', self.blocks.append)
         self.hear('light/bearing', self._hear_bearing)
-        self.hear('/diagnostics', self._hear_facts)
+        self.hear_facts()
 
     def _hear_bearing(self, message):
         self.bearings[from_stamp(message.header.stamp)] = (message.vector.x, message.vector.y)
-
-    def _hear_facts(self, message):
-        for status in message.status:
-            values = {pair.key: pair.value for pair in status.values}
-            self.facts[status.name.rpartition('/')[2]] = (status.level[0], status.message, values)
 
     def _answer(self):
         with self.hold:
@@ -91,10 +85,10 @@ class Bench(Peer):
         self._answering.stop()
         self.cable.pull()
 
-    def told(self, word):
+    def until_told(self, word):
         """Wait until the bridge says something; return the figures with it."""
-        self.until(lambda: word in self.facts.get(TASK, (0, '', {}))[1])
-        return self.facts[TASK][2]
+        self.until(lambda: word in self.told(TASK))
+        return self.facts[TASK].values
 
     def change(self, transition):
         """Ask for a transition, and return whether it was made."""
@@ -109,28 +103,21 @@ def bench(domain_id, tmp_path):
         made.end()
 
 
-def ended(process):
-    process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=PATIENCE)
-    assert process.returncode == 0
-    assert 'Traceback' not in errors
-
-
 def pull_and_replug(bench):
     """Pull the cable and plug it in again, and check that the bridge reports both."""
     with bench.hold:
         bench.cable.pull()
-    bench.until(lambda: 'plug the light board in' in bench.facts[TASK][1])
-    assert bench.facts[TASK][0] == HealthLevel.ERROR
+    bench.until_told('plug the light board in')
+    assert bench.facts[TASK].level == HealthLevel.ERROR
     with bench.hold:
         bench.cable.plug()
-    assert bench.told('receiving light')['unplugged'] == '1'
+    assert bench.until_told('receiving light')['unplugged'] == '1'
 
 
 def test_the_bearing_is_that_of_the_simulated_light_and_a_pulled_cable_is_shown(bench, tmp_path):
     light = simulated_light()
     nodes = [start(BRIDGE, '-p', f'port:={tmp_path}/ttyACM0'), start(DEMODULATOR)]
-    bench.told('receiving light')
+    bench.until_told('receiving light')
     bench.until(lambda: 'demodulator: state' in bench.facts)
     deadline = time.monotonic() + PATIENCE
     for samples in cycle(light):  # what comes before the two have found each other is lost
@@ -140,7 +127,7 @@ def test_the_bearing_is_that_of_the_simulated_light_and_a_pulled_cable_is_shown(
         if len(bench.bearings) >= BLOCKS:
             break
         assert time.monotonic() < deadline, f'{heard} bearings came of {bench.board.sent} frames'
-    figures = bench.told('receiving light')
+    figures = bench.until_told('receiving light')
     assert figures['rows_lost'] == '0'
     pull_and_replug(bench)
     for process in nodes:
@@ -170,21 +157,21 @@ def test_the_bearing_is_that_of_the_simulated_light_and_a_pulled_cable_is_shown(
 def test_only_an_active_bridge_publishes_and_each_transition_reports(bench, tmp_path):
     process = start(BRIDGE, '-p', f'port:={tmp_path}/ttyACM0', '-p', 'autostart:=false')
     light = simulated_light()[0]
-    bench.until(lambda: 'not configured' in bench.facts.get(TASK, (0, '', {}))[1])
+    bench.until_told('not configured')
     assert bench.change(Transition.TRANSITION_CONFIGURE)
-    bench.told('receiving light, not publishing')
+    bench.until_told('receiving light, not publishing')
     for _ in range(2):
         bench.light(light)
-    bench.until(lambda: bench.facts[TASK][2].get('blocks') == '1')
+    bench.until(lambda: bench.facts[TASK].values.get('blocks') == '1')
     assert bench.blocks == []
     assert bench.change(Transition.TRANSITION_ACTIVATE)
     bench.until(lambda: bench.node.count_publishers('/lta1/photodiodes'))
     bench.light(light[:900])  # ends one block and no more
     bench.until(lambda: len(bench.blocks) == 1)
     assert bench.change(Transition.TRANSITION_DEACTIVATE)
-    bench.told('not publishing')
+    bench.until_told('not publishing')
     assert bench.change(Transition.TRANSITION_CLEANUP)
-    bench.until(lambda: 'not configured' in bench.facts[TASK][1])
+    bench.until_told('not configured')
     assert len(bench.blocks) == 1
     ended(process)
 
@@ -194,15 +181,17 @@ def test_another_dialect_is_told_and_its_light_is_not_published(domain_id, tmp_p
     with Bench(domain_id, tmp_path, dialect=2) as bench:
         process = start(BRIDGE, '-p', f'port:={tmp_path}/ttyACM0')
         bench.until(lambda: bench.node.count_publishers('/lta1/photodiodes'))
-        bench.told('receiving light')  # its heartbeat is that of any board
+        bench.until_told('receiving light')  # its heartbeat is that of any board
         bench.send(bench.board.encode_status())
-        bench.told('uses version 2 of the messages, but this bridge uses version 1; build both')
-        assert bench.facts[TASK][0] == HealthLevel.ERROR
+        bench.until_told(
+            'uses version 2 of the messages, but this bridge uses version 1; build both'
+        )
+        assert bench.facts[TASK].level == HealthLevel.ERROR
         light = simulated_light()[0]
         for _ in range(2):
             bench.light(light)
         bench.send(bench.board.encode_status())
-        bench.until(lambda: int(bench.facts[TASK][2]['blocks']) >= 1)
+        bench.until(lambda: int(bench.facts[TASK].values['blocks']) >= 1)
         ended(process)
         assert bench.blocks == []
         bench.end()
@@ -218,11 +207,11 @@ def test_a_port_that_one_may_not_open_is_refused_told_and_ends_with_one_sentence
     )
     words = ('-p', f'port:={tmp_path}/ttyACM0')
     process = start(BRIDGE, *words, '-p', 'autostart:=false', before=denied)
-    bench.until(lambda: 'not configured' in bench.facts.get(TASK, (0, '', {}))[1])
+    bench.until_told('not configured')
     assert not bench.change(Transition.TRANSITION_CONFIGURE)
     sentence = f'You have no permission to open {tmp_path}/ttyACM0; run'
-    bench.told(sentence)
-    assert bench.facts[TASK][0] == HealthLevel.ERROR
+    bench.until_told(sentence)
+    assert bench.facts[TASK].level == HealthLevel.ERROR
     ended(process)
     process = start(BRIDGE, *words, before=denied)
     _, errors = process.communicate(timeout=PATIENCE)
@@ -233,11 +222,10 @@ def test_a_port_that_one_may_not_open_is_refused_told_and_ends_with_one_sentence
 @pytest.mark.long
 def test_a_second_source_of_light_is_told(bench, tmp_path):
     process = start(BRIDGE, '-p', f'port:={tmp_path}/ttyACM0')
-    bench.told('receiving light')
+    bench.until_told('receiving light')
     assert 'teensy_bridge: others' not in bench.facts
     bench.publisher('photodiodes')
     told = 'other nodes also publish photodiodes (/lta1/peer); stop all but one'
-    bench.until(
-        lambda: bench.facts.get('teensy_bridge: others', ())[:2] == (HealthLevel.ERROR, told)
-    )
+    bench.until(lambda: bench.told('teensy_bridge: others') == told)
+    assert bench.facts['teensy_bridge: others'].level == HealthLevel.ERROR
     ended(process)

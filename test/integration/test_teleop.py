@@ -1,19 +1,15 @@
 """A person takes over from the navigator, hands back, dies, and stops: over the controller."""
 
 from random import random
-import signal
 
-from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TwistStamped
 from lta_bridge.teleop.sticks import GamepadLayout
 from lta_control.cascade import Setpoint
 from lta_control.messages import from_setpoint
 from nav_msgs.msg import Odometry
-import pytest
 from sensor_msgs.msg import Joy
-from waiting import PATIENCE
 
-from .peer import Peer, start
+from .peer import Peer, running
 
 LAYOUT = GamepadLayout()
 
@@ -22,10 +18,10 @@ class Cockpit:
     """A drone at rest, a navigator that wants it to stay, and a gamepad or a program."""
 
     def __init__(self, peer, device='joy', kind=Joy):
-        self.peer, self.duties, self.facts = peer, [], {}
+        self.peer, self.duties = peer, []
         self.axes, self.buttons = [0.0] * 6, [0] * 4
         peer.hear('motors', lambda motors: self.duties.append(max(map(abs, motors.duty))))
-        peer.hear('/diagnostics', self._told)
+        peer.hear_facts()
         self.command = lambda: Joy(axes=self.axes, buttons=self.buttons)
         self._device = peer.offering(device, kind, 1)
         self._odom = peer.publisher('odom')
@@ -34,10 +30,6 @@ class Cockpit:
             peer.publisher('setpoint/velocity'),
         )
         peer.node.create_timer(0.02, self._go_on)
-
-    def _told(self, array: DiagnosticArray):
-        for status in array.status:
-            self.facts[status.name.rpartition('/')[2]] = status.message
 
     def _go_on(self):
         now = self.peer.node.get_clock().now().to_msg()
@@ -58,27 +50,18 @@ class Cockpit:
             self.buttons[button] = 1
 
     def until_motors(self, text):
-        self.peer.until(lambda: text in self.facts.get('controller: motors', ''))
+        self.peer.until(lambda: text in self.peer.told('controller: motors'))
 
     def until_helm(self, text):
-        self.peer.until(lambda: text in self.facts.get('teleop: helm', ''))
+        self.peer.until(lambda: text in self.peer.told('teleop: helm'))
 
 
-@pytest.fixture
-def nodes():
-    made = [
-        start('lta_bridge.nodes.teleop'),
-        start('lta_control.nodes.controller', '-p', 'armed:=true'),
-    ]
-    yield made
-    for node in made:
-        if node.poll() is None:
-            node.send_signal(signal.SIGINT)
-            node.communicate(timeout=PATIENCE)
-
-
-def test_a_stick_wins_until_handed_back_a_dead_teleop_lands_and_the_button_stops(nodes, domain_id):
-    with Peer(domain_id) as peer:
+def test_a_stick_wins_until_handed_back_a_dead_teleop_lands_and_the_button_stops(domain_id):
+    with (
+        running('lta_control.nodes.controller', '-p', 'armed:=true') as controller,
+        running('lta_bridge.nodes.teleop') as teleop,
+        Peer(domain_id) as peer,
+    ):
         cockpit = Cockpit(peer)
         cockpit.until_helm('the navigator steers')
         cockpit.until_motors('flying by the setpoint')
@@ -93,43 +76,38 @@ def test_a_stick_wins_until_handed_back_a_dead_teleop_lands_and_the_button_stops
         cockpit.press(LAYOUT.take)
         cockpit.until_motors('flying by a person')
         cockpit.press(None)
-        nodes[0].kill()
-        nodes[0].communicate()
+        teleop.kill()
+        teleop.wait()
         # The navigator goes on talking, and is not listened to.
         cockpit.until_motors('holding')
         cockpit.until_motors('landing')
-        cockpit.facts.pop('teleop: helm')
-        nodes[0] = start('lta_bridge.nodes.teleop')  # it learns from who flies by its word
-        cockpit.until_helm('the operator steers')
-        cockpit.until_motors('flying by a person')
-        stop_for_good(cockpit)
-        assert all(node.poll() is None for node in nodes)
+        peer.facts.pop('teleop: helm')
+        with running('lta_bridge.nodes.teleop') as again:  # it learns from who flies by its word
+            cockpit.until_helm('the operator steers')
+            cockpit.until_motors('flying by a person')
+            stop_for_good(cockpit)
+            assert (again.poll(), controller.poll()) == (None, None)
 
 
 def test_a_program_flies_by_cmd_vel_and_its_silence_lands_the_drone(domain_id):
-    made = [
-        start('lta_bridge.nodes.teleop', '-p', 'device:=cmd_vel'),
-        start('lta_control.nodes.controller', '-p', 'armed:=true'),
-    ]
-    try:
-        with Peer(domain_id) as peer:
-            cockpit = Cockpit(peer, 'cmd_vel', TwistStamped)
-            cockpit.command = lambda: None
-            cockpit.until_motors('flying by the setpoint')
-            still = cockpit.duties[-1]
-            ahead = TwistStamped()
-            ahead.twist.linear.x = 0.3
-            cockpit.command = lambda: ahead
-            cockpit.until_motors('flying by a person')
-            peer.until(lambda: cockpit.duties[-1] > still + 0.02)
-            cockpit.command = lambda: None
-            # The navigator goes on talking, and is not listened to
-            cockpit.until_motors('holding')
-            cockpit.until_motors('landing')
-    finally:
-        for node in made:
-            node.send_signal(signal.SIGINT)
-            node.communicate(timeout=PATIENCE)
+    with (
+        running('lta_control.nodes.controller', '-p', 'armed:=true'),
+        running('lta_bridge.nodes.teleop', '-p', 'device:=cmd_vel'),
+        Peer(domain_id) as peer,
+    ):
+        cockpit = Cockpit(peer, 'cmd_vel', TwistStamped)
+        cockpit.command = lambda: None
+        cockpit.until_motors('flying by the setpoint')
+        still = cockpit.duties[-1]
+        ahead = TwistStamped()
+        ahead.twist.linear.x = 0.3
+        cockpit.command = lambda: ahead
+        cockpit.until_motors('flying by a person')
+        peer.until(lambda: cockpit.duties[-1] > still + 0.02)
+        cockpit.command = lambda: None
+        # The navigator goes on talking, and is not listened to
+        cockpit.until_motors('holding')
+        cockpit.until_motors('landing')
 
 
 def stop_for_good(cockpit):

@@ -2,16 +2,15 @@
 
 import math
 
-from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseStamped, TransformStamped
+from lta_graph.health import HealthLevel
 from lta_graph.ros.stamps import from_stamp, to_stamp
 from nav_msgs.msg import Odometry
 import pytest
 from rclpy.qos import qos_profile_sensor_data
 from tf2_msgs.msg import TFMessage
-from waiting import PATIENCE
 
-from .peer import Peer, start
+from .peer import ended, Peer, start
 
 AHEAD = 3600 * 10**9
 SPEED = 0.5
@@ -71,13 +70,9 @@ def test_a_tracker_tells_the_truth_by_our_clock(domain_id, words, topic, told):
         '/tf': (TFMessage, 100),
     }[topic]
     with Peer(domain_id) as peer:
-        heard, facts, begun = [], {}, []
-
-        def noted(array: DiagnosticArray):
-            facts.update({status.name.rpartition('/')[2]: status for status in array.status})
-
+        heard, begun = [], []
         peer.hear('ground_truth/odom', heard.append)
-        peer.hear('/diagnostics', noted)
+        peer.hear_facts()
         moved = []
         peer.node.create_subscription(TFMessage, '/tf', moved.append, 100)
         estimates = peer.publisher('odom')
@@ -107,10 +102,8 @@ def test_a_tracker_tells_the_truth_by_our_clock(domain_id, words, topic, told):
         assert 0 <= from_stamp(newest.header.stamp) - true + 1e5 < 50e6
         check_correction(peer, moved, heard)
         peer.until(
-            lambda: facts.get('tracker: tracker') and facts['tracker: tracker'].level == b'\0'
+            lambda: (fact := peer.facts.get('tracker: tracker')) and fact.level == HealthLevel.OK
         )
-        values = {item.key: item.value for item in facts['tracker: tracker'].values}
-        assert float(values['clock_offset_s']) == pytest.approx(3600.0, abs=0.05)
-    process.terminate()
-    process.communicate(timeout=PATIENCE)
-    assert process.returncode == 0
+        offset = float(peer.facts['tracker: tracker'].values['clock_offset_s'])
+        assert offset == pytest.approx(3600.0, abs=0.05)
+    ended(process)
