@@ -3,7 +3,6 @@
 from dataclasses import astuple, replace
 import math
 
-from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_energy.monitoring.faults import Latch, MeterObservation, update_detectors
 from lta_energy.monitoring.meters import (
     EnergyBalance,
@@ -101,30 +100,6 @@ def test_the_way_home_is_told_with_what_is_to_spare():
             HealthLevel.OK,
             'the position of the drone is unknown, so no energy is reserved for the flight home',
         )
-
-
-def test_at_first_nothing_is_known_and_the_reserve_counts_as_reached():
-    none = EnergyEstimate()
-    assert (none.reserve, none.is_landing_urgent, none.low, none.critical) == (
-        True,
-        True,
-        False,
-        (False, 0),
-    )
-    assert (none.gap, none.behind, none.books) == (0.0, (), EnergyBalance(0.0, 0.0, 0.0, 0.0))
-    assert math.isnan(none.charge)
-    assert math.isnan(none.deviation)
-    assert not none.watch.faults
-    assert WELL.is_landing_urgent is False
-    assert (WELL.charge, WELL.deviation) == (0.5, pytest.approx(0.02))
-
-
-def test_what_is_aboard_is_what_the_file_says():
-    energy = load_vehicle_file('gtmab').energy
-    assert PowerSystem.from_entry(energy) == (
-        BatteryModel.from_energy(energy),
-        ChargerModel.from_energy(energy),
-    )
 
 
 def test_the_charger_takes_its_own_and_gives_nothing_in_the_dark():

@@ -52,12 +52,6 @@ def test_a_full_cell_holds_about_a_watt_hour():
     assert battery.stored_energy(1.0, CELL.capacity) == pytest.approx(900.0 * 3.85825, rel=1e-9)
 
 
-def test_the_cell_of_a_vehicle_file():
-    cell = battery.BatteryModel.from_energy(load_vehicle_file('gtmab').energy)
-    assert cell.capacity == pytest.approx(250e-3 * 3600.0)
-    assert cell.resistance == 0.15
-
-
 @pytest.mark.parametrize(
     'change', [{'capacity': 0.0}, {'capacity': np.inf}, {'resistance': -0.1}, {'resistance': None}]
 )

@@ -13,7 +13,6 @@ from lta_energy.monitoring.faults import (
     update_detectors,
 )
 from lta_energy.monitoring.meters import MeterReading
-from lta_energy.monitoring.outlook import initial_load, LoadEstimate
 from lta_graph.health import HealthLevel
 from lta_model.electrical.battery import BatteryModel
 import pytest
@@ -88,11 +87,6 @@ def test_a_panel_is_short_below_three_tenths_of_a_volt_in_more_than_500_lx(lux, 
 def test_a_gap_is_longer_than_a_second():
     assert not sees('gap', WELL, dt=1.0)[0]
     assert sees('gap', WELL, dt=1.001)[0]
-
-
-def test_a_clock_is_set_back_where_the_monitor_says_so():
-    assert not sees('set back', WELL, back=0.0)[0]
-    assert sees('set back', WELL, back=0.1)[0]
 
 
 def test_stamps_stand_still_at_the_third_repeat_and_one_that_moves_begins_anew():
@@ -222,31 +216,3 @@ def test_a_doubt_is_of_faults_that_bring_it_down_alone():
     assert [fault.name for fault in lost.faults] == ['dropout']
     assert lost.is_doubtful
     assert lost.is_unusable
-
-
-def test_before_the_first_reading_nothing_is_drawn():
-    assert LoadEstimate() == (0.0, 0.0, 0.0, 0.0)
-    assert initial_load(3.0) == (3.0, 3.0, 9.0, 0.0)
-
-
-def test_a_watch_of_another_number_of_detectors_is_an_error():
-    """A detector paired with the latch of another would report the wrong fault."""
-    for short in (
-        DetectorStates(latches=()),
-        DetectorStates(sentences=()),
-        DetectorStates(memories=()),
-    ):
-        with pytest.raises(ValueError, match='shorter'):
-            update_detectors(short, LOOK)
-
-
-LOOK = MeterObservation(WELL, WELL, 0.1, CELL)
-
-
-def test_a_clean_watch_knows_of_nothing():
-    watch = DetectorStates()
-    assert watch.memories == ((), (), (0.0,), (0.0, 0.0), (), (0.0, 0.0), *((),) * 6, (0.0,))
-    assert watch.latches == ((False, 0.0),) * 13
-    assert (watch.seen, watch.sentences) == ((False,) * 13, ('',) * 13)
-    assert (watch.faults, watch.is_unusable, watch.is_doubtful) == ((), False, False)
-    assert LOOK[4:] == (0.0, 0.0)

@@ -137,16 +137,6 @@ def test_what_is_said_of_the_battery(series, level, words):
     assert (found, words in sentence) == (level, True), sentence
 
 
-def test_what_is_said_of_the_meters():
-    assert report_energy(SETTINGS, CELL, follow(readings((3.9, -0.1)))).meters == (
-        HealthLevel.OK,
-        'readings are plausible',
-    )
-    level, sentence = report_energy(SETTINGS, CELL, follow(readings(*[(3.9, 0.4)] * 5))).meters
-    assert level is HealthLevel.ERROR
-    assert 'takes up 1.56 W, but the solar panel gives only 0.00 W: check the sign' in sentence
-
-
 def two(dt, second=-0.9, **before):
     """Return the estimates after a reading of -0.5 A and after the next one."""
     one = update_estimate(

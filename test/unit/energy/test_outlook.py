@@ -140,10 +140,6 @@ def test_the_reserve_counts_what_is_sure_and_the_way_home():
     assert open_circuit_voltage(0.5) == 3.84
 
 
-def test_no_load_says_nothing():
-    assert outlook.mean_load_deviation(LoadEstimate(), 5.0, 120.0) == 0.0
-
-
 def test_where_the_power_is_smoothed_by_no_time_the_newest_counts():
     settings = WayHomeSettings(smoothing=0.0)
     travel = outlook.update_travel(

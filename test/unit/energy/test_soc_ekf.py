@@ -26,12 +26,6 @@ def spread(state):
     return np.array(state.spread)
 
 
-def test_nothing_is_known_before_the_first_reading():
-    state = initial_state(SETTINGS, CELL)
-    assert state.charge == 0.5
-    assert state.deviation == pytest.approx(1.0 / math.sqrt(12.0))  # uniform from 0 to 1
-
-
 @pytest.mark.parametrize('charge', [0.07, 0.3, 0.62, 0.97])
 def test_a_first_reading_at_rest_finds_the_charge_and_how_sure_it_is(charge):
     state = initialize_from_reading(SETTINGS, CELL, open_circuit_voltage(charge), 0.0)
