@@ -1,5 +1,6 @@
 """A discovery calibrates first where its flights call for it, and only there."""
 
+from collections.abc import Callable
 from dataclasses import replace
 import itertools
 import math
@@ -88,6 +89,19 @@ def make_calibration(
 
 
 GAIN = make_value('wrench_gain.surge', 1.0, 0.3, 0.01)
+Decide = Callable[..., FirstStep]
+
+
+@pytest.fixture
+def decide(vehicle: Vehicle, wrong: list[Role], monkeypatch: pytest.MonkeyPatch) -> Decide:
+    """Return a function that takes a first step whose suspicion and calibration are given."""
+
+    def step(found: Calibration, suspicion: str = 'wrench_gain.surge') -> FirstStep:
+        monkeypatch.setattr(first_step, '_list_suspicions', lambda *_: [suspicion])
+        monkeypatch.setattr(first_step, 'calibrate_flights', lambda *_, **__: found)
+        return calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None)
+
+    return step
 
 
 def test_a_right_file_is_not_even_calibrated(
@@ -123,8 +137,7 @@ def test_a_right_file_is_not_even_calibrated(
 )  # fmt: skip
 def test_what_calls_for_a_calibration(
     vehicle: Vehicle,
-    wrong: list[Role],
-    monkeypatch: pytest.MonkeyPatch,
+    decide: Decide,
     values: tuple[CalibratedValue, ...],
     after: float,
     *,
@@ -132,17 +145,13 @@ def test_what_calls_for_a_calibration(
 ) -> None:
     nominal = NominalVehicle.from_vehicle(vehicle)
     found = make_calibration(nominal, *values, after=after)
-    monkeypatch.setattr(first_step, '_list_suspicions', lambda *_: ['wrench_gain.surge'])
-    monkeypatch.setattr(first_step, 'calibrate_flights', lambda *_, **__: found)
-    result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None).calibration
-    assert result == (found if called else None)
+    assert decide(found).calibration == (found if called else None)
 
 
 @pytest.mark.parametrize(('after', 'called'), [(0.05, True), (0.25, False)])
 def test_a_rough_calibration_has_to_forecast_much_better(
     vehicle: Vehicle,
-    wrong: list[Role],
-    monkeypatch: pytest.MonkeyPatch,
+    decide: Decide,
     after: float,
     *,
     called: bool,
@@ -150,10 +159,7 @@ def test_a_rough_calibration_has_to_forecast_much_better(
     """A drag that is skewed looks like markers turned by 6 degrees, and halves the errors."""
     found = make_calibration(NominalVehicle.from_vehicle(vehicle), GAIN, after=after)
     found = replace(found, method='forecasts')
-    monkeypatch.setattr(first_step, '_list_suspicions', lambda *_: ['wrench_gain.surge'])
-    monkeypatch.setattr(first_step, 'calibrate_flights', lambda *_, **__: found)
-    result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None).calibration
-    assert result == (found if called else None)
+    assert decide(found).calibration == (found if called else None)
 
 
 @pytest.mark.parametrize(
@@ -167,8 +173,7 @@ def test_a_rough_calibration_has_to_forecast_much_better(
 )
 def test_a_rough_calibration_replaces_a_file_that_predicts_poorly(
     vehicle: Vehicle,
-    wrong: list[Role],
-    monkeypatch: pytest.MonkeyPatch,
+    decide: Decide,
     before: tuple[float, float],
     after: float,
     *,
@@ -178,29 +183,20 @@ def test_a_rough_calibration_replaces_a_file_that_predicts_poorly(
     found = make_calibration(NominalVehicle.from_vehicle(vehicle), GAIN)
     score = make_score((0.2, 0.3), before, (after, 0.15))
     found = replace(found, method='forecasts', scores={'train': (score,)})
-    monkeypatch.setattr(first_step, '_list_suspicions', lambda *_: ['wrench_gain.surge'])
-    monkeypatch.setattr(first_step, 'calibrate_flights', lambda *_, **__: found)
-    result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None).calibration
-    assert result == (found if called else None)
+    assert decide(found).calibration == (found if called else None)
 
 
-def test_the_first_line_names_the_reason(
-    vehicle: Vehicle, wrong: list[Role], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_first_line_names_the_reason(vehicle: Vehicle, decide: Decide) -> None:
     """Half of a force calls for a calibration within three tolerances of a gain."""
     half = replace(make_value('wrench_gain.surge', 1.0, 0.5, 0.01), is_far=False)
     other = replace(make_value('wrench_gain.heave', 1.0, 0.9, 0.01), is_far=False)
     found = make_calibration(NominalVehicle.from_vehicle(vehicle), half, other)
     assert list_differences(found) == []
-    monkeypatch.setattr(first_step, '_list_suspicions', lambda *_: ['wrench_gain.surge'])
-    monkeypatch.setattr(first_step, 'calibrate_flights', lambda *_, **__: found)
-    result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None).calibration
+    result = decide(found).calibration
     assert result is not None
     assert list_differences(result) == ['surge: 50 % of the commanded force arrives']
     unknown = make_calibration(found.nominal, half, after=math.nan)
-    monkeypatch.setattr(first_step, 'calibrate_flights', lambda *_, **__: unknown)
-    result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None)
-    assert result == FirstStep(alternative=unknown)
+    assert decide(unknown) == FirstStep(alternative=unknown)
 
 
 def test_every_number_beyond_tolerance_is_reported(vehicle: Vehicle) -> None:
@@ -220,20 +216,13 @@ def test_every_number_beyond_tolerance_is_reported(vehicle: Vehicle) -> None:
 
 
 def test_a_discovery_does_not_go_on_from_what_confirming_flights_contradict(
-    vehicle: Vehicle, wrong: list[Role], monkeypatch: pytest.MonkeyPatch
+    vehicle: Vehicle, decide: Decide
 ) -> None:
     found = make_calibration(NominalVehicle.from_vehicle(vehicle), GAIN)
-    monkeypatch.setattr(first_step, '_list_suspicions', lambda *_: ['wrench_gain.surge'])
-    monkeypatch.setattr(first_step, 'calibrate_flights', lambda *_, **__: found)
     for after, called in ((0.52, True), (0.56, False)):  # 1.05 times the file's 0.5 m between
         score = replace(found.scores['train'][0], after=ForecastRms(after, 0.1, *3 * [after]))
         found = replace(found, scores=found.scores | {'confirm': (score,)})
-        result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None).calibration
-        assert (result is not None) == called
-
-
-def test_wrong_gains_are_suspected_at_once(vehicle: Vehicle, wrong: list[Role]) -> None:
-    assert 'marker_offset.pitch' in first_step._list_suspicions(vehicle, wrong)
+        assert (decide(found).calibration is not None) == called
 
 
 def test_one_training_flight_shows_with_a_confirming_one_that_lifts_differ(
@@ -269,8 +258,7 @@ def test_one_training_flight_shows_with_a_confirming_one_that_lifts_differ(
 )
 def test_flights_of_a_good_file_may_have_lifts_of_their_own(
     vehicle: Vehicle,
-    wrong: list[Role],
-    monkeypatch: pytest.MonkeyPatch,
+    decide: Decide,
     method: str,
     highest: float,
     *,
@@ -283,9 +271,7 @@ def test_flights_of_a_good_file_may_have_lifts_of_their_own(
     )
     found = make_calibration(NominalVehicle.from_vehicle(vehicle), *lifts, after=0.9)
     found = replace(found, method=method)
-    monkeypatch.setattr(first_step, '_list_suspicions', lambda *_: ['net_lift.force'])
-    monkeypatch.setattr(first_step, 'calibrate_flights', lambda *_, **__: found)
-    result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None)
+    result = decide(found, 'net_lift.force')
     assert result.calibration is None
     assert result.lifts == (lifts if differ else ())
     if differ:
@@ -490,24 +476,3 @@ def test_a_rotor_the_wrong_way_round_is_stated_by_duty(vehicle: Vehicle) -> None
     assert (thrust.value, reverse.value) == pytest.approx((-1.25, 0.4))
     assert thrust.deviation == pytest.approx(0.025)
     assert reverse.deviation == 0.0
-
-
-@pytest.mark.parametrize(('before', 'is_used'), [(0.20, True), (0.05, False)])
-def test_a_rough_calibration_replaces_a_file_that_does_not_beat_coasting(
-    vehicle: Vehicle, before: float, *, is_used: bool
-) -> None:
-    """Its readings could not be fitted; its forecasts have 0.7 of the error of the file's."""
-    score = make_score((0.2, 0.1), (before, 0.1), (0.7 * before, 0.07))
-    gain = CalibratedValue('wrench_gain.heave', '1', '', 1.0, 0.2, (0.1, 0.3), True, True, ())
-    nominal = NominalVehicle.from_vehicle(vehicle)
-    rough = Calibration(
-        'gtmab',
-        nominal,
-        nominal,
-        nominal,
-        (gain,),
-        {'train': (score,), 'confirm': (score,)},
-        'forecasts',
-        {'train': ()},
-    )
-    assert first_step._is_clearly_better(rough, (gain,)) is is_used

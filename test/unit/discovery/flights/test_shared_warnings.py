@@ -25,17 +25,6 @@ def test_what_differs_in_numbers_alone_is_a_range() -> None:
     ]
 
 
-def test_one_flight_twice_is_one_flight() -> None:
-    assert merge_sentences(['A: 2 s are odd.', 'A: 3 s are odd.'], 9) == ['A: 2 to 3 s are odd.']
-    assert merge_sentences(['A is late.', 'A is late.'], 9) == ['A is late.']
-
-
-def test_up_to_three_flights_are_named_and_further_ones_counted() -> None:
-    for count, names in ((2, 'A, B'), (3, 'A, B, C'), (4, 'A, B, C and 1 more')):
-        late = [f'{name} is late.' for name in 'ABCD'[:count]]
-        assert merge_sentences(late) == [f'{names} are late.']
-
-
 def test_the_number_of_flights_is_given_if_there_is_more_than_one() -> None:
     odd = ['A: 3 are odd.', 'B: 3 are odd.']
     assert merge_sentences(odd, 2) == ['In 2 of 2 flights (A, B): 3 are odd.']

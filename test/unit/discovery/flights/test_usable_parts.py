@@ -3,9 +3,8 @@
 from dataclasses import replace
 
 from lta_config.errors import BadInput
-from lta_data.data_quality.finding import QualityFinding, Severity
 from lta_discovery.flights.bags import read_bags
-from lta_discovery.flights.usable_flights import _exclude_interval, select_usable_flights
+from lta_discovery.flights.usable_flights import select_usable_flights
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
@@ -365,15 +364,6 @@ def test_stamps_that_are_wrong_in_a_pattern_cost_nothing_and_are_said(flights, g
     inside = (steps >= 0) & (steps < len(was.time)) & now.usable
     off = now.position[inside] - was.position[steps[inside]]
     assert np.nanstd(off) < 7e-5  # 0.14 mm with the stamps as they are
-
-
-def test_a_hand_costs_the_flight_whatever_the_words(flights, gtmab):
-    place = 'imu/linear_acceleration'
-    finding = QualityFinding('held', place, 3.0, 4.0, 'Trembles.', Severity.SUSPICIOUS)
-    cut = _exclude_interval('A', finding, 20.0)
-    assert cut.disturbs_all
-    other = QualityFinding('frozen', place, 3.0, 4.0, 'As if by hand.', Severity.SUSPICIOUS)
-    assert not _exclude_interval('A', other, 20.0).disturbs_all
 
 
 def test_single_lost_poses_cost_themselves(flights, gtmab):

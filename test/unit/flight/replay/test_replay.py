@@ -1,9 +1,6 @@
 """What counts as identical, the same or different; and what a replay is started with."""
 
-from dataclasses import replace
-import errno
 import math
-import os
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -17,17 +14,16 @@ from lta_flight.replay.comparison import (
     find_differences,
     find_origin_differences,
 )
-from lta_flight.replay.decisions import compare_decisions, compute_differences, DecisionComparison
+from lta_flight.replay.decisions import compare_decisions, compute_differences
 from lta_flight.replay.node_settings import NODES, parse_settings
 from lta_flight.replay.replay_request import (
     build_launch_arguments,
     build_launch_plan,
     check_request,
-    extract_file,
     parse_nodes,
     ReplayRequest,
 )
-from lta_flight.replay.report import build_report, format_largest_change
+from lta_flight.replay.report import build_report
 from lta_flight.replay.run import ReplayRun
 from lta_flight.replay.topic_messages import TopicMessages
 from lta_flight.replay.verdict import ReplayVerdict
@@ -36,7 +32,6 @@ import numpy as np
 import pytest
 import yaml
 
-ROOT = Path(__file__).resolve().parents[4]
 NAN = math.nan
 
 
@@ -286,22 +281,6 @@ def test_a_replay_runs_no_code_from_a_bag(carried, tmp_path):
     check_request(others, flown)
     assert build_launch_arguments(others, flown, tmp_path)['strategy'] == 'bag'
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_full_disk_is_one_sentence_before_anything_starts(tmp_path, monkeypatch):
-    def full(*_args, **_words):
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
-    monkeypatch.setattr(Path, 'write_text', full)
-    with pytest.raises(BadInput, match=r'vehicle.yaml. cannot be written \(No space left'):
-        extract_file({'vehicle_file': 'name: mine'}, 'vehicle', tmp_path)
-
-
-def test_a_change_without_a_unit_is_told_without_one():
-    keys, values = np.arange(2), np.array([0.0, 0.5])
-    duty = DecisionComparison('duty 1', '1', keys, np.zeros(2), values, values)
-    assert format_largest_change(duty) == 'by up to 0.5'
-    assert format_largest_change(replace(duty, unit='m')) == 'by up to 0.5 m'
 
 
 PLAYED = {'outcome': 'played', 'time_s': '2', 'pace': '5', 'messages': '9', 'answers': '2'}
