@@ -1,31 +1,18 @@
 """Messages with random content, serialised without ROS."""
 
 from lta_bridge.bag.schemas import load_jazzy_types
+from lta_config.topics import load_topic_table
 import numpy as np
 import pytest
 
+# Those of topics.yaml, and some that others publish
 GRAPH_TYPES = [
-    'sensor_msgs/msg/Imu',
-    'sensor_msgs/msg/Range',
-    'sensor_msgs/msg/FluidPressure',
-    'lta_msgs/msg/LightBlock',
-    'sensor_msgs/msg/Illuminance',
-    'sensor_msgs/msg/BatteryState',
-    'sensor_msgs/msg/JointState',
-    'lta_msgs/msg/ActuatorDuty',
-    'lta_msgs/msg/LampPeaks',
-    'lta_msgs/msg/EnergyStatus',
-    'nav_msgs/msg/Odometry',
-    'geometry_msgs/msg/Vector3Stamped',
-    'geometry_msgs/msg/PoseWithCovarianceStamped',
-    'geometry_msgs/msg/PoseStamped',
-    'geometry_msgs/msg/TwistStamped',
-    'geometry_msgs/msg/WrenchStamped',
-    'diagnostic_msgs/msg/DiagnosticArray',
-    'std_msgs/msg/Bool',
-    'rosgraph_msgs/msg/Clock',
-    'tf2_msgs/msg/TFMessage',
+    *sorted({row.type for row in load_topic_table().topics.values()}),
     'rcl_interfaces/msg/Log',
+    'sensor_msgs/msg/Image',
+    'sensor_msgs/msg/JointState',
+    'sensor_msgs/msg/PointCloud2',
+    'std_msgs/msg/Int16MultiArray',
 ]
 OCTETS = {'byte': 'uint8', 'char': 'uint8', 'octet': 'uint8'}
 WIDTHS = (8, 16, 32, 64)
