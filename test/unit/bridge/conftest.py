@@ -1,4 +1,4 @@
-"""Messages with random content, serialised without ROS."""
+"""Messages with random content, serialised without ROS; an event without a thread."""
 
 from lta_bridge.bag.schemas import load_jazzy_types
 from lta_config.topics import load_topic_table
@@ -51,6 +51,26 @@ def random_instance(type_name, rng):
     described = load_jazzy_types().fielddefs[type_name][1]
     values = {name: random_value(field, rng) for name, field in described}
     return load_jazzy_types().types[type_name](**values)
+
+
+class EventAfter:
+    """An event that is set after some number of waits and records their time-outs."""
+
+    def __init__(self, waits):
+        self.left, self.waited = waits, []
+
+    def is_set(self):
+        return self.left == 0
+
+    def wait(self, seconds):
+        self.left -= 1
+        self.waited.append(seconds)
+
+
+@pytest.fixture
+def event_after():
+    """Return a function that makes an event which is set after some number of waits."""
+    return EventAfter
 
 
 @pytest.fixture(params=GRAPH_TYPES)

@@ -4,8 +4,9 @@ from collections import Counter
 import errno
 import os
 import threading
+from types import SimpleNamespace
 
-from lta_bridge.bag import BagWriter, storage, StorageFault
+from lta_bridge.bag import background_writer, BagWriter, storage, StorageFault
 from lta_bridge.bag.background_writer import BackgroundWriter
 from lta_data.bag.reader import read_bag
 import pytest
@@ -74,6 +75,39 @@ def test_after_a_stall_recording_goes_on(tmp_path, monkeypatch):
     writer.close()
     assert before == [True, True, False, False]
     assert stored(tmp_path / 'bag') == [FIRST, 0, 1, 4]
+
+
+class SlowSink:
+    """Takes as many seconds for a message as it was logged at, and notes how busy that is."""
+
+    def __init__(self, clock):
+        self.clock, self.lost_count, self.seen = clock, 0, []
+
+    def write(self, topic, data, log_time_ns):
+        self.clock.now += log_time_ns
+        self.seen.append(self.writer.busy_time)
+
+    def flush(self):
+        pass
+
+    update_metadata = check_room = close = flush
+
+
+def test_busy_is_with_one_message_not_with_all_that_waited(monkeypatch):
+    """A machine that is short of time makes many messages slow, a disk makes one."""
+    clock = SimpleNamespace(now=0)
+    clock.monotonic = lambda: clock.now
+    monkeypatch.setattr(background_writer, 'time', clock)
+    sink, over = SlowSink(clock), threading.Event()
+    writer = sink.writer = BackgroundWriter(sink, room=1 << 30)
+    for seconds in (1, 1, 5, 1):
+        writer.write('/a', b'', seconds)
+    writer.submit(over.set)
+    writer.wake_thread()
+    assert over.wait(PATIENCE)
+    writer.close()
+    assert sink.seen == [1, 1, 5, 1]
+    assert writer.busy_time == 0
 
 
 def test_a_fault_is_told_and_every_message_is_accounted_for(tmp_path, monkeypatch):

@@ -233,6 +233,20 @@ def test_what_cannot_be_used_is_counted_though_good_light_follows():
     assert link.fact.values['unfit'] == '1'
 
 
+@given(st.lists(st.tuples(st.sampled_from('ab'), st.integers(0, 3 * LOYAL_NS)), max_size=30))
+def test_one_of_two_is_believed_at_a_time(words):
+    one, now, last = SenderFilter(), 0, {}
+    for who, later in words:
+        now += later
+        before = one.who
+        believed = one.accept_sender(who, now)
+        assert believed == (one.who == who)
+        if before is not None and one.who != before:
+            assert now - last[before] > LOYAL_NS
+        if believed:
+            last[who] = now
+
+
 @pytest.mark.parametrize(
     ('now', 'believed'), [(LOYAL_NS, False), (LOYAL_NS + 1, True), (-1, True)]
 )

@@ -23,14 +23,6 @@ def call(call, monkeypatch, tmp_path):
     return partial(call, 'vehicle')
 
 
-def test_help_lists_every_verb(call):
-    status, said = call('--help')
-    assert status == 0
-    for verb in ('new', 'show', 'check', 'diff', 'trim'):
-        assert f' {verb} ' in said.out
-        assert 'Example: lta vehicle' in call(verb, '--help')[1].out
-
-
 def test_a_new_vehicle_is_a_copy_with_comments_that_loads(call, tmp_path):
     status, said = call('new', 'my_blimp')
     assert status == 0
@@ -162,11 +154,3 @@ def test_diff_says_what_no_figure_knows(call, ballast):
     assert 'To see the influence of thrust_scale, simulate both vehicles' in words
     assert 'No derived figure changes' not in words
     assert ('ballast to add' in words) == bool(ballast)
-
-
-def test_diff_prints_what_follows(call):
-    status, said = call('diff', 'gtmab', '--set', 'trim.heaviness=4 g')
-    assert status == 0
-    assert 'trim.heaviness' in said.out
-    assert '12.8 %' in said.out
-    assert 'ballast to add' in said.out

@@ -47,6 +47,16 @@ def test_places_are_relative_to_the_mean_place_of_the_diodes():
     )
 
 
+def test_a_vehicles_diodes_are_those_of_its_file():
+    diodes = build_diode_array(ENTRY)
+    assert len(diodes.axes) == ENTRY.count == 8
+    assert diodes.axes[2] == pytest.approx((0.0, 1.0, 0.0), abs=1e-15)
+    assert diodes.places[2] == pytest.approx((0.0, 0.07, 0.0), abs=1e-15)
+    diodes.check_diode_count(8)
+    with pytest.raises(BadInput, match='4 photodiodes, but the vehicle file has 8'):
+        diodes.check_diode_count(4)
+
+
 @pytest.mark.parametrize(
     'allowed',
     [
@@ -73,6 +83,11 @@ def test_limiting_values_of_diodes_are_accepted(allowed):
         {'axes': (*build_even_ring(4).axes[:3], (0.0, 0.0, 0.0))},
         {'places': build_even_ring(3).axes},
         {'gains': (1.0,) * 5},
+        {'axes': ()},
+        {'response': 0.0},
+        {'gains': (math.nan,) * 4},
+        {'spread': -0.1},
+        {'response_deviation': -0.1},
     ],
 )
 def test_impossible_diodes_are_refused(wrong):

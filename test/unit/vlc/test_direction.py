@@ -6,10 +6,8 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.compilation.compiler import compile_functions
-from lta_config.errors import BadInput
-from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_vlc.demodulation import Peaks
-from lta_vlc.diodes import build_diode_array, build_even_ring, DiodeArray
+from lta_vlc.diodes import build_even_ring, DiodeArray
 from lta_vlc.direction import (
     build_direction_prior,
     build_fit_inputs,
@@ -311,39 +309,6 @@ def test_compiled_it_is_the_same_to_the_last_bit(count):
         )
         array, scratch = build_fit_inputs(diodes, np.array), np.zeros(FIT_SCRATCH)
         assert compiled(array, prior, read, errors, scratch) == plain
-
-
-def test_a_vehicles_diodes_are_those_of_its_file():
-    entry = load_vehicle_file('gtmab').sensors.diodes
-    diodes = build_diode_array(entry)
-    assert len(diodes.axes) == entry.count == 8
-    assert diodes.axes[2] == pytest.approx((0.0, 1.0, 0.0), abs=1e-15)
-    assert diodes.places[2] == pytest.approx((0.0, 0.07, 0.0), abs=1e-15)
-    array = build_fit_inputs(diodes)
-    assert array.rx[0] == pytest.approx(0.07)
-    assert array.gains == (1.0,) * 8
-
-
-@pytest.mark.parametrize(
-    ('wrong', 'sentence'),
-    [
-        ({'axes': ()}, '0 photodiode axes'),
-        ({'gains': (1.0,)}, '1 gains'),
-        ({'axes': ((0.0, 0.0, 2.0),) * 8}, 'must have length 1'),
-        ({'response': 0.0}, r'photodiodes is 0.0'),
-        ({'gains': (math.nan,) * 8}, 'nan'),
-        ({'spread': -0.1}, '-0.1'),
-        ({'response_deviation': -0.1}, 'exponent is -0.1'),
-    ],
-)
-def test_diodes_that_cannot_be_are_refused(wrong, sentence):
-    with pytest.raises(BadInput, match=sentence):
-        replace(build_even_ring(8), **wrong)
-
-
-def test_another_number_of_diodes_is_refused():
-    with pytest.raises(BadInput, match='4 photodiodes, but the vehicle file has 8'):
-        build_even_ring(8).check_diode_count(4)
 
 
 def test_readings_that_follow_no_model_widen_the_interval():

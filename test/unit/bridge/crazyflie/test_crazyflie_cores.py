@@ -248,6 +248,33 @@ def test_a_ping_is_told_by_its_mark_and_its_size():
     assert parse_ping_time(ping + b'\0') is None
 
 
+def test_a_log_block_has_26_bytes_at_most_and_a_drone_128_variables():
+    def block(kinds, period=10):
+        check_log_table((LogBlock('b', period, {f'a.{n}': kind for n, kind in enumerate(kinds)}),))
+
+    for kind, size in (
+        ('float', 4),
+        ('uint32_t', 4),
+        ('uint16_t', 2),
+        ('uint8_t', 1),
+        ('int8_t', 1),
+    ):
+        many = 26 // size
+        block([kind] * many)
+        with pytest.raises(BadInput, match=f'has {size * (many + 1)} bytes'):
+            block([kind] * (many + 1))
+    block(['float'] * 6 + ['uint16_t'], 2540)
+    with pytest.raises(BadInput, match='has 27 bytes, above the limit of 26'):
+        block(['float'] * 6 + ['uint16_t', 'int8_t'])
+    sixteen = [
+        LogBlock(f'b{n}', 10, {f'a{n}.{m}': 'uint8_t' for m in range(8)}) for n in range(16)
+    ]
+    check_log_table(tuple(sixteen))
+    sixteen[0].variables['a.b'] = 'uint8_t'
+    with pytest.raises(BadInput, match='16 log blocks with 129 variables'):
+        check_log_table(tuple(sixteen))
+
+
 def test_a_range_of_five_metres_is_none():
     told = [
         readings.convert_air({'baro.pressure': 1.0, 'range.zrange': mm}).distance

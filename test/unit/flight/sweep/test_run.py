@@ -78,31 +78,6 @@ def test_a_row_is_the_flight_itself(sweep, tmp_path):
     assert row.values == {HEAVY: pytest.approx(2e-3, rel=1e-15)}
 
 
-def test_a_torn_line_is_flown_again(sweep, tmp_path):
-    file, folder = sweep(), tmp_path / 'out'
-    whole = run(file, folder).rows
-    log = folder / STORE.kind.file
-    lines = log.read_bytes().splitlines(keepends=True)
-    log.write_bytes(b''.join(lines[:5]) + lines[5][:40])
-    done = run(file, folder)
-    assert done.new_flights == 4
-    assert [row.figures for row in done.rows] == [row.figures for row in whole]
-
-
-def test_another_sweep_is_not_mixed_in(sweep, tmp_path):
-    folder = tmp_path / 'out'
-    run(sweep(1), folder)
-    with pytest.raises(
-        BadInput,
-        match='is the log of a sweep with other settings; choose another folder with --out',
-    ):
-        run(sweep(2), folder)
-    (tmp_path / 'full').mkdir()
-    (tmp_path / 'full' / 'thesis.tex').touch()
-    with pytest.raises(BadInput, match='contains files that do not belong to a sweep'):
-        run(sweep(1), tmp_path / 'full')
-
-
 def test_a_flight_that_cannot_be_flown_is_kept_with_its_reason(sweep, tmp_path):
     """Each of the two values is fine alone: a start near the wall, and a room that ends there."""
     vary = {
@@ -313,22 +288,6 @@ def test_drawn_values_are_grouped_evenly():
 def test_a_failed_flight_tells_its_values_in_si():
     job = SweepJob(3, 9, {HEAVY: {'value': 2.5, 'unit': 'g'}})
     assert build_failed_row(job, 'No.').values == {HEAVY: 0.0025}
-
-
-def test_a_cluster_without_dask_is_one_sentence(monkeypatch):
-    monkeypatch.setitem(sys.modules, 'distributed', None)
-    with pytest.raises(BadInput, match='-r requirements-dask'):
-        DaskWorkers(None, 'tcp://127.0.0.1:1')
-
-
-def test_a_cluster_that_is_not_there_leaves_no_folder(monkeypatch, tmp_path, sweep):
-    monkeypatch.setitem(sys.modules, 'distributed', None)
-    out = tmp_path / 'out'
-    with pytest.raises(BadInput):
-        sweep_once(
-            SweepRequest(sweep(2), out, StudyOptions(scheduler='tcp://127.0.0.1:1')), Console()
-        )
-    assert not out.exists()
 
 
 def test_a_cluster_flies_what_this_machine_flies(sweep):
