@@ -3,6 +3,7 @@
 from dataclasses import replace
 from functools import partial
 from itertools import pairwise
+import math
 
 from lta_config.schema.mission_file import DAY, load_light_day
 from lta_config.schema.vehicle_file import load_vehicle_file
