@@ -226,7 +226,7 @@ def test_steps_of_half_a_minute_are_as_good_as_of_a_second(monkeypatch):
     """A day on the perch in the light of clouds, without flights."""
     upkeep = PerchConfig(CELL, CHARGER, HARVEST, 0.097, 0.006, (0.0, 0.0), 0.25, 0.3, HOUR)
     coarse = lived(SPRING, schedule_by_light, upkeep=upkeep)
-    monkeypatch.setattr(mission, 'STEP', 1.0)
+    monkeypatch.setattr(mission, 'PERCH_STEP', 1.0)
     fine = lived(SPRING, schedule_by_light, upkeep=upkeep)
     assert coarse.charge[-1] == pytest.approx(fine.charge[-1], abs=2e-4)
     assert coarse.spent.harvested == pytest.approx(fine.spent.harvested, rel=1e-3)
