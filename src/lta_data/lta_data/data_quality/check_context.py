@@ -5,7 +5,6 @@ from typing import final
 
 from lta_config.errors import BadInput
 from lta_config.schema.vehicle_file import VehicleFile
-from lta_data.data_quality.limits import QualityLimits
 from lta_data.data_quality.motion import (
     collect_inertials,
     collect_poses,
@@ -22,9 +21,8 @@ from lta_data.scene import parse_provenance_file
 class CheckContext:
     """A recording with the derived data that several checks use."""
 
-    def __init__(self, recording: ChannelRecording, limits: QualityLimits) -> None:
+    def __init__(self, recording: ChannelRecording) -> None:
         self.recording = recording
-        self.limits = limits
 
     @cached_property
     def poses(self) -> list[PoseSeries]:
@@ -48,5 +46,5 @@ class CheckContext:
     @cached_property
     def pair_similarities(self) -> list[tuple[MotionPair, PairSimilarity | None]]:
         """Pairs of sources for the same motion, with their similarity."""
-        pairs = find_motion_pairs(self.recording, self.limits)
-        return [(pair, measure_similarity(pair, self.limits)) for pair in pairs]
+        pairs = find_motion_pairs(self.recording)
+        return [(pair, measure_similarity(pair)) for pair in pairs]

@@ -4,13 +4,12 @@ from collections.abc import Sequence
 from typing import Final, final, NamedTuple
 
 from lta_data.bag.channels import SignalChannel
-from lta_data.data_quality import roles
+from lta_data.data_quality import limits, roles
 from lta_data.data_quality.check_context import CheckContext
 from lta_data.data_quality.checks.constant_channels import is_constant
 from lta_data.data_quality.checks.stamps import is_regular
 from lta_data.data_quality.checks.units import SIZES
 from lta_data.data_quality.finding import QualityFinding, Severity
-from lta_data.data_quality.limits import QualityLimits
 from lta_data.data_quality.runs import find_coarse_unit
 from lta_data.data_quality.valid_ranges import COUNTS, RANGES, SPREAD
 import numpy as np
@@ -41,13 +40,13 @@ def describe_coverage(evidence: CheckContext) -> Coverage:
     unjudged: list[str] = []
     missing: list[QualityFinding] = []
     ruleless: list[str] = []
-    least = evidence.limits.least_samples
+    least = limits.LEAST_SAMPLES
     for topic, channels in by_topic.items():
         count = len(channels[0].time)
         if count < least:
             unjudged.append(f"'{topic}' is too short: {count} messages, and {least} are needed.")
             continue
-        one = _describe_topic(topic, channels, evidence.limits)
+        one = _describe_topic(topic, channels)
         sentences += one.judged
         unjudged += one.unjudged
         missing += one.missing
@@ -62,9 +61,7 @@ def describe_coverage(evidence: CheckContext) -> Coverage:
     return Coverage(tuple(sentences), tuple(unjudged), tuple(missing))
 
 
-def _describe_topic(
-    topic: str, channels: Sequence[SignalChannel], limits: QualityLimits
-) -> Coverage:
+def _describe_topic(topic: str, channels: Sequence[SignalChannel]) -> Coverage:
     """Return what was judged of a topic with enough messages."""
     measured: dict[str, bool] = {}
     for channel in channels:
@@ -97,10 +94,10 @@ def _describe_topic(
     if not is_regular(time):
         unjudged.append(f"The stamps of '{topic}' are irregular: lost messages cannot be counted.")
     span = float(np.ptp(time))
-    if span < limits.pair_time and any(name in measured for name in MOVING):
+    if span < limits.PAIR_TIME and any(name in measured for name in MOVING):
         unjudged.append(
             f"'{topic}' is too short to compare motions (units, axes, clocks): {span:.1f} s, and "
-            f'{limits.pair_time:g} s are needed.'
+            f'{limits.PAIR_TIME:g} s are needed.'
         )
     coarse = [
         f'{channel.field.rpartition(".")[2]} to {unit:.2g} {channel.unit}'.rstrip()

@@ -11,9 +11,8 @@ copy also has the motion of the other within half a per cent, which no vehicle r
 from collections.abc import Mapping, Sequence
 from typing import Final, final, NamedTuple
 
-from lta_data.data_quality import roles
+from lta_data.data_quality import limits, roles
 from lta_data.data_quality.finding import QualityFinding, Severity
-from lta_data.data_quality.limits import QualityLimits
 from lta_data.data_quality.recording import ChannelRecording
 from lta_data.data_quality.smoothing import (
     hann_kernel,
@@ -69,7 +68,7 @@ Fingerprint = Mapping[str, ChannelPrint]
 
 
 def find_duplicate_runs(
-    recordings: Sequence[tuple[str, ChannelRecording]], limits: QualityLimits | None = None
+    recordings: Sequence[tuple[str, ChannelRecording]],
 ) -> dict[str, list[QualityFinding]]:
     """
     Compare all pairs of recordings, given with their display names.
@@ -91,7 +90,7 @@ def find_duplicate_runs(
             # Simulated flights with different seeds are separate runs by definition.
             if seed and its and seed != its:
                 continue
-            twin = compare_fingerprints(theirs, mine, other, limits or QualityLimits())
+            twin = compare_fingerprints(theirs, mine, other)
             if twin is not None:
                 findings.setdefault(name, []).append(twin)
     return findings
@@ -167,21 +166,18 @@ def _mask_absurd(values: Array) -> Array:
 
 
 def compare_fingerprints(
-    first: Fingerprint,
-    second: Fingerprint,
-    name: str,
-    limits: QualityLimits,
+    first: Fingerprint, second: Fingerprint, name: str
 ) -> QualityFinding | None:
     """Return a finding if two recordings contain the same run, otherwise None."""
     shared = sorted(first.keys() & second.keys())
-    least = round(limits.twin_time / STEP)
+    least = round(limits.TWIN_TIME / STEP)
     if not shared or any(len(one[c].noise) < least for one in (first, second) for c in shared):
         return None
     highest = {c: min(first[c].highest, second[c].highest) for c in shared}
     rows = [[one[c].limit(highest[c]) for c in shared] for one in (first, second)]
     score, offset, count = find_best_alignment(rows[0], rows[1], least)
     what = 'noise'
-    if score < limits.twin_agree:
+    if score < limits.TWIN_AGREE:
         if any(len(one[c].motion) < least for one in (first, second) for c in shared):
             return None
         rows = [[one[c].motion for c in shared] for one in (first, second)]

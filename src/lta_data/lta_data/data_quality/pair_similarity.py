@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import final
 
-from lta_data.data_quality.limits import QualityLimits
+from lta_data.data_quality import limits
 from lta_data.data_quality.motion_pairs import MotionPair
 from lta_data.data_quality.smoothing import hann_kernel, narrow_mask, smooth_columns
 import numpy as np
@@ -101,7 +101,7 @@ def estimate_lag(left: Array, right: Array, step: float, search: float) -> float
     return (best - most) * step
 
 
-def measure_similarity(pair: MotionPair, limits: QualityLimits) -> PairSimilarity | None:
+def measure_similarity(pair: MotionPair) -> PairSimilarity | None:
     """Measure the similarity of a pair; None if the right side hardly moves."""
     left, left_size = robust_deviations(pair.left, pair.valid)
     right, right_size = robust_deviations(pair.right, pair.valid)
@@ -115,7 +115,7 @@ def measure_similarity(pair: MotionPair, limits: QualityLimits) -> PairSimilarit
     quick = moving & (quick_size > QUICK * pair.least)
     lag = 0.0
     if quick.any():
-        lag = estimate_lag(quick_left, quick_right[:, quick], pair.step, limits.clock_search)
+        lag = estimate_lag(quick_left, quick_right[:, quick], pair.step, limits.CLOCK_SEARCH)
     count = max(1, int(pair.valid.sum()))
     moved = round(lag / pair.step)
     # Shape (left axes, right axes)

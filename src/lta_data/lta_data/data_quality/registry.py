@@ -20,7 +20,6 @@ from lta_data.data_quality.checks import (
 from lta_data.data_quality.checks.rereadings import find_rereadings, remove_explained_findings
 from lta_data.data_quality.coverage import describe_coverage
 from lta_data.data_quality.finding import CheckVerdict, QualityFinding
-from lta_data.data_quality.limits import QualityLimits
 from lta_data.data_quality.recording import ChannelRecording
 from lta_data.data_quality.roles import vector_name
 import numpy as np
@@ -76,9 +75,9 @@ class QualityReport:
 
 
 @np.errstate(over='ignore', invalid='ignore', divide='ignore')  # damaged readings may overflow
-def run_checks(recording: ChannelRecording, limits: QualityLimits | None = None) -> QualityReport:
+def run_checks(recording: ChannelRecording) -> QualityReport:
     """Run all checks on a recording."""
-    evidence = CheckContext(recording, limits or QualityLimits())
+    evidence = CheckContext(recording)
     with np.errstate(invalid='ignore'):  # infinity is data: a range without a return
         verdicts = [check(evidence) for check in CHECKS.values()]
         rereadings = find_rereadings(evidence)

@@ -4,11 +4,9 @@ from dataclasses import replace
 
 from lta_config.files import find_file, load_yaml
 from lta_data.bag.channels import SignalChannel
-from lta_data.data_quality.check_context import CheckContext
 from lta_data.data_quality.checks.duplication import hash_windows
 from lta_data.data_quality.checks.noise_floor import high_frequency_noise
 from lta_data.data_quality.finding import Severity
-from lta_data.data_quality.limits import QualityLimits
 from lta_data.data_quality.recording import ChannelRecording
 from lta_data.data_quality.registry import run_checks
 from lta_data.data_quality.roles import is_instrument_topic, vector_name
@@ -346,12 +344,3 @@ def test_families_and_roles():
     assert vector_name('battery/voltage') == 'battery/voltage'
     assert not is_instrument_topic('light/estimate')
     assert is_instrument_topic('ground_truth/odom')
-
-
-def test_every_limit_has_a_reason():
-    assert all(field.description for field in QualityLimits.model_fields.values())
-
-
-def test_pairs_are_worked_out_once():
-    evidence = CheckContext(recording(**resting()), QualityLimits())
-    assert evidence.pair_similarities is evidence.pair_similarities

@@ -3,7 +3,6 @@
 import itertools
 
 from lta_data.data_quality.checks.hand_motion import find_idle_motion
-from lta_data.data_quality.limits import QualityLimits
 from lta_data.data_quality.motion import VectorSeries
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +17,7 @@ def judged(place: Array, seed: int = 0) -> bool:
     noise = 1e-3 * np.random.default_rng(seed).standard_normal(place.shape)
     series = VectorSeries('pose/position', TIME, place + noise)
     idle = np.ones(len(TIME), dtype=np.bool_)
-    return bool(list(find_idle_motion(series, TIME, idle, QualityLimits())))
+    return bool(list(find_idle_motion(series, TIME, idle)))
 
 
 def carried(seed: int) -> Array:

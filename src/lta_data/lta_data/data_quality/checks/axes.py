@@ -11,6 +11,7 @@ from dataclasses import replace
 from itertools import permutations, product
 from typing import Final
 
+from lta_data.data_quality import limits
 from lta_data.data_quality.check_context import CheckContext
 from lta_data.data_quality.finding import (
     CheckVerdict,
@@ -18,7 +19,6 @@ from lta_data.data_quality.finding import (
     select_first_findings,
     Severity,
 )
-from lta_data.data_quality.limits import QualityLimits
 from lta_data.data_quality.motion import PoseSeries, remove_sign_jumps, VectorSeries
 from lta_data.data_quality.motion_pairs import (
     interpolate_attitude,
@@ -68,12 +68,12 @@ def find_axis_errors(evidence: CheckContext) -> CheckVerdict:
         if alike is None or alike.axes_agree:
             continue
         pose = by_name.get(pair.reference) or by_place.get(pair.reference)
-        findings += explain_mismatch(pair, alike, pose, evidence.limits)
+        findings += explain_mismatch(pair, alike, pose)
     for pose in evidence.poses:
-        findings += find_lying_attitude(pose, evidence.limits)
+        findings += find_lying_attitude(pose)
     for sensor in evidence.inertials:
         if sensor.force is not None:
-            findings += find_misaligned_gravity(sensor.force, evidence.limits)
+            findings += find_misaligned_gravity(sensor.force)
     return CheckVerdict(select_first_findings(findings))
 
 
@@ -83,18 +83,18 @@ def mean_axis_match(alike: PairSimilarity) -> float:
 
 
 def explain_mismatch(
-    pair: MotionPair, alike: PairSimilarity, pose: PoseSeries | None, limits: QualityLimits
+    pair: MotionPair, alike: PairSimilarity, pose: PoseSeries | None
 ) -> Iterator[QualityFinding]:
     """Yield the best explanation of mismatching axes, if there is a good one."""
     ways = [*score_axis_orders(pair, alike)]
     if pose is not None and pair.what in ('rates', 'velocity', 'force') and len(pair.axes) == 3:
-        ways += score_pose_readings(pair, pose, limits)
+        ways += score_pose_readings(pair, pose)
     if not ways:
         return
     score, channel, words = max(ways, key=lambda way: way[0])
     before = mean_axis_match(alike)
     # Among 48 orders some match by chance, so the gain must be clear
-    if score >= limits.agree and score > before + BETTER:
+    if score >= limits.AGREE and score > before + BETTER:
         begin, end = pair.span
         other = pair.reference if channel != pair.reference else pair.sensor
         yield QualityFinding(
@@ -132,9 +132,7 @@ def score_axis_orders(pair: MotionPair, alike: PairSimilarity) -> Iterator[tuple
         )
 
 
-def score_pose_readings(
-    pair: MotionPair, pose: PoseSeries, limits: QualityLimits
-) -> Iterator[tuple[float, str, str]]:
+def score_pose_readings(pair: MotionPair, pose: PoseSeries) -> Iterator[tuple[float, str, str]]:
     """Yield score, channel and description of other readings of attitude and position."""
     attitude = pose.attitude
     if attitude is None:
@@ -145,30 +143,24 @@ def score_pose_readings(
             attitude.name, attitude.time, remove_sign_jumps(read(attitude.values))
         )
         if pair.what == 'rates':
-            yield from score_reading(
-                pair_rates(rates, other, limits), attitude.name, words, limits
-            )
+            yield from score_reading(pair_rates(rates, other), attitude.name, words)
         elif pose.position is not None:
             pairing = pair_force if pair.what == 'force' else pair_velocity
-            yield from score_reading(
-                pairing(pose.position, other, rates, limits), attitude.name, words, limits
-            )
+            yield from score_reading(pairing(pose.position, other, rates), attitude.name, words)
     if pair.what != 'velocity' or pose.position is None:
         return
     # The identity attitude leaves the velocity in the map frame
     level = VectorSeries(
         attitude.name, attitude.time, attitude.values * 0.0 + [0.0, 0.0, 0.0, 1.0]
     )
-    in_map = pair_velocity(pose.position, level, rates, limits)
+    in_map = pair_velocity(pose.position, level, rates)
     yield from score_reading(
-        in_map, pair.sensor, 'The velocity is in the map frame instead of the body frame', limits
+        in_map, pair.sensor, 'The velocity is in the map frame instead of the body frame'
     )
     turn = interpolate_attitude(attitude, rates.time)
-    again = pair_velocity(
-        pose.position, attitude, replace(rates, values=turn.apply(rates.values)), limits
-    )
+    again = pair_velocity(pose.position, attitude, replace(rates, values=turn.apply(rates.values)))
     yield from score_reading(
-        again, pair.sensor, 'The body velocity was rotated into the body once more', limits
+        again, pair.sensor, 'The body velocity was rotated into the body once more'
     )
     place = pose.position
     for order, signs in SIGNED:
@@ -180,51 +172,49 @@ def score_pose_readings(
                           zip(order, signs, strict=True))  # fmt: skip
         changes = sum(order[j] != j or signs[j] < 0 for j in range(3))
         for score, name, told_as in score_reading(
-            pair_velocity(moved, attitude, rates, limits), place.name,
-            f'The axes x, y, z of the position are recorded as {words}', limits,
+            pair_velocity(moved, attitude, rates), place.name,
+            f'The axes x, y, z of the position are recorded as {words}',
         ):  # fmt: skip
             yield score - 0.01 * changes, name, told_as
 
 
 def score_reading(
-    pair: MotionPair | None, name: str, words: str, limits: QualityLimits
+    pair: MotionPair | None, name: str, words: str
 ) -> Iterator[tuple[float, str, str]]:
     """Yield the score of another reading, if it can be judged."""
-    alike = None if pair is None else measure_similarity(pair, limits)
+    alike = None if pair is None else measure_similarity(pair)
     if alike is not None:
         yield mean_axis_match(alike) - OTHER, name, words
 
 
-def find_lying_attitude(pose: PoseSeries, limits: QualityLimits) -> Iterator[QualityFinding]:
+def find_lying_attitude(pose: PoseSeries) -> Iterator[QualityFinding]:
     """Yield an attitude that has the vehicle on its side or back most of the time."""
-    if pose.attitude is None or len(pose.attitude.time) < limits.least_samples:
+    if pose.attitude is None or len(pose.attitude.time) < limits.LEAST_SAMPLES:
         return
     turn = pose.attitude.values
     # z component of the body's z axis in the world.
     up = 1.0 - 2.0 * (turn[:, 0] ** 2 + turn[:, 1] ** 2)
-    share = float(np.mean(up < np.cos(np.radians(limits.upright))))
+    share = float(np.mean(up < np.cos(np.radians(limits.UPRIGHT))))
     if share > 0.5:
         yield QualityFinding(
             KIND, pose.attitude.name, float(pose.attitude.time[0]), float(pose.attitude.time[-1]),
-            f'The vehicle seems to tilt by more than {limits.upright:.0f} degrees for '
+            f'The vehicle seems to tilt by more than {limits.UPRIGHT:.0f} degrees for '
             f'{100 * share:.0f} % of the time: probably the quaternion has the wrong order '
             '(w first), or the z axis points down.',
             Severity.SUSPICIOUS, {'share': share},
         )  # fmt: skip
 
 
-def find_misaligned_gravity(
-    force: VectorSeries, limits: QualityLimits
-) -> Iterator[QualityFinding]:
+def find_misaligned_gravity(force: VectorSeries) -> Iterator[QualityFinding]:
     """Yield an accelerometer without +g along z at rest (FLU)."""
-    if len(force.time) < limits.least_samples:
+    if len(force.time) < limits.LEAST_SAMPLES:
         return
     # The median is insensitive to impacts
     mean = np.median(force.values, axis=0)
     size = float(np.linalg.norm(mean))
     spread = float(np.median(np.linalg.norm(force.values, axis=1)))
     # Without a dominant direction the sensor rotates too much to judge.
-    if size < 0.7 * spread or mean[2] > size * np.cos(np.radians(limits.upright)):
+    if size < 0.7 * spread or mean[2] > size * np.cos(np.radians(limits.UPRIGHT)):
         return
     axis = int(np.argmax(np.abs(mean)))
     sign = '-' if mean[axis] < 0 else ''

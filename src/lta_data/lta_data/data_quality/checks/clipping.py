@@ -8,12 +8,11 @@ one, and it lasts for several samples.
 from collections.abc import Iterator
 
 from lta_data.bag.channels import SignalChannel
-from lta_data.data_quality import roles
+from lta_data.data_quality import limits, roles
 from lta_data.data_quality.check_context import CheckContext
 from lta_data.data_quality.checks.constant_channels import is_constant
 from lta_data.data_quality.checks.freezes import ends_with_jump, find_initial_run_end, START
 from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
-from lta_data.data_quality.limits import QualityLimits
 from lta_data.data_quality.runs import find_coarse_unit, find_runs
 import numpy as np
 
@@ -31,7 +30,7 @@ def find_clipping(evidence: CheckContext) -> CheckVerdict:
     findings: list[QualityFinding] = []
     for channel in evidence.recording.channels.values():
         if roles.match_noisy_quantity(channel):
-            findings += find_pileups(channel, evidence.limits, evidence.recording.is_simulated)
+            findings += find_pileups(channel, evidence.recording.is_simulated)
         elif channel.topic == ADC and channel.field.startswith(('min[', 'max[')):
             findings += find_railed_blocks(channel, evidence)
     lit = any(channel.topic == ADC for channel in evidence.recording.channels.values())
@@ -40,9 +39,7 @@ def find_clipping(evidence: CheckContext) -> CheckVerdict:
     )
 
 
-def find_pileups(
-    channel: SignalChannel, limits: QualityLimits, simulated: bool
-) -> Iterator[QualityFinding]:
+def find_pileups(channel: SignalChannel, simulated: bool) -> Iterator[QualityFinding]:
     """Yield the extremes of one channel at which values accumulate."""
     good = np.isfinite(channel.values)
     if simulated:  # exactly constant until take-off
@@ -50,14 +47,14 @@ def find_pileups(
             : find_initial_run_end(np.diff(channel.values, prepend=channel.values[:1]) == 0.0)
         ] = False
     values, time = channel.values[good], channel.time[good]
-    if len(values) < limits.least_samples or is_constant(channel) or find_coarse_unit(values):
+    if len(values) < limits.LEAST_SAMPLES or is_constant(channel) or find_coarse_unit(values):
         return
     levels, counts = np.unique(values, return_counts=True)
     for side, word in ((0, 'lowest'), (-1, 'highest')):
         count = int(counts[side])
         # np.unique sorts, so the next counts belong to the values next to the extreme
         beside = counts[1 : 1 + NEIGHBOURS] if side == 0 else counts[-1 - NEIGHBOURS : -1]
-        if count < limits.clipped_samples or count < limits.clipped_pile * float(
+        if count < limits.CLIPPED_SAMPLES or count < limits.CLIPPED_PILE * float(
             np.median(beside)
         ):
             continue
@@ -67,7 +64,7 @@ def find_pileups(
         rests = simulated and alone and (at[0, 0] <= START or at[0, 1] == len(values))
         # A single run that ends with a jump is a freeze, which another check reports
         stopped = alone and ends_with_jump(values, int(at[0, 1]) - 1)
-        if (at[:, 1] - at[:, 0]).max() < limits.clipped_run or rests or stopped:
+        if (at[:, 1] - at[:, 0]).max() < limits.CLIPPED_RUN or rests or stopped:
             continue
         yield QualityFinding(
             KIND, channel.name, float(time[at[0, 0]]), float(time[at[-1, 1] - 1]),
@@ -85,7 +82,7 @@ def find_railed_blocks(channel: SignalChannel, evidence: CheckContext) -> Iterat
     if end is None:
         return
     at = channel.values == end
-    if int(at.sum()) >= evidence.limits.adc_blocks:
+    if int(at.sum()) >= limits.ADC_BLOCKS:
         times = channel.time[at]
         yield QualityFinding(
             KIND, channel.name, float(times[0]), float(times[-1]),

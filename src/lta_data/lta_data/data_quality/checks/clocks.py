@@ -8,9 +8,9 @@ of separate parts of the flight.
 from collections.abc import Iterator
 from typing import final, NamedTuple
 
+from lta_data.data_quality import limits
 from lta_data.data_quality.check_context import CheckContext
 from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
-from lta_data.data_quality.limits import QualityLimits
 from lta_data.data_quality.motion_pairs import MotionPair
 from lta_data.data_quality.pair_similarity import estimate_lag, high_pass_pair, PairSimilarity
 import numpy as np
@@ -61,13 +61,11 @@ def find_clock_errors(evidence: CheckContext) -> CheckVerdict:
                 'little motion to compare it with.'
             )
         else:
-            findings += find_lag(pair, alike, evidence.limits)
+            findings += find_lag(pair, alike)
     return CheckVerdict(tuple(findings), tuple(unjudged))
 
 
-def find_lag(
-    pair: MotionPair, alike: PairSimilarity, limits: QualityLimits
-) -> Iterator[QualityFinding]:
+def find_lag(pair: MotionPair, alike: PairSimilarity) -> Iterator[QualityFinding]:
     """Yield the lag of a pair, or its drift, if significant."""
     if not alike.quick_at_lag.any():
         return
@@ -78,9 +76,9 @@ def find_lag(
         drift_corrected_correlation(pair, *estimate.line),
     )
     wanders = (
-        abs(estimate.drift) > limits.clock_offset + limits.clock_sigmas * estimate.drift_error
+        abs(estimate.drift) > limits.CLOCK_OFFSET + limits.CLOCK_SIGMAS * estimate.drift_error
     )
-    if wanders and drifting > limits.agree and is_clear_gain(steady, drifting, limits):
+    if wanders and drifting > limits.AGREE and is_clear_gain(steady, drifting):
         yield QualityFinding(
             KIND, pair.sensor, begin, end,
             f'The time stamps drift by {estimate.drift:.3f} s +- {estimate.drift_error:.3f} s '
@@ -90,9 +88,9 @@ def find_lag(
         )  # fmt: skip
         return
     # A large drift blurs the total correlation, so the lag above may be meaningless
-    if steady < limits.agree:
-        drift, drifting = search_clock_drift(pair, limits)
-        if drifting > limits.wander_agree and is_clear_gain(max(steady, 0.0), drifting, limits):
+    if steady < limits.AGREE:
+        drift, drifting = search_clock_drift(pair)
+        if drifting > limits.WANDER_AGREE and is_clear_gain(max(steady, 0.0), drifting):
             yield QualityFinding(
                 KIND, pair.sensor, begin, end,
                 f'The time stamps drift by about {drift:.1f} s relative to '
@@ -103,12 +101,12 @@ def find_lag(
             )  # fmt: skip
             return
     own, zero = np.abs(alike.quick_at_lag), np.abs(alike.quick_at_zero)
-    best = own >= min(limits.agree, float(own.max()))  # ignore axes with poor correlation
+    best = own >= min(limits.AGREE, float(own.max()))  # ignore axes with poor correlation
     peak = float(own[best].mean())
-    clear = abs(estimate.lag) > limits.clock_offset + limits.clock_sigmas * estimate.error
+    clear = abs(estimate.lag) > limits.CLOCK_OFFSET + limits.CLOCK_SIGMAS * estimate.error
     # Swapped axes would give a meaningless lag.
-    if clear and alike.axes_agree and peak > limits.agree and is_clear_gain(
-        float(zero[best].mean()), peak, limits
+    if clear and alike.axes_agree and peak > limits.AGREE and is_clear_gain(
+        float(zero[best].mean()), peak
     ):  # fmt: skip
         word = 'late' if estimate.lag > 0 else 'early'
         yield QualityFinding(
@@ -120,7 +118,7 @@ def find_lag(
         )  # fmt: skip
 
 
-def search_clock_drift(pair: MotionPair, limits: QualityLimits) -> tuple[float, float]:
+def search_clock_drift(pair: MotionPair) -> tuple[float, float]:
     """Return the drift over the flight with the best correlation [s], and that correlation."""
     left, right, _, _ = high_pass_pair(pair)
     length = float(np.ptp(pair.grid))
@@ -129,15 +127,15 @@ def search_clock_drift(pair: MotionPair, limits: QualityLimits) -> tuple[float, 
         # Half of the drift before and half after the middle, so that the mean lag is unchanged
         at = pair.grid + drift * ((pair.grid - pair.grid[0]) / length - 0.5)
         moved = np.stack([np.interp(at, pair.grid, column) for column in left.T], axis=1)
-        lag = estimate_lag(moved, right, pair.step, limits.clock_search)
+        lag = estimate_lag(moved, right, pair.step, limits.CLOCK_SEARCH)
         score = drift_corrected_correlation(pair, lag, drift / length)
         best = max(best, (drift, score), key=lambda way: way[1])
     return best
 
 
-def is_clear_gain(before: float, after: float, limits: QualityLimits) -> bool:
+def is_clear_gain(before: float, after: float) -> bool:
     """Return whether an improved correlation clearly reduces the mismatch."""
-    return 1.0 - before > limits.clock_gain * (1.0 - after)
+    return 1.0 - before > limits.CLOCK_GAIN * (1.0 - after)
 
 
 def drift_corrected_correlation(pair: MotionPair, lag: float, slope: float) -> float:

@@ -3,7 +3,7 @@
 from collections import defaultdict
 
 from lta_data.bag.channels import SignalChannel
-from lta_data.data_quality import roles
+from lta_data.data_quality import limits, roles
 from lta_data.data_quality.check_context import CheckContext
 from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
 import numpy as np
@@ -13,10 +13,9 @@ KIND = 'constant'
 
 def find_constant_channels(evidence: CheckContext) -> CheckVerdict:
     """Find constant channels, and vectors that were never filled in."""
-    limits = evidence.limits
     groups: defaultdict[str, list[SignalChannel]] = defaultdict(list)
     for channel in evidence.recording.channels.values():
-        if should_vary(channel) and np.isfinite(channel.values).sum() >= limits.least_samples:
+        if should_vary(channel) and np.isfinite(channel.values).sum() >= limits.LEAST_SAMPLES:
             groups[roles.vector_name(channel.name)].append(channel)
     findings: list[QualityFinding] = []
     for name, group in groups.items():

@@ -8,10 +8,9 @@ precision, so that a conversion of type does not hide a copy.
 from collections.abc import Iterator
 
 from lta_data.bag.channels import SignalChannel
-from lta_data.data_quality import roles
+from lta_data.data_quality import limits, roles
 from lta_data.data_quality.check_context import CheckContext
 from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
-from lta_data.data_quality.limits import QualityLimits
 from lta_data.data_quality.runs import find_coarse_unit
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +25,7 @@ def find_duplication(evidence: CheckContext) -> CheckVerdict:
         finding
         for channel in evidence.recording.channels.values()
         if roles.match_noisy_quantity(channel)
-        for finding in find_repeats(channel, evidence.limits)
+        for finding in find_repeats(channel)
     ]
     return CheckVerdict(tuple(findings))
 
@@ -45,16 +44,16 @@ def hash_windows(values: NDArray[np.float64], length: int) -> NDArray[np.uint64]
     return total
 
 
-def find_repeats(channel: SignalChannel, limits: QualityLimits) -> Iterator[QualityFinding]:
+def find_repeats(channel: SignalChannel) -> Iterator[QualityFinding]:
     """Yield the repeated stretches of one channel."""
-    values, length = channel.values, limits.duplicated_samples
+    values, length = channel.values, limits.DUPLICATED_SAMPLES
     if len(values) < 2 * length or find_coarse_unit(values):
         return
     finite = np.isfinite(values)
     single = np.where(finite, values, 0.0).astype(np.float32)
     changing = np.diff(single) != 0.0
     # Number of changes within each window; constant windows are equal without duplication
-    lively = np.convolve(changing, np.ones(length - 1), mode='valid') >= limits.duplicated_levels
+    lively = np.convolve(changing, np.ones(length - 1), mode='valid') >= limits.DUPLICATED_LEVELS
     windows = np.lib.stride_tricks.sliding_window_view(single, length)
     # A slow channel has few distinct values in single precision and repeats by chance.
     fine = np.ptp(windows, axis=1) > ULPS * np.spacing(np.abs(windows).max(axis=1))

@@ -9,11 +9,10 @@ from collections.abc import Iterator
 import math
 
 from lta_data.bag.channels import SignalChannel
-from lta_data.data_quality import roles
+from lta_data.data_quality import limits, roles
 from lta_data.data_quality.check_context import CheckContext
 from lta_data.data_quality.checks.constant_channels import is_constant
 from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
-from lta_data.data_quality.limits import QualityLimits
 from lta_data.data_quality.runs import find_coarse_unit, find_runs
 from lta_data.data_quality.smoothing import median_period
 import numpy as np
@@ -29,19 +28,16 @@ USUAL = 90.0  # percentile of the run lengths that counts as regular
 
 def find_freezes(evidence: CheckContext) -> CheckVerdict:
     """Find freezes in noisy channels."""
-    limits = evidence.limits
     findings = [
         finding
         for channel in evidence.recording.channels.values()
-        if roles.match_noisy_quantity(channel) and len(channel.values) >= limits.least_samples
-        for finding in find_channel_freezes(channel, limits, evidence.recording.is_simulated)
+        if roles.match_noisy_quantity(channel) and len(channel.values) >= limits.LEAST_SAMPLES
+        for finding in find_channel_freezes(channel, evidence.recording.is_simulated)
     ]
     return CheckVerdict(tuple(findings))
 
 
-def find_channel_freezes(
-    channel: SignalChannel, limits: QualityLimits, simulated: bool
-) -> Iterator[QualityFinding]:
+def find_channel_freezes(channel: SignalChannel, simulated: bool) -> Iterator[QualityFinding]:
     """Yield the freezes of one channel."""
     values = channel.values
     if not np.isfinite(values).any() or is_constant(channel):
@@ -67,7 +63,7 @@ def find_channel_freezes(
         )
         # Rounded readings of a slow motion repeat; those of a frozen one jump when it goes on
         slow = hidden and not abs(values[min(end + 1, len(equal))] - held) > hidden
-        if piled or rests or slow or length + 1 < limits.frozen_samples:
+        if piled or rests or slow or length + 1 < limits.FROZEN_SAMPLES:
             continue
         # Sample-and-hold data have long runs all the time.
         usual = np.percentile(holds, USUAL)
@@ -77,9 +73,9 @@ def find_channel_freezes(
         chance = math.log(len(equal)) + length * math.log(max(share, 1.0 / len(equal)))
         last = float(channel.time[end]) - float(channel.time[begin])
         if (
-            chance < math.log(limits.frozen_chance)
-            and length > limits.frozen_times * max(1.0, float(usual))
-            and last + median_period(channel.time) > limits.frozen_time
+            chance < math.log(limits.FROZEN_CHANCE)
+            and length > limits.FROZEN_TIMES * max(1.0, float(usual))
+            and last + median_period(channel.time) > limits.FROZEN_TIME
         ):
             yield build_freeze_finding(channel, begin, end)
 

@@ -12,10 +12,9 @@ import itertools
 from typing import final, NamedTuple
 
 from lta_config.limits import GRID
-from lta_data.data_quality import roles
+from lta_data.data_quality import limits, roles
 from lta_data.data_quality.check_context import CheckContext
 from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
-from lta_data.data_quality.limits import QualityLimits
 from lta_data.data_quality.motion import VectorSeries
 from lta_data.data_quality.recording import ChannelRecording
 from lta_data.data_quality.runs import find_runs, merge_runs
@@ -62,7 +61,6 @@ class TremorLevels(NamedTuple):
 
 def find_hand_motion(evidence: CheckContext) -> CheckVerdict:
     """Find stretches in which a hand held the vehicle."""
-    limits = evidence.limits
     findings: list[QualityFinding] = []
     unjudged: list[str] = []
     sources = [sensor.force for sensor in evidence.inertials if sensor.force is not None]
@@ -72,18 +70,18 @@ def find_hand_motion(evidence: CheckContext) -> CheckVerdict:
     count = 0
     for force in sources:
         count += bool(is_sampled_fast_enough(force))
-        findings += find_tremor(force, force.values, limits)
+        findings += find_tremor(force, force.values)
     for place in places:
         count += bool(is_sampled_fast_enough(place))
-        findings += find_tremor(place, compute_acceleration(place), limits)
-    idle = find_idle_times(evidence.recording, limits)
+        findings += find_tremor(place, compute_acceleration(place))
+    idle = find_idle_times(evidence.recording)
     if idle is None:
         unjudged.append(
             'Motion with idle rotors cannot be judged: no actuator commands are recorded.'
         )
     else:
         for place in places:
-            findings += find_idle_motion(place, *idle, limits)
+            findings += find_idle_motion(place, *idle)
     if not count:
         unjudged.append(
             'Whether a hand held the vehicle cannot be judged: no channel is sampled fast enough '
@@ -103,12 +101,12 @@ def compute_acceleration(place: VectorSeries) -> Array:
                                   axis=0))  # fmt: skip
 
 
-def measure_tremor(vector: VectorSeries, values: Array, limits: QualityLimits) -> TremorLevels:
+def measure_tremor(vector: VectorSeries, values: Array) -> TremorLevels:
     """Return the RMS in the bands, by windows on an even grid."""
     step = median_period(vector.time)
     grid = build_uniform_time_grid(vector.time[0], vector.time[-1], step, len(vector.time))
     table, valid = interpolate_on_grid(vector.time, values, grid)
-    count = round(min(limits.hold_window / max(FINEST, step), GRID))
+    count = round(min(limits.HOLD_WINDOW / max(FINEST, step), GRID))
     starts = np.arange(0, len(grid) - count + 1, max(1, count // HOP))
     # Shape (windows, count)
     index = starts[:, None] + np.arange(count)
@@ -127,35 +125,33 @@ def measure_tremor(vector: VectorSeries, values: Array, limits: QualityLimits) -
         if not inside.any():  # too many messages in a moment to resolve a band
             return np.zeros(len(starts))
         # Scaled to the width of the tremor band, so that levels are comparable.
-        width = limits.tremor_high - limits.tremor_low
+        width = limits.TREMOR_HIGH - limits.TREMOR_LOW
         mean = power[:, inside].mean(axis=1)
         return np.where(whole, np.sqrt(mean * width / (lines[1] - lines[0])), 0.0)
 
     return TremorLevels(
-        grid[starts] + limits.hold_window / 2,
-        level(limits.tremor_low, limits.tremor_high),
+        grid[starts] + limits.HOLD_WINDOW / 2,
+        level(limits.TREMOR_LOW, limits.TREMOR_HIGH),
         level(FLANKS[0], FLANKS[1]),
         level(FLANKS[2], FLANKS[3]),
     )
 
 
-def find_tremor(
-    vector: VectorSeries, values: Array, limits: QualityLimits
-) -> Iterator[QualityFinding]:
+def find_tremor(vector: VectorSeries, values: Array) -> Iterator[QualityFinding]:
     """Yield stretches with the tremor of a hand."""
     if not is_sampled_fast_enough(vector):
         return
-    felt = measure_tremor(vector, values, limits)
+    felt = measure_tremor(vector, values)
     # The quiet quarter of the flight, even if it was held most of the time.
     usual = float(np.percentile(felt.tremor[felt.tremor > 0.0], 25)) if felt.tremor.any() else 0.0
     hand = (
         # Tremor is a peak between both flanks; motors and turbulence have wider spectra
-        (felt.tremor > limits.tremor_force)
-        & (felt.tremor > limits.tremor_flank * felt.above)
+        (felt.tremor > limits.TREMOR_FORCE)
+        & (felt.tremor > limits.TREMOR_FLANK * felt.above)
         & (felt.tremor > 1.5 * felt.below)
-        & (felt.tremor > limits.tremor_usual * usual)
+        & (felt.tremor > limits.TREMOR_USUAL * usual)
     )
-    half = limits.hold_window / 2
+    half = limits.HOLD_WINDOW / 2
     for begin, end in merge_runs(find_runs(hand), HOP):
         # Fewer windows overlap one another, so a single impact could cause them
         if end - begin < HOP + 1:
@@ -164,19 +160,17 @@ def find_tremor(
         yield QualityFinding(
             KIND, vector.name, float(felt.time[begin]) - half, float(felt.time[end - 1]) + half,
             f'The vehicle trembles as if held by hand: {strength:.2f} m/s2 at '
-            f'{limits.tremor_low:.0f} to {limits.tremor_high:.0f} Hz, but only '
+            f'{limits.TREMOR_LOW:.0f} to {limits.TREMOR_HIGH:.0f} Hz, but only '
             f'{np.median(felt.above[begin:end]):.2f} m/s2 above that band, and usually '
             f'{usual:.2f} m/s2 in it.',
             Severity.SUSPICIOUS, {'tremor': strength, 'usual': usual},
         )  # fmt: skip
 
 
-def find_idle_times(
-    recording: ChannelRecording, limits: QualityLimits
-) -> tuple[Array, NDArray[np.bool_]] | None:
+def find_idle_times(recording: ChannelRecording) -> tuple[Array, NDArray[np.bool_]] | None:
     """Return times of commands and whether all rotors were idle; None without commands."""
     commands = [
-        (channel, FORCE if channel.unit == 'N' else limits.idle_duty)
+        (channel, FORCE if channel.unit == 'N' else limits.IDLE_DUTY)
         for channel in recording.channels.values()
         if roles.DRIVES.match(channel.name) and len(channel.time) > 1
     ]
@@ -192,12 +186,12 @@ def find_idle_times(
 
 
 def find_idle_motion(
-    place: VectorSeries, time: Array, idle: NDArray[np.bool_], limits: QualityLimits
+    place: VectorSeries, time: Array, idle: NDArray[np.bool_]
 ) -> Iterator[QualityFinding]:
     """Yield stretches in which a vehicle with idle rotors is moved."""
     step = max(median_period(place.time), 0.01)
     grid = build_uniform_time_grid(place.time[0], place.time[-1], step, len(place.time))
-    if len(grid) < limits.least_samples:
+    if len(grid) < limits.LEAST_SAMPLES:
         return
     # A tracker that loses a marker moves nothing
     good = ~find_tracker_jumps(place.time, place.values)
@@ -210,10 +204,10 @@ def find_idle_motion(
     for begin, end in find_runs(idle).tolist():
         first, last = float(time[begin]) + CALM, float(time[end - 1])
         inside = valid & (grid >= first) & (grid <= last)
-        if inside.sum() * step < limits.hold_window:
+        if inside.sum() * step < limits.HOLD_WINDOW:
             continue
-        moved = inside & (fast > limits.carried_speed) & (pull > 0.0)
-        pushed = inside & (pull > limits.carried_force)
+        moved = inside & (fast > limits.CARRIED_SPEED) & (pull > 0.0)
+        pushed = inside & (pull > limits.CARRIED_FORCE)
         lifted = float(np.ptp(speed[inside, 2]))  # wind hardly changes the vertical speed
         swings = is_decaying_swing(calm[inside]) or is_pure_swing(pulls[inside])
         if swings or is_drop(speed[inside], step):

@@ -4,10 +4,9 @@ from collections.abc import Iterator, Sequence
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_data.bag.channels import SignalChannel
-from lta_data.data_quality import roles
+from lta_data.data_quality import limits, roles
 from lta_data.data_quality.check_context import CheckContext
 from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
-from lta_data.data_quality.limits import QualityLimits
 from lta_data.data_quality.motion import collect_poses, InertialSeries, PoseSeries
 from lta_data.data_quality.runs import find_runs, merge_runs
 from lta_data.data_quality.tracker_jumps import find_steps
@@ -25,7 +24,7 @@ QUIET = 25  # samples per block in the search for rest
 
 def find_impossible_values(evidence: CheckContext) -> CheckVerdict:
     """Find values outside the possible range of their quantity."""
-    channels, limits = evidence.recording.channels, evidence.limits
+    channels = evidence.recording.channels
     findings: list[QualityFinding] = []
     ranges = (*RANGES, *build_light_ranges(evidence.adc_full_scale))
     for channel in channels.values():
@@ -38,9 +37,9 @@ def find_impossible_values(evidence: CheckContext) -> CheckVerdict:
             [c for c in channels.values() if c.topic == topic]
         )
     for pose in collect_poses(channels, evenly=False):
-        findings += find_jumps(pose, limits)
+        findings += find_jumps(pose)
     for sensor in evidence.inertials:
-        findings += find_missing_gravity(sensor, limits)
+        findings += find_missing_gravity(sensor)
     return CheckVerdict(tuple(findings))
 
 
@@ -68,14 +67,14 @@ def find_out_of_range(
     channel: SignalChannel, ranges: Sequence[ValidRange]
 ) -> Iterator[QualityFinding]:
     """Yield values outside the range of their quantity."""
-    for limits in ranges:
-        if limits.names.search(channel.name):
+    for allowed in ranges:
+        if allowed.names.search(channel.name):
             values = channel.values
             finite = np.isfinite(values)
-            bad = finite & ((values < limits.low) | (values > limits.high))
+            bad = finite & ((values < allowed.low) | (values > allowed.high))
             if bad.any():
                 worst = values[bad][np.argmax(np.abs(values[bad]))]  # with its sign
-                text = f'the most extreme is {worst:.6g} {channel.unit}, but {limits.reason}'
+                text = f'the most extreme is {worst:.6g} {channel.unit}, but {allowed.reason}'
                 yield from build_stretch_findings(channel.name, channel.time, bad, text)
 
 
@@ -129,13 +128,13 @@ def find_unnormalized_quaternions(channels: list[SignalChannel]) -> Iterator[Qua
             yield from build_stretch_findings(f'{topic}/{path}', time, bad, text)
 
 
-def find_jumps(pose: PoseSeries, limits: QualityLimits) -> Iterator[QualityFinding]:
+def find_jumps(pose: PoseSeries) -> Iterator[QualityFinding]:
     """Yield positions and attitudes that the inertia of no vehicle reaches from the last ones."""
     for vector, least, unit in (
-        (pose.position, limits.jump_size, 'm'),
-        (pose.attitude, limits.jump_turn, 'rad'),
+        (pose.position, limits.JUMP_SIZE, 'm'),
+        (pose.attitude, limits.JUMP_TURN, 'rad'),
     ):
-        if vector is None or len(vector.time) < limits.least_samples:
+        if vector is None or len(vector.time) < limits.LEAST_SAMPLES:
             continue
         step = np.diff(vector.time)
         bad, off = find_steps(vector.time, vector.values, least)
@@ -154,9 +153,7 @@ def find_jumps(pose: PoseSeries, limits: QualityLimits) -> Iterator[QualityFindi
         yield from build_stretch_findings(vector.name, vector.time[1:], bad, text)
 
 
-def find_missing_gravity(
-    sensor: InertialSeries, limits: QualityLimits
-) -> Iterator[QualityFinding]:
+def find_missing_gravity(sensor: InertialSeries) -> Iterator[QualityFinding]:
     """Yield an accelerometer at rest that does not measure gravity."""
     force = sensor.force
     if force is None or len(force.time) < 4 * QUIET:
@@ -165,14 +162,14 @@ def find_missing_gravity(
     count = len(size) // QUIET
     blocks = size[: count * QUIET].reshape(count, QUIET)
     # The limit scales with the reading, so that a wrong unit does not hide rest.
-    rest = blocks.std(axis=1) < limits.still_spread * np.median(size) / STANDARD_GRAVITY
+    rest = blocks.std(axis=1) < limits.STILL_SPREAD * np.median(size) / STANDARD_GRAVITY
     # A single quiet block may be chance
     if rest.sum() < 3:
         return
     felt = float(np.median(blocks[rest]))
     apart = abs(felt - STANDARD_GRAVITY)
     if (
-        limits.still_force < apart < 0.7 * STANDARD_GRAVITY
+        limits.STILL_FORCE < apart < 0.7 * STANDARD_GRAVITY
     ):  # larger deviations come from a wrong unit
         times = force.time[: count * QUIET].reshape(count, QUIET)[rest]
         yield QualityFinding(

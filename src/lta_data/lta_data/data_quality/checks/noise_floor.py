@@ -10,7 +10,7 @@ removed it and distorted derivatives and lags as well.
 from collections import defaultdict
 
 from lta_data.bag.channels import SignalChannel
-from lta_data.data_quality import roles
+from lta_data.data_quality import limits, roles
 from lta_data.data_quality.check_context import CheckContext
 from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
 from lta_data.data_quality.smoothing import sort_samples
@@ -19,13 +19,13 @@ from numpy.typing import NDArray
 
 KIND = 'filtered'
 LEVELS = {
-    'position': 'quiet_position',
-    'attitude': 'quiet_attitude',
-    'velocity': 'quiet_velocity',
-    'turning': 'quiet_rates',
-    'rates': 'quiet_rates',
-    'force': 'quiet_force',
-    'pressure': 'quiet_pressure',
+    'position': limits.QUIET_POSITION,
+    'attitude': limits.QUIET_ATTITUDE,
+    'velocity': limits.QUIET_VELOCITY,
+    'turning': limits.QUIET_RATES,
+    'rates': limits.QUIET_RATES,
+    'force': limits.QUIET_FORCE,
+    'pressure': limits.QUIET_PRESSURE,
 }
 WINDOW = 128  # samples of a spectrum
 FROM = 0.35  # lower limit of the noise band, of the sampling rate
@@ -53,7 +53,7 @@ def find_missing_noise(evidence: CheckContext) -> CheckVerdict:
                 f"The noise of '{name}' cannot be judged: it has fewer than {2 * WINDOW} values."
             )
             continue
-        least = getattr(evidence.limits, LEVELS[what])
+        least = LEVELS[what]
         if np.mean(positive < least) >= SHARE and (positive < least).sum() >= min(2, len(group)):
             findings.append(
                 build_smoothness_finding(name, group[0], float(np.median(positive)), least)

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from lta_config.constants import STANDARD_GRAVITY
+from lta_data.data_quality import limits
 from lta_data.data_quality.check_context import CheckContext
 from lta_data.data_quality.checks.angle_units import find_wrong_angle_unit
 from lta_data.data_quality.finding import QualityFinding, Severity
@@ -75,7 +76,7 @@ def _find_wrong_times(evidence: CheckContext) -> Iterator[QualityFinding]:
     """Yield times whose rate no tracker or inertial sensor has."""
     vectors = [v for pose in evidence.poses for v in (pose.position, pose.attitude) if v]
     vectors += [v for sensor in evidence.inertials for v in (sensor.rates, sensor.force) if v]
-    vectors = [v for v in vectors if len(v.time) >= evidence.limits.least_samples]
+    vectors = [v for v in vectors if len(v.time) >= limits.LEAST_SAMPLES]
     if not vectors:
         return
     quickest = min(vectors, key=lambda vector: median_period(vector.time))
@@ -188,7 +189,7 @@ def _find_wrong_angles(pose: PoseSeries, evidence: CheckContext) -> Iterator[Qua
 def _find_wrong_vertical(pose: PoseSeries, evidence: CheckContext) -> Iterator[QualityFinding]:
     """Yield a pose whose z axes point down."""
     place, attitude = pose.position, pose.attitude
-    enough = evidence.limits.least_samples
+    enough = limits.LEAST_SAMPLES
     if attitude is not None and len(attitude.time) >= enough and is_inverted(attitude.values):
         yield _build_finding(
             attitude, 'axes',

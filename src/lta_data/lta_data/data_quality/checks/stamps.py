@@ -4,9 +4,9 @@ from collections.abc import Iterator
 from typing import Any
 
 from lta_data.bag.channels import SignalChannel
+from lta_data.data_quality import limits
 from lta_data.data_quality.check_context import CheckContext
 from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
-from lta_data.data_quality.limits import QualityLimits
 from lta_data.data_quality.runs import find_runs
 from lta_data.data_quality.smoothing import median_period, TOGETHER
 import numpy as np
@@ -30,12 +30,12 @@ def find_stamp_errors(evidence: CheckContext) -> CheckVerdict:
         # All channels of a topic have the same times, so check one of them
         first.setdefault(channel.topic, channel)
     for topic, channel in first.items():
-        if len(channel.time) >= evidence.limits.least_samples:
+        if len(channel.time) >= limits.LEAST_SAMPLES:
             findings += find_backward_stamps(topic, channel.time)
-            findings += find_gaps(topic, channel.time, evidence.limits)
+            findings += find_gaps(topic, channel.time)
         arrived = evidence.recording.arrivals.get(topic)
         if arrived is not None and len(arrived) == len(channel.time) > 1:
-            findings += find_stamp_jumps(topic, channel.time, arrived, evidence.limits)
+            findings += find_stamp_jumps(topic, channel.time, arrived)
     return CheckVerdict(tuple(findings))
 
 
@@ -84,17 +84,17 @@ def find_late_messages(time: Array) -> Any:  # noqa: ANN401 - an array of bool
     return late if late.mean() <= LATE else np.zeros(len(time), dtype=bool)
 
 
-def find_gaps(topic: str, time: Array, limits: QualityLimits) -> Iterator[QualityFinding]:
+def find_gaps(topic: str, time: Array) -> Iterator[QualityFinding]:
     """Yield gaps, and the share of lost messages of a regular topic."""
     step = np.diff(time)
     step = step[step > 0.0]
-    if len(step) < limits.least_samples // 2:
+    if len(step) < limits.LEAST_SAMPLES // 2:
         return
     usual = float(np.median(step))
     regular = is_regular(time)
     # On irregular stamps, a gap is longer than nearly all other steps
     longest = usual if regular else float(np.percentile(step, LONG))
-    gaps = np.flatnonzero(np.diff(time) > max(limits.gap_periods * longest, limits.gap_time))
+    gaps = np.flatnonzero(np.diff(time) > max(limits.GAP_PERIODS * longest, limits.GAP_TIME))
     for index in gaps[:SHOWN].tolist():
         begin, end = float(time[index]), float(time[index + 1])
         yield QualityFinding(
@@ -110,7 +110,7 @@ def find_gaps(topic: str, time: Array, limits: QualityLimits) -> Iterator[Qualit
     whole[gaps] = usual
     lost = np.round(np.diff(np.cumsum(whole)[::TOGETHER]) / usual) - TOGETHER
     missing = float(lost[lost > 0.0].sum())
-    if missing > limits.dropout_share * (len(time) + missing):
+    if missing > limits.DROPOUT_SHARE * (len(time) + missing):
         at = np.flatnonzero(lost > 0.0) * TOGETHER
         yield QualityFinding(
             KIND, topic, float(time[at[0]]), float(time[at[-1] + TOGETHER]),
@@ -131,13 +131,11 @@ def is_regular(time: Array) -> bool:
     return not together and 1.4826 * float(np.median(np.abs(step - usual))) <= REGULAR * usual
 
 
-def find_stamp_jumps(
-    topic: str, time: Array, arrived: Array, limits: QualityLimits
-) -> Iterator[QualityFinding]:
+def find_stamp_jumps(topic: str, time: Array, arrived: Array) -> Iterator[QualityFinding]:
     """Yield where stamps jump relative to the log times."""
     # A constant offset between both clocks is legitimate; only its changes count
     ahead = (time - time[0]) - (arrived - arrived[0])
-    jumped = np.abs(np.diff(ahead)) > limits.log_jump
+    jumped = np.abs(np.diff(ahead)) > limits.LOG_JUMP
     for begin, _ in find_runs(jumped)[:SHOWN].tolist():
         size = float(ahead[begin + 1] - ahead[begin])
         low, high = sorted((float(time[begin]), float(time[begin + 1])))

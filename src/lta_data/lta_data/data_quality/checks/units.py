@@ -11,6 +11,7 @@ from typing import Final, NamedTuple
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_data.bag.channels import SignalChannel
+from lta_data.data_quality import limits
 from lta_data.data_quality.check_context import CheckContext
 from lta_data.data_quality.finding import (
     CheckVerdict,
@@ -18,7 +19,6 @@ from lta_data.data_quality.finding import (
     select_first_findings,
     Severity,
 )
-from lta_data.data_quality.limits import QualityLimits
 from lta_data.data_quality.motion_pairs import MotionPair
 from lta_data.data_quality.pair_similarity import PairSimilarity
 import numpy as np
@@ -85,7 +85,7 @@ def find_wrong_units(evidence: CheckContext) -> CheckVerdict:
     findings: list[QualityFinding] = []
     for pair, likeness in evidence.pair_similarities:
         if likeness is not None:
-            findings += find_unit_by_pair(pair, likeness, evidence.limits)
+            findings += find_unit_by_pair(pair, likeness)
     for channel in evidence.recording.channels.values():
         findings += find_unit_by_size(channel)
     for sensor in evidence.inertials:
@@ -109,20 +109,18 @@ def describe_unpaired_rates(evidence: CheckContext) -> tuple[str, ...]:
     )
 
 
-def find_unit_by_pair(
-    pair: MotionPair, likeness: PairSimilarity, limits: QualityLimits
-) -> Iterator[QualityFinding]:
+def find_unit_by_pair(pair: MotionPair, likeness: PairSimilarity) -> Iterator[QualityFinding]:
     """Yield the factor between the sides of a pair if it is that of a unit."""
     # All axes against all: swapped axes do not hide a wrong unit
     alike = np.abs(likeness.correlation) * likeness.moving[None, :]
-    rows, columns = np.nonzero(alike >= limits.agree)
+    rows, columns = np.nonzero(alike >= limits.AGREE)
     if len(rows) == 0:
         return
     # A wrong unit has the same factor on all axes
     ratio = float(np.median(likeness.ratio[rows, columns]))
     for table, name in ((FACTORS, pair.sensor), (TURNED, pair.reference)):
         for factor, unit in table.get(pair.what, {}).items():
-            if abs(ratio / factor - 1.0) <= limits.factor_spread:
+            if abs(ratio / factor - 1.0) <= limits.FACTOR_SPREAD:
                 other = pair.reference if name == pair.sensor else pair.sensor
                 begin, end = pair.span
                 yield QualityFinding(
