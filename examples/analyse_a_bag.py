@@ -12,10 +12,10 @@ import sys
 import lta_analysis
 
 flight = lta_analysis.open(sys.argv[1])
-both = flight.align_topics('airspeed', 'ground_truth/odom', rate=50.0, method='linear')
-frame = both.to_pandas()
+frame = flight.align_topics('airspeed', 'ground_truth/odom', rate=50.0, method='linear')
+unit = frame.attrs['units']['airspeed/twist.twist.linear.x']
 truth = frame['ground_truth/odom/twist.twist.linear.x']
 frame['error'] = frame['airspeed/twist.twist.linear.x'] - truth
 table = frame.groupby(truth.round(1).rename('speed') + 0.0)['error']
-print(f'Estimated less true airspeed [{both.units["airspeed/twist.twist.linear.x"]}]')
+print(f'Estimated less true airspeed [{unit}]')
 print(table.agg(['count', 'mean', 'std', 'min', 'max']).round(4).to_string())

@@ -6,9 +6,9 @@ import re
 
 import lta_analysis
 from lta_cli.reference.effects_page import render_page
-from lta_data.bag.recording import RobotRecording
-from lta_data.bag.table import RecordingTable
+from lta_data.bag import RecordedFlight
 from lta_graph.ros.node import REPORT_PERIOD, REPORTED_WAIT
+from pandas import DataFrame
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -18,7 +18,7 @@ MODULE = re.compile(r'`(lta_[a-z]+(?:\.\w+)+)(?:\(\))?`')
 SCRIPT = re.compile(r'`((?:\w+/)*\w+\.py)`')
 PYTHON = [path for folder in ('campaigns', 'config', 'examples', 'src', 'test', 'tools')
           for path in ROOT.glob(f'{folder}/**/*.py')]  # fmt: skip
-NAMED = {'flight': RobotRecording, 'odom': RecordingTable, 'lta_analysis': lta_analysis}
+NAMED = {'flight': RecordedFlight, 'odom': DataFrame, 'lta_analysis': lta_analysis}
 ATTRIBUTE = re.compile(rf'`[^`\n]*?\b({"|".join(NAMED)})\.(\w+)\(')
 HEADING = re.compile(r'^#+\s+(.*)$', re.MULTILINE)
 

@@ -58,7 +58,6 @@ ROSDEP = {
     'pandas': 'python3-pandas',
     'plotext': 'python3-plotext-pip',
     'plotly': 'python3-plotly-pip',
-    'polars': 'python3-polars-pip',
     'pyarrow': 'python3-pyarrow-pip',
     'pydantic': 'python3-pydantic-pip',
     'pymavlink': 'python3-pymavlink-pip',

@@ -8,7 +8,7 @@ from typing import Any
 
 from lta_config.errors import BadInput
 from lta_config.parameter_override import parse_assignment
-from lta_data.bag.recording import open_recording, RobotRecording
+from lta_data.bag.recorded_flight import open_flight, RecordedFlight
 from lta_discovery.discovery.run import discover_effects, DiscoveryRequest
 from lta_discovery.forecast_study import build_report, study_forecasts
 from lta_flight.flight_run import SilentObserver
@@ -26,7 +26,7 @@ def simulate(
     seed: int = 1,
     changes: Mapping[str, object] | None = None,
     out: Path | str | None = None,
-) -> RobotRecording:
+) -> RecordedFlight:
     """
     Fly once in one process, as `lta simulate`, and return the recording.
 
@@ -41,7 +41,7 @@ def simulate(
     request = SimulationRequest(
         str(vehicle), str(scenario), str(strategy), '', number, words, folder
     )
-    return open_recording(simulate_once(request, SilentObserver())[0].bag)
+    return open_flight(simulate_once(request, SilentObserver())[0].bag)
 
 
 def read_count(name: str, value: Any) -> int:  # noqa: ANN401 - what a notebook gives

@@ -15,10 +15,10 @@ from typing import Final, final
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table
-from lta_data.bag.align import DENSE
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.channels import iterate_channels, SignalChannel
 from lta_data.bag.recorded_flight import open_flight, RecordedFlight
+from lta_data.bag.table import DENSE
 from lta_data.compare.sampling import median_period
 from lta_data.even_grid import check_time_span
 from lta_data.tracked_motion import COMMAND, find_tracker_prefix, has_newton_commands, MASS

@@ -18,12 +18,12 @@ from lta_config.errors import BadInput
 from lta_data.bag.packed_samples import LAMP_PEAKS, LIGHT_BLOCK
 from lta_data.bag.recorded_flight import RecordedFlight
 from lta_data.bag.series import TopicSeries
+from lta_data.bag.table import ANGLES, name_joints
 from lta_data.bag.units import find_unit
 from lta_model.attitude import to_euler_angles
 import numpy as np
 from numpy.typing import NDArray
 
-PARTS: Final = ('yaw', 'pitch', 'roll')
 BLOCK: Final[dict[str, Callable[..., NDArray[Any]]]] = {
     'mean': np.mean,
     'std': np.std,
@@ -31,7 +31,6 @@ BLOCK: Final[dict[str, Callable[..., NDArray[Any]]]] = {
     'max': np.max,
 }
 HIDDEN: Final = re.compile(r'(^|\.)header\.|covariance(\[|$)|^(clock|stamp)\.')
-_ELEMENT: Final = re.compile(r'(.*)\[(\d+)\]')
 
 
 @final
@@ -104,13 +103,14 @@ def _iterate_series_channels(
         angles = to_euler_angles(
             np.where(_find_valid_messages(series, path)[:, None], series.vector(path), np.nan)
         )
-        for part, values in zip(PARTS, angles, strict=True):
+        for part, values in zip(ANGLES, angles, strict=True):
             yield SignalChannel(f'{topic}/{path}.{part}', 'rad', series.time, values, angular=True)
+    joints = name_joints(series)
     for path, values in series.numbers.items():
         # Quaternion components are replaced by angles.
         if HIDDEN.search(path) or path.rpartition('.')[0] in turned:
             continue
-        unit, name = find_unit(kind, path, topic), _resolve_joint_name(series, path)
+        unit, name = find_unit(kind, path, topic), joints.get(path, path)
         valid = np.where(_find_valid_messages(series, path), values.astype(np.float64), np.nan)
         yield SignalChannel(f'{topic}/{name}', unit, series.time, valid)
 
@@ -123,16 +123,6 @@ def _find_valid_messages(series: TopicSeries, path: str) -> NDArray[np.bool_]:
         if beside in series.numbers:
             is_valid &= select_estimates(series.numbers[beside])
     return is_valid
-
-
-def _resolve_joint_name(series: TopicSeries, path: str) -> str:
-    """Return the path of a joint's element with the joint's name, if that is constant."""
-    element = _ELEMENT.fullmatch(path)
-    if element is None:
-        return path
-    field, index = element.groups()
-    names: NDArray[Any] = series.texts.get(f'name[{index}]', np.empty(0))
-    return f'{field}.{names[0]}' if len(names) and (names == names[0]).all() else path
 
 
 def _iterate_block_channels(flight: RecordedFlight, topic: str) -> Iterator[SignalChannel]:

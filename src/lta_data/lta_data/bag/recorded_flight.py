@@ -1,5 +1,11 @@
 """
-Provide the recorded flight of one robot as numpy arrays on one clock.
+Open the recorded flight of one robot: numpy arrays and pandas tables on one clock.
+
+    import lta_analysis
+    flight = lta_analysis.open()                # the newest in runs/, or a bag by its path
+    odom = flight['odom']                       # read on first access, then cached
+    odom['pose.pose.position.z'], odom.attrs['units']
+    flight.align_topics('odom', 'ground_truth/odom', rate=50.0, method='linear')
 
 Time 0 is the stamp of the robot's first stamped message. Messages without a stamp are placed by
 their log time, relative to the log time of that first message.
@@ -14,11 +20,22 @@ from typing import Any, Final, final, NamedTuple
 from lta_bridge.bag.version_1 import refuse_old_bag
 from lta_bridge.provenance import extract_robot_origin
 from lta_config.errors import BadInput, unknown_name_error
+from lta_data.bag.bag_folder import find_bag, find_newest_bag
 from lta_data.bag.column_builder import ColumnBuilder, MessageType
 from lta_data.bag.packed_samples import LAMP_PEAKS, LIGHT_BLOCK, stack_blocks, stack_points
 from lta_data.bag.reader import Bag, read_bag
 from lta_data.bag.series import TopicSeries
 from lta_data.bag.stamps import extract_stamp
+from lta_data.bag.table import (
+    align_tables,
+    build_even_clock,
+    build_table,
+    name_columns,
+    name_point_columns,
+    sort_stamps,
+    Table,
+)
+from lta_report.formatting import format_count
 import numpy as np
 from numpy.typing import NDArray
 
@@ -72,6 +89,7 @@ class RecordedFlight:
         self.provenance = extract_robot_origin(bag.provenance, robot)
         self._origin = find_flight_origin(bag, [self.absolute_name(name) for name in self.topics])
         self.start = self._origin.stamp
+        self._tables: dict[str, Table] = {}
 
     @property
     def topics(self) -> list[str]:
@@ -84,6 +102,88 @@ class RecordedFlight:
             and name != self.absolute_name(URDF)
             and topic.type_name != MARKERS
         ]
+
+    @property
+    def losses(self) -> list[str]:
+        """Damage found so far, one sentence each."""
+        return list(self.bag.losses)
+
+    def __iter__(self) -> Iterator[str]:
+        """Iterate over the topics."""
+        return iter(self.topics)
+
+    def __getitem__(self, topic: str) -> Table:
+        """Return a topic as a `pandas.DataFrame`; see `lta_data.bag.table`."""
+        if topic not in self._tables:
+            kind = self.message_type(topic)
+            if kind == LAMP_PEAKS:
+                points = self.read_points(topic)
+                stamps = self.start + np.rint(points.time * 1e9).astype(np.int64)
+                named = name_point_columns(points.fields, topic)
+            else:
+                series = self.read_series(topic)
+                stamps, named = series.stamps, name_columns(series, kind, topic)
+            self._tables[topic] = build_table(topic, self.start, stamps, *named)
+        return self._tables[topic]
+
+    def align_topics(
+        self,
+        *topics: str,
+        rate: float | None = None,
+        on: str | None = None,
+        method: str = 'previous',
+        gap: float | None = None,
+    ) -> Table:
+        """
+        Return several topics as one `pandas.DataFrame` on one clock.
+
+        Parameters
+        ----------
+        *topics : str
+            The topics; a column is named 'odom/pose.pose.position.x'.
+        rate : float, optional
+            Rate of an even clock from the first to the last message of all. [Hz]
+        on : str, optional
+            Topic whose stamps are the clock; without a rate the first topic by default.
+        method : str
+            'previous' (latest value) or 'linear' (interpolation; the shorter way for quaternions).
+        gap : float, optional
+            Maximum gap of a topic; longer gaps are NaN. Three of its periods by default. [s]
+
+        Raises
+        ------
+        BadInput
+            If a topic or the method is unknown, or both `rate` and `on` are given.
+
+        """
+        if rate is not None and on is not None:
+            raise BadInput(
+                f"Both rate={rate} Hz and on='{on}' were given to align the topics; give only one."
+            )
+        if not topics:
+            raise BadInput(
+                f'No topics to align were given; choose from: {", ".join(sorted(self.topics))}.'
+            )
+        tables = [self[topic] for topic in topics]
+        clock = (
+            sort_stamps(self[on or topics[0]])[0]
+            if rate is None
+            else build_even_clock(tables, rate)
+        )
+        return align_tables(tables, clock, method, gap)
+
+    def __repr__(self) -> str:
+        """Return a summary with one line per topic."""
+        bag = self.bag
+        names = {topic: self.absolute_name(topic) for topic in self.topics}
+        width = max(map(len, names), default=0)
+        seconds = 0.0 if bag.start is None or bag.end is None else (bag.end - bag.start) * 1e-9
+        of = f' of {self.robot}' if self.robot else ''
+        lines = [f'{bag.path}: {format_count(len(names), "topic")}{of}, {seconds:.1f} s']
+        for topic, name in names.items():
+            entry = bag.topics[name]
+            lines.append(f'  {topic:{width}}  {entry.count:8}  {entry.type_name}')
+        return '\n'.join([*lines, *self.losses])
 
     def read_series(self, topic: str) -> TopicSeries:
         """
@@ -104,21 +204,6 @@ class RecordedFlight:
             makers[name].add_message(log_time, data)
         series = {name: self._build_topic_series(maker) for name, maker in makers.items()}
         return {topic: series[self.absolute_name(topic)] for topic in topics}
-
-    def iterate_series(self, topic: str, rows: int) -> Iterator[TopicSeries]:
-        """
-        Yield a topic in parts of `rows` messages, for topics larger than memory.
-
-        Each part has the columns of its own messages. Errors as `read_series`.
-        """
-        maker = self._create_column_builder(topic)
-        for _, log_time, data in self.bag.iterate_messages([self.absolute_name(topic)]):
-            maker.add_message(log_time, data)
-            # Bounded memory, whatever the length of the topic
-            if len(maker) >= rows:
-                yield self._build_topic_series(maker)
-        if len(maker):
-            yield self._build_topic_series(maker)
 
     def read_blocks(self, topic: str, chosen: Collection[int] | None = None) -> SampleBlocks:
         """
@@ -250,16 +335,21 @@ def list_robots(bag: Bag) -> list[str]:
     return sorted({name.split('/')[1] for name in bag.topics if name.count('/') > 1})
 
 
-def open_flight(source: Bag | Path | str, robot: str | None = None) -> RecordedFlight:
+def open_flight(
+    source: Bag | Path | str | None = None, robot: str | None = None
+) -> RecordedFlight:
     """
-    Open the recorded flight of a robot.
+    Open the recorded flight of a robot; `lta_analysis.open` is this function.
 
-    `robot` is its namespace; it is required only if the bag has several robots.
+    `source` is a rosbag2 folder, an .mcap file, or a flight's results folder; without it, the
+    newest recording in runs/ of the current folder. `robot` is its namespace; it is required only
+    if the bag has several robots.
 
     Raise `BadInput` if there is no recording, or the robot is unknown or ambiguous.
     """
-    bag = source if isinstance(source, Bag) else read_bag(source)
-    return RecordedFlight(bag, select_robot(bag, robot))
+    if not isinstance(source, Bag):
+        source = read_bag(find_newest_bag() if source is None else find_bag(Path(source)))
+    return RecordedFlight(source, select_robot(source, robot))
 
 
 def select_robot(bag: Bag, robot: str | None) -> str:

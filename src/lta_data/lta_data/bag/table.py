@@ -1,278 +1,247 @@
-"""Represent a topic as columns with units on one clock, for use in a notebook."""
+"""
+View topics of a flight as pandas tables, one by one or on one clock.
 
-from collections.abc import Callable, Iterator, Mapping
-from functools import cached_property
-from importlib import import_module
-from itertools import count, takewhile
+The index is the time since the start of the flight, `stamp_ns` the stamp, and `attrs['units']` the
+unit of each column. Yaw, pitch and roll follow each quaternion. On a common clock a column has the
+latest value before each instant, which is what an onboard program would know, or is interpolated;
+quaternions take the shorter way round. Integers, flags and texts always have the latest value.
+Gaps are never bridged: columns are empty where no message is near enough.
+"""
+
+from collections.abc import Mapping, Sequence
 import re
-from typing import Any, Final, final, overload
+from typing import Any, Final
 
 from lta_config.errors import BadInput, unknown_name_error
 from lta_data.bag.merge import Columns
-from lta_data.bag.table_text import DIM, format_column_lines, format_heading
+from lta_data.bag.packed_samples import LAMP_PEAKS
+from lta_data.bag.series import TopicSeries
+from lta_data.bag.units import find_unit
+from lta_data.even_grid import check_time_span
 from lta_model.attitude import to_euler_angles
 import numpy as np
 from numpy.typing import NDArray
-import pyarrow as arrow
+from scipy.spatial.transform import Rotation
 
 TIME: Final = 'time'
 STAMP: Final = 'stamp_ns'
-PARTS: Final = ('yaw', 'pitch', 'roll')
+FIXED_UNITS: Final = {STAMP: 'ns', TIME: 's'}
 AXES: Final = ('x', 'y', 'z', 'w')
-POLARS: Final = 'polars'  # whoever wants it installs it
+ANGLES: Final = ('yaw', 'pitch', 'roll')
+METHODS: Final = ('linear', 'previous')
+DENSE: Final = 20.0  # rows of an even clock per message of the longest topic, at most
+PERIODS: Final = 3.0  # default of the maximum gap, in periods of the topic
+# Columns without use on another clock
+OWN: Final = re.compile(r'^(clock|stamp)\.|^stamp_ns$|(^|/|\.)header\.|covariance($|\[|/)')
+ELEMENT: Final = re.compile(r'(\w+)\[(\d+)\]')
 
-Samples = Callable[[NDArray[np.intp]], NDArray[Any]]
+Stamps = NDArray[np.int64]
+Table = Any  # a pandas.DataFrame; pandas has no types
 
 
-@final
-class RecordingTable:
+def name_columns(series: TopicSeries, kind: str, topic: str) -> tuple[Columns, dict[str, str]]:
     """
-    Columns over time, `table['pose.pose.position.x']`.
+    Return the columns of a topic, with the angles of quaternions, and their units.
 
-    Yaw, pitch and roll of a quaternion are columns, too ('pose.pose.orientation.yaw'), computed on
-    access.
+    'effort[0]' is 'effort.left' if all messages name their element 0 'left'.
+    """
+    joints = name_joints(series)
+    columns = {joints.get(path, path): values for path, values in series.numbers.items()}
+    units = {joints.get(path, path): find_unit(kind, path, topic) for path in series.numbers}
+    columns, units = _add_angles(columns | series.texts, units)
+    return columns, {name: unit for name, unit in units.items() if unit}
+
+
+def name_joints(series: TopicSeries) -> dict[str, str]:
+    """Return the names of elements by their paths; none if two would have one name."""
+    joints = {}
+    for path in series.numbers:
+        element = ELEMENT.fullmatch(path)
+        names = series.texts.get(f'name[{element[2]}]') if element else None
+        if element and names is not None and len(names) and names[0] and (names == names[0]).all():
+            joints[path] = f'{element[1]}.{names[0]}'
+    return joints if len({*joints.values()}) == len(joints) else {}
+
+
+def name_point_columns(
+    fields: Mapping[str, NDArray[np.float64]], topic: str
+) -> tuple[Columns, dict[str, str]]:
+    """Return the columns of lamp peaks, 'snr[0]' of the first point, and their units."""
+    columns = {
+        f'{field}[{index}]': column
+        for field, rows in fields.items()
+        for index, column in enumerate(rows.T)
+    }
+    units = {name: find_unit(LAMP_PEAKS, name.partition('[')[0], topic) for name in columns}
+    return columns, units
+
+
+def _add_angles(columns: Columns, units: Mapping[str, str]) -> tuple[Columns, dict[str, str]]:
+    """Return columns and units with yaw, pitch and roll behind each quaternion."""
+    every: Columns = {}
+    added = dict(units)
+    for name, values in columns.items():
+        every[name] = values
+        turn, _, axis = name.rpartition('.')
+        if axis == 'w' and all(f'{turn}.{one}' in columns for one in AXES):
+            rows = np.stack([columns[f'{turn}.{one}'] for one in AXES], axis=1)
+            for angle, numbers in zip(ANGLES, to_euler_angles(rows.astype(float)), strict=True):
+                every[f'{turn}.{angle}'] = numbers
+                added[f'{turn}.{angle}'] = 'rad'
+    return every, added
+
+
+def build_table(
+    topic: str, start: int, stamps: Stamps, columns: Columns, units: Mapping[str, str]
+) -> Table:
+    """Return columns over time as a `pandas.DataFrame`; `start` is the stamp at time 0. [ns]"""
+    import pandas  # half a second, which most commands do not need
+
+    # Subtract as integers first: float64 does not resolve 1 ns in times since 1970
+    index = pandas.Index((stamps - start).astype(np.float64) * 1e-9, name=TIME)
+    table = pandas.DataFrame({STAMP: stamps, **columns}, index=index)
+    table.attrs = {'topic': topic, 'start': start, 'units': FIXED_UNITS | dict(units)}
+    return table
+
+
+def align_tables(
+    tables: Sequence[Table], clock: Stamps, method: str = 'previous', gap: float | None = None
+) -> Table:
+    """
+    Return tables of one flight as one on another clock.
 
     Parameters
     ----------
-    name : str
-        The topic, or several.
-    stamp_ns : ndarray of int64, shape (n,)
-        Stamp of each row. [ns]
-    start : int
-        Stamp at time 0. [ns]
-    data : dict of str to ndarray, shape (n,)
-        Numbers, flags and texts by column.
-    units : mapping of str to str
-        Unit of the columns that have one.
-    kind : str
-        Message type; '' if none.
-    samples : callable, optional
-        Returns the ADC blocks of messages of the topic, numbered from 0.
-    messages : ndarray of int, shape (n,), optional
-        Message number of each row; needed with `samples` only.
-    also : mapping of str to str, optional
-        Alias -> column, such as 'effort[0]' -> 'effort.left'.
+    tables : sequence of pandas.DataFrame
+        As `build_table` returns them.
+    clock : ndarray of int64, shape (n,)
+        Stamps of the new rows, in order. [ns]
+    method : str
+        'previous' or 'linear'.
+    gap : float, optional
+        Maximum gap of a topic; three of its median periods by default. [s]
 
-    Attributes
-    ----------
-    units : dict of str to str
-        Unit of each numeric column in REP-103 notation; '1' for a dimensionless number; without
-        an entry if unknown.
+    Returns
+    -------
+    pandas.DataFrame
+        Columns named 'odom/pose.pose.position.x', without headers and covariances. NaN, or ''
+        for texts, in gaps.
+
+    Raises
+    ------
+    BadInput
+        If the method is unknown, or the gap is not above zero.
 
     """
-
-    def __init__(
-        self,
-        name: str,
-        stamp_ns: NDArray[np.int64],
-        start: int,
-        data: Columns,
-        units: Mapping[str, str],
-        kind: str = '',
-        samples: Samples | None = None,
-        messages: NDArray[np.intp] | None = None,
-        also: Mapping[str, str] | None = None,
-    ) -> None:
-        self.name = name
-        self.stamp_ns = stamp_ns
-        self.start = start
-        self._data = data
-        self.kind = kind
-        self._samples = samples
-        # Numbers of the rows in the topic, to load the samples of selected rows only
-        self._messages = np.arange(len(stamp_ns)) if messages is None else messages
-        self._also = also or {}
-        self.units = {column: units[column] for column in data if units.get(column)}
-        self.units |= {f'{turn}.{part}': 'rad' for turn in self.quaternions for part in PARTS}
-
-    @cached_property
-    def time(self) -> NDArray[np.float64]:
-        """Time of each row since the start of the flight. [s]"""
-        return (self.stamp_ns - self.start).astype(np.float64) * 1e-9
-
-    @cached_property
-    def quaternions(self) -> list[str]:
-        """The paths of quaternions: columns with x, y, z and w."""
-        stems = (column.removesuffix('.w') for column in self._data if column.endswith('.w'))
-        return [turn for turn in stems if all(f'{turn}.{axis}' in self._data for axis in AXES)]
-
-    @property
-    def stored_columns(self) -> list[str]:
-        """The names of the columns of the messages, without computed ones."""
-        return list(self._data)
-
-    @property
-    def columns(self) -> list[str]:
-        """The names of all columns; a quaternion's angles follow it."""
-        names = []
-        for column in self._data:
-            names.append(column)
-            if column.removesuffix('.w') in self.quaternions:
-                names += [f'{column.removesuffix(".w")}.{part}' for part in PARTS]
-        return names
-
-    @cached_property
-    def samples(self) -> NDArray[Any]:
-        """ADC blocks of a topic or pixels of an image topic, shape (n, rows, columns)."""
-        if self._samples is None:
-            raise BadInput(f"Topic '{self.name}' has no image samples; choose an image topic.")
-        return self._samples(self._messages)
-
-    @property
-    def array_names(self) -> list[str]:
-        """The names of array columns without index: 'effort', 'snr'."""
-        names = [*self._data, *self._also]
-        return [column.removesuffix('[0]') for column in names if column.endswith('[0]')]
-
-    def array(self, path: str) -> NDArray[Any]:
-        """Return an array field or a field of points, shape (n, elements)."""
-        if path not in self.array_names:
-            raise unknown_name_error(
-                'array', path, [each for each in self.array_names if not DIM.search(each)]
-            )
-        names = {*self._data, *self._also}
-        # Elements are numbered without gaps
-        elements = takewhile(names.__contains__, (f'{path}[{k}]' for k in count()))
-        return np.stack([self[element] for element in elements], axis=1)
-
-    def __len__(self) -> int:
-        """Return the number of rows."""
-        return len(self.stamp_ns)
-
-    def __iter__(self) -> Iterator[str]:
-        """Iterate over the names of the columns."""
-        return iter(self.columns)
-
-    def __contains__(self, column: object) -> bool:
-        """Return whether there is a column."""
-        return column in self.columns or column in self._also
-
-    @overload
-    def __getitem__(self, column: str) -> NDArray[Any]: ...
-
-    @overload
-    def __getitem__(self, column: slice | NDArray[Any]) -> 'RecordingTable': ...
-
-    def __getitem__(self, column: str | slice | NDArray[Any]) -> 'NDArray[Any] | RecordingTable':
-        """
-        Return a column, shape (n,), or some rows: `table[10:20]`, `table[table['z'] > 1.0]`.
-
-        Raise `BadInput` if the column is unknown, with those that are known, or the rows are not
-        there.
-        """
-        if not isinstance(column, str):
-            return self.select_rows(resolve_rows(column, len(self)))
-        column = self._also.get(column, column)
-        if column in self._data:
-            return self._data[column]
-        turn, _, part = column.rpartition('.')
-        if turn in self.quaternions and part in PARTS:
-            angles: NDArray[np.float64] = getattr(to_euler_angles(self.vector(turn)), part)
-            return angles
-        raise unknown_name_error(
-            'column', column, [each for each in self.columns if not DIM.search(each)]
-        )
-
-    def vector(self, path: str) -> NDArray[np.float64]:
-        """Return x, y, z and, if present, w of a path, shape (n, 3) or (n, 4)."""
-        axes = AXES if f'{path}.w' in self._data else AXES[:3]
-        return np.stack([self[f'{path}.{axis}'] for axis in axes], axis=1).astype(np.float64)
-
-    def between(self, begin: float, end: float) -> 'RecordingTable':
-        """Return the rows of a closed time interval. [s]"""
-        elapsed = self.stamp_ns - self.start
-        # In whole nanoseconds, so that the ends are included despite rounding
-        first, last = np.rint(begin * 1e9), np.rint(end * 1e9)
-        return self.select_rows(np.flatnonzero((elapsed >= first) & (elapsed <= last)))
-
-    def select_rows(self, chosen: NDArray[np.intp]) -> 'RecordingTable':
-        """Return some rows; contiguous rows are views."""
-        which: slice | NDArray[np.intp] = chosen
-        if len(chosen) and chosen[0] >= 0 and (np.diff(chosen) == 1).all():
-            # A slice gives views instead of copies.
-            which = slice(int(chosen[0]), int(chosen[-1]) + 1)
-        data = {column: values[which] for column, values in self._data.items()}
-        return self._with_columns(data, which)
-
-    def select(self, *patterns: str) -> 'RecordingTable':
-        """
-        Return the columns that match the patterns, with `*` as wildcard: 'pose.pose.position.*'.
-
-        A quaternion includes its angles.
-
-        Raise `BadInput` if a pattern matches no column.
-        """
-        chosen = []
-        for pattern in patterns:
-            # Not fnmatch: the brackets of 'effort[0]' would be a character class
-            fits = re.compile('.*'.join(map(re.escape, pattern.split('*'))))
-            names = [column for column in self._data if fits.fullmatch(column)]
-            if not names:
-                self[pattern]  # raises the error with the known columns
-            chosen += names
-        data = {column: self._data[column] for column in self._data if column in chosen}
-        return self._with_columns(data, slice(None))
-
-    def to_arrow(self) -> Any:  # noqa: ANN401 - pyarrow has no types
-        """Return a `pyarrow.Table`: stamp_ns, time, all columns; units in the fields' metadata."""
-        columns = {STAMP: self.stamp_ns, TIME: self.time} | {each: self[each] for each in self}
-        units = {STAMP: 'ns', TIME: 's'} | self.units
-        fields = [build_arrow_field(name, values.dtype, units) for name, values in columns.items()]
-        arrays = [arrow.array(values) for values in columns.values()]
-        about = {'topic': self.name, 'type': self.kind}
-        return arrow.table(arrays, schema=arrow.schema(fields, metadata=about))
-
-    def to_pandas(self) -> Any:  # noqa: ANN401 - pandas has no types
-        """Return a `pandas.DataFrame` over time [s]; `df.attrs['units']` has the units."""
-        import pandas  # half a second, which most commands do not need
-
-        index = pandas.Index(self.time, name=TIME)
-        frame = pandas.DataFrame({column: self[column] for column in self}, index=index)
-        frame.attrs = {'topic': self.name, 'units': {TIME: 's'} | self.units}
-        return frame
-
-    def to_polars(self) -> Any:  # noqa: ANN401 - optional
-        """Return a `polars.DataFrame` with the time [s] first; polars has no units."""
-        try:
-            polars = import_module(POLARS)
-        except ImportError:
-            raise BadInput(
-                'A polars table needs polars, which is not installed; install it with '
-                '".venv/bin/pip install polars".'
-            ) from None
-        return polars.DataFrame({TIME: self.time} | {column: self[column] for column in self})
-
-    def _with_columns(self, data: Columns, rows: slice | NDArray[np.intp]) -> 'RecordingTable':
-        """Return a table with other columns for some of the rows."""
-        return RecordingTable(
-            self.name,
-            self.stamp_ns[rows],
-            self.start,
-            data,
-            self.units,
-            self.kind,
-            self._samples,
-            self._messages[rows],
-            {other: column for other, column in self._also.items() if column in data},
-        )
-
-    def __repr__(self) -> str:
-        """Return a summary with one line per column."""
-        return '\n'.join([format_heading(self), *format_column_lines(self)])
-
-
-def resolve_rows(chosen: slice | NDArray[Any], count: int) -> NDArray[np.intp]:
-    """Return the row numbers chosen by a slice, mask or index array, shape (n,)."""
-    try:
-        return np.atleast_1d(np.arange(count)[chosen])
-    except (IndexError, TypeError, ValueError):
+    if method not in METHODS:
+        raise unknown_name_error('method', method, [*METHODS])
+    if gap is not None and not _is_within(gap, np.inf):
         raise BadInput(
-            f"'{chosen}' does not select rows of this table, which has {count}; give a column "
-            'name, a slice, a mask, or row numbers.'
-        ) from None
+            f'The maximum gap is {gap!r}, but must be a number above 0; give it in seconds.'
+        )
+    columns: Columns = {}
+    units: dict[str, str] = {}
+    for table in tables:
+        topic = table.attrs['topic']
+        for name, values in _resample(table, clock, method == 'linear', gap).items():
+            columns[f'{topic}/{name}'] = values
+            units[f'{topic}/{name}'] = table.attrs['units'].get(name, '')
+    name = ' + '.join(table.attrs['topic'] for table in tables)
+    return build_table(name, tables[0].attrs['start'], clock, *_add_angles(columns, units))
 
 
-def build_arrow_field(name: str, kind: np.dtype[Any], units: Mapping[str, str]) -> Any:  # noqa: ANN401
-    """Return the arrow field of a column with its unit."""
-    stored = arrow.string() if kind.kind == 'U' else arrow.from_numpy_dtype(kind)
-    return arrow.field(name, stored, metadata={'unit': units[name]} if name in units else None)
+def sort_stamps(table: Table) -> tuple[Stamps, NDArray[np.intp]]:
+    """Return stamps in order, and the row of each: the last one of equal stamps."""
+    stamps = table[STAMP].to_numpy()
+    order = np.argsort(stamps, kind='stable')
+    last = np.append(np.diff(stamps[order]) > 0, True)[: len(order)]
+    return stamps[order][last], order[last]
+
+
+def _is_within(value: object, most: float) -> bool:
+    """Return whether a value is a number above 0 and at most `most`."""
+    return isinstance(value, int | float | np.number) and bool(0.0 < value <= most)
+
+
+def build_even_clock(tables: Sequence[Table], rate: float) -> Stamps:
+    """Return an even clock over all rows of some tables; rate in Hz. [ns]"""
+    if not _is_within(rate, 1e6):
+        raise BadInput(
+            f'The rate is {rate!r}, but must be a number above 0 and at most 1e6; give it in Hz.'
+        )
+    times = [table.index for table in tables if len(table)]
+    if not times:
+        return np.empty(0, np.int64)
+    first, last = min(time.min() for time in times), max(time.max() for time in times)
+    check_time_span('', last - first, 1.0 / rate, max(map(len, times)), DENSE, 'give a lower rate')
+    # The tolerance keeps end points that are off by rounding.
+    steps = np.arange(np.ceil(first * rate - 1e-6), np.floor(last * rate + 1e-6) + 1)
+    start: int = tables[0].attrs['start']
+    return start + np.rint(steps * (1e9 / rate)).astype(np.int64)
+
+
+def _resample(table: Table, clock: Stamps, linear: bool, gap: float | None) -> Columns:
+    """Return the columns of a table at other times, without angles; empty in gaps."""
+    angles = {name for name in table if name.rpartition('.')[2] in ANGLES
+              and f'{name.rpartition(".")[0]}.w' in table}  # fmt: skip
+    names = [name for name in table if name not in angles and not OWN.search(name)]
+    if not len(table):
+        return {
+            name: np.full(len(clock), '' if _is_text(table[name].to_numpy()) else np.nan)
+            for name in names
+        }
+    stamps, rows = sort_stamps(table)
+    usual = float(np.median(np.diff(stamps))) if len(stamps) > 1 else np.inf
+    most = PERIODS * usual if gap is None else gap * 1e9
+    at = np.searchsorted(stamps, clock, side='right') - 1
+    is_there, at = at >= 0, np.maximum(at, 0)
+    share = np.zeros(len(clock))
+    after = at
+    if linear:
+        after = np.where(stamps[at] == clock, at, np.minimum(at + 1, len(stamps) - 1))
+        apart = stamps[after] - stamps[at]
+        is_there &= (stamps[at] == clock) | ((after > at) & (apart <= most))
+        share = np.where(is_there, (clock - stamps[at]) / np.maximum(apart, 1), 0.0)
+    else:
+        is_there &= clock - stamps[at] <= most
+    columns: Columns = {}
+    between = share > 0.0
+    for name in names:
+        values = table[name].to_numpy()[rows]
+        columns[name] = values[at]
+        # Only floats are interpolated: integers are counts or codes, texts have no mean
+        if values.dtype.kind == 'f':
+            change = values[after[between]] - values[at[between]]
+            columns[name][between] += share[between] * change
+    for turn in {name.rpartition('.')[0] for name in angles}:
+        quaternions = np.stack([table[f'{turn}.{axis}'].to_numpy()[rows] for axis in AXES], axis=1)
+        turned = _turn_between(quaternions[at[between]], quaternions[after[between]],
+                               share[between])  # fmt: skip
+        for axis, numbers in zip(AXES, turned.T, strict=True):
+            columns[f'{turn}.{axis}'][between] = numbers
+    return columns if is_there.all() else {
+        name: np.where(is_there, values, '' if _is_text(values) else np.nan)
+        for name, values in columns.items()
+    }  # fmt: skip
+
+
+def _is_text(values: NDArray[Any]) -> bool:
+    return values.dtype.kind in 'UO'
+
+
+def _turn_between(
+    first: NDArray[np.float64], last: NDArray[np.float64], share: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return quaternions on the shorter arc between others; NaN beside one that is not filled."""
+    turned = np.full(first.shape, np.nan)
+    lengths = np.linalg.norm(first, axis=1) * np.linalg.norm(last, axis=1)
+    good = np.isfinite(lengths) & (lengths > 0.0)
+    if good.any():
+        one, other = Rotation.from_quat(first[good]), Rotation.from_quat(last[good])
+        arc = share[good, None] * (one.inv() * other).as_rotvec()
+        numbers = (one * Rotation.from_rotvec(arc)).as_quat()
+        # q and -q are one attitude: take the nearer one
+        turned[good] = (
+            numbers * np.where((numbers * first[good]).sum(axis=1) < 0.0, -1.0, 1.0)[:, None]
+        )
+    return turned

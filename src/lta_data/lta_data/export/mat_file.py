@@ -14,6 +14,7 @@ from typing import Any, Final
 from lta_config.errors import BadInput
 from lta_data.export.source import ExportSource
 import numpy as np
+import pyarrow as arrow
 from scipy.io import savemat
 
 LARGEST: Final = 2**31 - 1  # bytes of a variable in version 5
@@ -25,38 +26,36 @@ _LAST: Final = re.compile(r'(.*)\[(\d+)\]')
 Struct = dict[str, Any]
 
 
-def write_mat(source: ExportSource, path: Path) -> Iterator[int]:
+def write_mat(source: ExportSource, path: Path) -> Iterator[arrow.Table]:
     """
-    Write a file and yield the number of rows.
+    Write a file and yield its table.
 
     Raise `BadInput` if the topic is too large for the format.
     """
     parts, size = [], 0
-    for part in source.parts():
-        size += sum(values.nbytes for values in part.values())
+    for part in source.iterate_arrow():
+        size += part.nbytes
         if size > LARGEST:
             raise BadInput(
                 f"'{source.name}' is larger than the 2 GB that a MATLAB file can hold; leave it "
                 'out with --topics, or export it with --format parquet.'
             )
         parts.append(part)
-    columns = {
-        name: np.concatenate([part[name] for part in parts]) if parts else np.empty(0, kind)
-        for name, kind in source.declared.items()
-    }
+    whole = arrow.concat_tables(parts)
+    columns = {name: whole.column(name).to_numpy() for name in whole.column_names}
     values: Struct = {}
     units: Struct = {}
     # Units are those of the first element of an array.
     for name, column in join_array_columns(columns).items():
-        # savemat writes object arrays as cell arrays, which hold texts of any length.
-        cells = column.astype(object) if column.dtype.kind == 'U' else column
+        # savemat writes object arrays, as texts are, as cell arrays
+        cells = column
         unit = source.units.get(name, source.units.get(f'{name}[0]', ''))
         # MATLAB has no one-dimensional arrays: make it a column.
         set_nested_value(values, name, cells if cells.ndim == 2 else cells[:, None])
         set_nested_value(units, name, unit)
     content = {format_matlab_name(source.name): values, UNITS: units}
     savemat(path, content, long_field_names=True, do_compression=True, oned_as='column')
-    yield len(columns['time'])
+    yield whole
 
 
 def join_array_columns(
@@ -66,7 +65,7 @@ def join_array_columns(
     joined: dict[str, Any] = {}
     for name, values in columns.items():
         element = _LAST.fullmatch(name)
-        if element is None or values.dtype.kind == 'U':
+        if element is None or values.dtype.kind == 'O':
             joined[name] = values
         else:
             joined.setdefault(element.group(1), []).append(values)

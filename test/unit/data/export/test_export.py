@@ -3,9 +3,10 @@
 import json
 
 import lta_analysis
+from lta_bridge.bag import BagWriter
 from lta_cli.app import build_app
 from lta_config.errors import BadInput
-from lta_data.bag import recording as recording_module
+from lta_data.bag import read_bag
 from lta_data.export import run, source
 from lta_data.export.mat_file import format_matlab_name
 from lta_data.export.run import export_recording, ExportRequest
@@ -78,9 +79,7 @@ def files(bag, form, folder, **order):
     return {each.topic: each for each in done.files}, done
 
 
-@pytest.mark.parametrize('rows', [7, 16384])
-def test_parquet_holds_what_rosbags_decodes(flight_bag, tmp_path, monkeypatch, rows):
-    monkeypatch.setattr(source, 'ROWS', rows)
+def test_parquet_holds_what_rosbags_decodes(flight_bag, tmp_path):
     written, done = files(flight_bag, 'parquet', tmp_path / 'out')
     assert set(written) == {'odom', 'energy/reserve', '/clock'}
     assert done.remarks == []
@@ -100,7 +99,6 @@ def test_parquet_holds_what_rosbags_decodes(flight_bag, tmp_path, monkeypatch, r
     assert table.schema.field('time').metadata == {b'unit': b's'}
     assert table.schema.metadata[b'type'] == b'nav_msgs/msg/Odometry'
     file = parquet.ParquetFile(written['odom'].file)
-    assert file.num_row_groups == (6 if rows == 7 else 1)
     assert (written['odom'].rows, written['odom'].columns) == (40, file.metadata.num_columns)
     assert parquet.read_table(written['energy/reserve'].file)['data'].to_pylist() == [
         False, False, True, True,
@@ -180,10 +178,7 @@ def test_samples_and_points_are_rows_with_times_of_their_own(
     assert parquet.read_table(written['camera'].file)['height'].to_pylist() == [20] * 5
 
 
-def test_columns_that_some_messages_lack_are_there_in_every_stretch(
-    record, types, tmp_path, monkeypatch
-):
-    monkeypatch.setattr(source, 'ROWS', 2)
+def test_columns_that_some_messages_lack_are_there_in_every_row(record, types, tmp_path):
     kind, dimension = (
         types['std_msgs/msg/Int64MultiArray'],
         types['std_msgs/msg/MultiArrayDimension'],
@@ -243,19 +238,20 @@ def test_what_cannot_be_exported_is_one_sentence(flight_bag, mixed_bag, tmp_path
     assert list((tmp_path / 'full').iterdir()) == []
 
 
-def test_a_topic_that_cannot_be_decoded_is_left_out_and_named(flight_bag, tmp_path, monkeypatch):
-    def broken(flight, topic, *rest):
-        if topic == 'energy/reserve':
-            raise BadInput('it is broken.')
-        return whole(flight, topic, *rest)
-
-    whole = recording_module.build_topic_table
-    monkeypatch.setattr(source, 'build_topic_table', broken)
-    written, done = files(flight_bag, 'parquet', tmp_path / 'out')
-    assert set(written) == {'odom', '/clock'}
-    assert done.remarks == ["Topic 'energy/reserve' is left out: it is broken."]
-    with pytest.raises(BadInput, match='it is broken'):
-        files(flight_bag, 'parquet', tmp_path / 'other', topics=('energy/reserve',))
+def test_a_topic_that_cannot_be_decoded_is_left_out_and_named(record, types, tmp_path):
+    rows = [('/lta1/flag', 'std_msgs/msg/Bool', types['std_msgs/msg/Bool'](True), START)]
+    bag = record(rows)
+    with BagWriter(tmp_path / 'broken', {}) as writer:
+        writer.add_topic('/lta1/flag', 'std_msgs/msg/Bool', [])
+        writer.add_topic('/lta1/odom', 'nav_msgs/msg/Odometry', [])
+        for _, time, data in read_bag(bag).iterate_messages():
+            writer.write('/lta1/flag', data, time)
+        writer.write('/lta1/odom', b'\0\1\0\0\1\2', START)
+    written, done = files(tmp_path / 'broken', 'parquet', tmp_path / 'out')
+    assert set(written) == {'flag'}
+    assert done.remarks[0].startswith("Topic 'odom' is left out: A message does not match")
+    with pytest.raises(BadInput, match='does not match the definition of its type'):
+        files(tmp_path / 'broken', 'parquet', tmp_path / 'other', topics=('odom',))
 
 
 def test_a_topic_larger_than_a_matlab_file_is_refused(flight_bag, tmp_path, monkeypatch):

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Annotated, final
 
 from lta_cli.options.common_options import folder_option, plain_console, print_json, RobotOption
-from lta_data.bag.recording import open_recording
+from lta_data.bag.recorded_flight import open_flight
 from lta_data.export.run import export_recording, ExportRequest, ExportResult, FORMATS
 from lta_report.progress_bar import ProgressBar
 from lta_report.results_folder import resolve_folder
@@ -78,14 +78,12 @@ def export(
     """
     # With --json, stdout holds JSON only
     console = plain_console(stderr=json)
-    recording = open_recording(bag, robot)
+    flight = open_flight(bag, robot)
     # An empty tuple means all topics
     names = tuple(name.strip() for name in topics.split(',') if name.strip())
     target = resolve_folder(out, 'export')
     with ExportProgress(console) as progress:
-        done = export_recording(
-            recording, ExportRequest(form, names, rate, method), target, progress
-        )
+        done = export_recording(flight, ExportRequest(form, names, rate, method), target, progress)
     if json:
         print_json(export_to_dict(done, target))
     for file in done.files:
