@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, Final, final, NamedTuple
 
 from lta_data.bag.cdr_layout import CdrLayout, CdrLeaf, derive_layout, Fields, LayoutMismatch, TEXT
-from lta_data.bag.columns import collect_scalars, iterate_leaves
+from lta_data.bag.columns import add_objects
 from lta_data.bag.merge import Columns, merge_columns, PiecewiseColumn, Rows
 from lta_data.bag.stamps import extract_stamp, find_stamp_path, SECOND
 import numpy as np
@@ -161,20 +161,10 @@ class ColumnBuilder:
         self, begin: int, stamps: NDArray[np.int64], batch: Sequence[bytes], odd: Sequence[int]
     ) -> None:
         """Decode messages one by one."""
-        alike: dict[tuple[str, int], tuple[list[int], list[Any], tuple[int, int]]] = {}
-        for index in odd:
-            message = self._typed.decode(batch[index])
+        messages = {index: self._typed.decode(batch[index]) for index in odd}
+        for index, message in messages.items():
             stamps[index] = extract_stamp(message) or 0
-            for place, (path, value) in enumerate(iterate_leaves(message, '')):
-                length = len(value) if isinstance(value, np.ndarray) else -1
-                first = (begin + index, place)
-                rows, values, _ = alike.setdefault((path, length), ([], [], first))
-                rows.append(begin + index)
-                values.append(value)
-        for (path, _), (rows, values, first) in alike.items():
-            self._ensure_column(path, first).add_piece(
-                first, np.array(rows), collect_scalars(values)
-            )
+        add_objects(self._columns, [(begin + index, one) for index, one in messages.items()])
 
     def _ensure_column(self, path: str, first: tuple[int, int]) -> PiecewiseColumn:
         return self._columns.setdefault(path, PiecewiseColumn(first))

@@ -1,16 +1,15 @@
 """
 Convert a list of messages to one array per field.
 
-This is the simple way, object by object. `column_builder` gives the same result for whole topics.
+`column_builder` gives the same result for whole topics, without an object for each message.
 """
 
-from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import fields, is_dataclass
 from functools import cache
 from typing import Any, Final
 
-from lta_data.bag.merge import Columns
+from lta_data.bag.merge import Columns, merge_columns, PiecewiseColumn
 import numpy as np
 from numpy.typing import NDArray
 
@@ -35,30 +34,24 @@ def extract_field_columns(messages: Iterable[object]) -> tuple[Columns, Columns]
         'header.frame_id', 'name[0]'; '' if a message lacks the element.
 
     """
-    columns: defaultdict[str, list[Any]] = defaultdict(list)
-    count = 0
-    for message in messages:
-        for path, value in iterate_leaves(message, ''):
-            column = columns[path]
-            if len(column) < count:
-                # Fill the messages that lack this field
-                column.extend([None] * (count - len(column)))
-            column.append(value)
-        count += 1
-    numbers: Columns = {}
-    texts: Columns = {}
-    for path, column in columns.items():
-        column.extend([None] * (count - len(column)))
-        kind = next(value for value in column if value is not None)
-        if isinstance(kind, str):
-            texts[path] = np.array(['' if value is None else value for value in column])
-        elif isinstance(kind, np.ndarray):
-            numbers |= split_array_columns(path, column)
-        else:
-            numbers[path] = collect_scalars(
-                [np.nan if value is None else value for value in column]
-            )
-    return numbers, texts
+    rows = list(enumerate(messages))
+    columns: dict[str, PiecewiseColumn] = {}
+    add_objects(columns, rows)
+    return merge_columns(columns, len(rows))
+
+
+def add_objects(columns: dict[str, PiecewiseColumn], rows: Iterable[tuple[int, object]]) -> None:
+    """Add the fields of messages, with their rows, to columns."""
+    alike: dict[tuple[str, int], tuple[list[int], list[Any], tuple[int, int]]] = {}
+    for row, message in rows:
+        for place, (path, value) in enumerate(iterate_leaves(message, '')):
+            length = len(value) if isinstance(value, np.ndarray) else -1
+            numbers, values, _ = alike.setdefault((path, length), ([], [], (row, place)))
+            numbers.append(row)
+            values.append(value)
+    for (path, _), (numbers, values, first) in alike.items():
+        column = columns.setdefault(path, PiecewiseColumn(first))
+        column.add_piece(first, np.array(numbers), collect_scalars(values))
 
 
 def collect_scalars(values: list[Any]) -> NDArray[Any]:
@@ -100,17 +93,3 @@ def name_column(type_name: str, field: str) -> str:
     if not field.islower() or field.startswith('__'):
         return ''
     return COLUMN_NAMES.get(type_name, {}).get(field, field)
-
-
-def split_array_columns(path: str, arrays: list[NDArray[Any] | None]) -> Columns:
-    """Return one column, shape (n,), per element of an array field; short arrays end in NaN."""
-    columns = [np.empty(0) if array is None else array for array in arrays]
-    lengths = {len(array) for array in columns}
-    longest = max(lengths)
-    if len(lengths) == 1:
-        table = np.array(columns)
-    else:
-        table = np.full((len(columns), longest), np.nan)
-        for row, array in zip(table, columns, strict=True):
-            row[: len(array)] = array
-    return {f'{path}[{index}]': table[:, index] for index in range(longest)}

@@ -22,7 +22,6 @@ from lta_data.bag.bag_folder import (
 )
 from lta_data.bag.mcap_file.bag_structure import (
     BagTopic,
-    build_chunk_loss,
     find_message_type,
     read_indexed_rhythm,
     RecordingFile,
@@ -34,7 +33,12 @@ from lta_data.bag.mcap_file.channel_names import (
 )
 from lta_data.bag.mcap_file.chunks import iterate_messages, McapMessage, RECORD, unpack_chunk
 from lta_data.bag.mcap_file.compression import DamagedRecord, decompress
-from lta_data.bag.mcap_file.contents import McapContents, MessageRegion, read_at
+from lta_data.bag.mcap_file.contents import (
+    DamagedRegion,
+    McapContents,
+    MessageRegion,
+    read_at,
+)
 from lta_data.bag.mcap_file.decoder import explain_undecodable, MessageDecoder
 from lta_data.bag.mcap_file.rhythm import MessageIntervals
 from lta_data.bag.mcap_file.scan import describe_damage, scan_mcap_file
@@ -221,7 +225,9 @@ class Bag:
         except DamagedRecord as error:
             sentence = describe_damage(place.offset, place.length, str(error))
             if sentence not in self.losses:
-                part.contents.lost.append(build_chunk_loss(stream, place))
+                part.contents.lost.append(
+                    DamagedRegion(place.offset, place.length, 1, start=place.start, end=place.end)
+                )
                 self._note_loss(sentence)
 
     def _decompress_message(self, message: McapMessage) -> McapMessage:

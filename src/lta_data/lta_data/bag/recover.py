@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 import json
 from pathlib import Path
 import shutil
-from typing import Any, cast, Final, final
+from typing import Any, cast, final, NamedTuple
 
 from lta_bridge.bag.qos import OfferedQos
 from lta_bridge.bag.schemas import MessageDefinition
@@ -14,12 +14,8 @@ from lta_bridge.bag.writer import BagWriter
 from lta_config.errors import BadInput
 from lta_config.files import parse_yaml
 from lta_data.bag.bag_folder import find_bag_files, find_listed_files, read_metadata
-from lta_data.bag.missing_messages import (
-    create_period_trackers,
-    estimate_missing,
-    list_loss_spans,
-    MissingMessages,
-)
+from lta_data.bag.mcap_file.channel_names import parse_topic_metadata
+from lta_data.bag.mcap_file.contents import DamagedRegion, McapContents
 from lta_data.bag.reader import Bag, read_bag
 from lta_report.formatting import format_count
 from mcap.records import Channel, Schema
@@ -27,11 +23,13 @@ from mcap.records import Channel, Schema
 ORIGIN = 'recovered_from'  # keys of the provenance
 LOSSES = 'recovered_without'
 MOST_NOTED = 20  # losses listed in the provenance
-COUNTED: Final = {
-    'index': 'counted in the index',
-    'metadata': 'counted in metadata.yaml',
-    'rhythm': 'estimated from gaps in time',
-}
+
+
+class LossSpan(NamedTuple):
+    """Log times between which something is lost; None at an end of the recording. [ns]"""
+
+    start: int | None
+    end: int | None
 
 
 @final
@@ -51,7 +49,7 @@ class Recovery:
     # Time of the losses since the first intact message; None for the start or end of the recording
     # [s]
     lost_spans: list[tuple[float | None, float | None]]
-    missing: dict[str, MissingMessages]  # lost messages by topic, as far as they can be determined
+    missing: dict[str, int]  # messages that metadata.yaml or the index counts besides, by topic
     # Messages of the reader, one sentence each
     losses: list[str]
     remarks: list[str]
@@ -75,19 +73,11 @@ class Recovery:
                 f'{self.lost_bytes} of {self.size} bytes of the recording{chunks} are lost.'
             )
         lines += [format_loss_span(start, end) for start, end in self.lost_spans[:MOST_NOTED]]
-        for topic, lost in sorted(self.missing.items()):
-            lines.append(f'{topic} lacks {self._describe_missing(lost)} ({COUNTED[lost.source]}).')
+        for topic, count in sorted(self.missing.items()):
+            lines.append(f'{topic} lacks {format_count(count, "message")}.')
         if not self.lost_bytes and not self.missing:
             lines.append('No message is known to be lost.')
         return lines
-
-    def _describe_missing(self, lost: MissingMessages) -> str:
-        """Return the number of lost messages with its certainty."""
-        count = format_count(lost.count, 'message')
-        if lost.source == 'rhythm':
-            return f'about {count}'
-        cut = any(end is None for _, end in self.lost_spans)
-        return f'at least {count}' if cut and lost.source == 'index' else count
 
 
 def format_loss_span(start: float | None, end: float | None) -> str:
@@ -171,7 +161,6 @@ def refuse_inside(source: Path, out: Path) -> None:
 def write_recovered_bag(bag: Bag, out: Path, at: Callable[[int, int], None]) -> Recovery:
     """Write the new bag; see `recover_bag`."""
     counts: Counter[str] = Counter()
-    beats = create_period_trackers(bag)
     expected = sum(topic.count for topic in bag.topics.values())
     note = {ORIGIN: f'{bag.path.resolve()} ({bag.size} bytes, {expected} messages seen)'}
     if bag.losses:
@@ -182,8 +171,6 @@ def write_recovered_bag(bag: Bag, out: Path, at: Callable[[int, int], None]) -> 
         for topic, record in bag.iterate_records(at=lambda done: at(done, bag.size)):
             writer.write(topic, record.data, record.log_time, record.publish_time)
             counts[topic] += 1
-            if topic in beats:
-                beats[topic].add_log_time(record.log_time)
     lost = [loss for part in bag.parts for loss in part.contents.lost]
     return Recovery(
         source=str(bag.path),
@@ -197,10 +184,44 @@ def write_recovered_bag(bag: Bag, out: Path, at: Callable[[int, int], None]) -> 
             (seconds_since_start(bag, start), seconds_since_start(bag, end))
             for start, end in list_loss_spans(bag)
         ],
-        missing=estimate_missing(bag, counts, beats),
+        missing=count_missing(bag, counts),
         losses=list(bag.losses),
         remarks=list(bag.remarks),
     )
+
+
+def list_loss_spans(bag: Bag) -> list[LossSpan]:
+    """Return the spans of lost data, in order; adjacent spans are merged."""
+    spans = [
+        find_loss_span(part.contents, loss)
+        for part in bag.parts
+        for loss in sorted(part.contents.lost, key=lambda loss: loss.offset)
+    ]
+    joined: list[LossSpan] = []
+    for span in spans:
+        if joined and joined[-1].end is not None and joined[-1].end == span.start:
+            span = LossSpan(joined.pop().start, span.end)
+        joined.append(span)
+    return joined
+
+
+def find_loss_span(contents: McapContents, loss: DamagedRegion) -> LossSpan:
+    """Return the span of lost data, from the summary or from its neighbours."""
+    if loss.start is not None and loss.end is not None:
+        return LossSpan(loss.start, loss.end)
+    before = [place.end for place in contents.places if place.offset < loss.offset]
+    after = [place.start for place in contents.places if place.offset > loss.offset]
+    return LossSpan(before[-1] if before else None, after[0] if after else None)
+
+
+def count_missing(bag: Bag, saved: Counter[str]) -> dict[str, int]:
+    """Return how many messages metadata.yaml or the index counts beyond the saved ones."""
+    described = read_metadata(bag.path) if bag.path.is_dir() else {}
+    counts = {topic: entry.count for topic, entry in bag.topics.items()}
+    for entry in parse_topic_metadata(described):
+        if entry.topic in counts:
+            counts[entry.topic] = max(counts[entry.topic], entry.messages)
+    return {topic: n - saved[topic] for topic, n in counts.items() if n > saved[topic]}
 
 
 def seconds_since_start(bag: Bag, time: int | None) -> float | None:

@@ -2,27 +2,19 @@
 Serialise many messages of one type at once from a CDR template.
 
 Messages of one imported topic differ only in their numbers; texts and list lengths are equal. So
-one message is laid out, and the others are copies of it with numbers written at fixed offsets. The
-format is classic CDR (XCDR1 of DDS-XTypes), little endian, with zero padding.
+one message is serialised, and the others are copies of it with numbers written at the offsets that
+the layout for reading has (`lta_data.bag.cdr_layout`).
 """
 
 from collections.abc import Mapping, Sequence
-import struct
 from typing import Any, final
 
 from lta_bridge.bag.schemas import load_jazzy_types
+from lta_data.bag.cdr_layout import CODES, derive_layout, TEXT
 import numpy as np
 from numpy.typing import NDArray
 from rosbags.interfaces import Nodetype
 
-ENCAPSULATION = b'\x00\x01\x00\x00'  # CDR, little endian, no options
-BASE = len(ENCAPSULATION)
-TYPES = {
-    'bool': '?',
-    'byte': 'u1',
-    'char': 'u1',
-    'octet': 'u1',
-}  # ROS type -> numpy type, where the names differ
 Constants = Mapping[str, Sequence[str] | str | float]
 
 
@@ -50,12 +42,23 @@ class CdrTemplate:
     def __init__(
         self, type_name: str, constants: Constants, lengths: Mapping[str, int] | None = None
     ) -> None:
-        self._constants = constants
-        self._lengths = lengths or {}
-        self._bytes = bytearray(ENCAPSULATION)
-        self.places: dict[str, tuple[int, np.dtype[Any]]] = {}
-        self._lay_message(type_name, '')
-        self._align(4)
+        types = load_jazzy_types()
+        message = _build_message(type_name, '', constants, lengths or {})
+        data = bytes(types.serialize_cdr(message, type_name))
+        self._bytes = data + bytes(-len(data) % 4)
+
+        def list_fields(name: str) -> list[tuple[str, Any]]:
+            return types.fielddefs[name][1]
+
+        self.places = {
+            leaf.path if leaf.length is None else f'{leaf.path}[{index}]': (
+                leaf.offset + index * kind.itemsize, kind
+            )
+            for leaf in derive_layout(type_name, self._bytes, list_fields).leaves
+            if leaf.code != TEXT
+            for kind in [np.dtype('<' + leaf.code)]
+            for index in range(1 if leaf.length is None else leaf.length)
+        }  # fmt: skip
 
     @property
     def size(self) -> int:
@@ -83,50 +86,23 @@ class CdrTemplate:
             rows[path] = values
         return raw.tobytes()
 
-    def _lay_message(self, type_name: str, prefix: str) -> None:
-        """Lay out all fields of a message."""
-        for name, (node, detail) in load_jazzy_types().fielddefs[type_name][1]:
-            path = f'{prefix}{name}'
-            if node == Nodetype.NAME:
-                self._lay_message(str(detail), f'{path}.')
-            elif node == Nodetype.BASE:
-                self._lay_base(str(detail[0]), path)
-            else:
-                item, length = detail[0], int(detail[1])
-                self._lay_items(str(item[1][0]), path, node == Nodetype.ARRAY, length)
 
-    def _lay_base(self, kind: str, path: str) -> None:
-        """Lay out one text or number."""
-        if kind == 'string':
-            self._lay_text(str(self._constants.get(path, '')))
-            return
-        # Little-endian, as the encapsulation says
-        number = np.dtype(TYPES.get(kind, kind)).newbyteorder('<')
-        self._align(number.itemsize)
-        # Offset from the start of the message, encapsulation included
-        self.places[path] = (len(self._bytes), number)
-        self._bytes += np.array(self._constants.get(path, 0), dtype=number).tobytes()
-
-    def _lay_items(self, kind: str, path: str, fixed: bool, length: int) -> None:
-        """Lay out an array, or the length and items of a sequence."""
-        texts = self._constants.get(path, ())
-        if not fixed:
-            length = len(texts) if isinstance(texts, Sequence) and texts else 0
-            length = length or self._lengths.get(path, 0)
-            self._align(4)
-            # A sequence begins with its length; a fixed array does not
-            self._bytes += struct.pack('<I', length)
-        for index in range(length):
-            if kind == 'string' and isinstance(texts, Sequence):
-                self._lay_text(texts[index])
-            else:
-                self._lay_base(kind, f'{path}[{index}]')
-
-    def _lay_text(self, text: str) -> None:
-        data = text.encode()
-        self._align(4)
-        self._bytes += struct.pack('<I', len(data) + 1) + data + b'\0'
-
-    def _align(self, size: int) -> None:
-        """Pad with zeros to a multiple of `size`, counted from the end of the encapsulation."""
-        self._bytes += bytes(-(len(self._bytes) - BASE) % size)
+def _build_message(
+    type_name: str, prefix: str, constants: Constants, lengths: Mapping[str, int]
+) -> object:
+    """Return a message with the constants, and zeros or nothing in its other fields."""
+    types = load_jazzy_types()
+    values: dict[str, Any] = {}
+    for name, (node, detail) in types.fielddefs[type_name][1]:
+        path = f'{prefix}{name}'
+        if node == Nodetype.NAME:
+            values[name] = _build_message(str(detail), f'{path}.', constants, lengths)
+        elif node == Nodetype.BASE:
+            is_text = detail[0] == 'string'
+            values[name] = constants.get(path, '' if is_text else 0)
+        elif detail[0][1][0] == 'string':
+            values[name] = [*constants.get(path, ())]  # type: ignore[misc]
+        else:
+            count = int(detail[1]) if node == Nodetype.ARRAY else lengths.get(path, 0)
+            values[name] = np.zeros(count, CODES[detail[0][1][0]])
+    return types.types[type_name](**values)

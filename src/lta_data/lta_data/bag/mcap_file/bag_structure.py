@@ -7,12 +7,8 @@ from typing import BinaryIO, final, NamedTuple
 from lta_config.errors import BadInput
 from lta_config.limits import NOTE_BYTES
 from lta_data.bag.mcap_file.compression import DamagedRecord
-from lta_data.bag.mcap_file.contents import DamagedRegion, McapContents, MessageRegion, read_at
-from lta_data.bag.mcap_file.rhythm import (
-    iterate_index_entries,
-    MessageIntervals,
-    read_ordered_times,
-)
+from lta_data.bag.mcap_file.contents import McapContents, MessageRegion, read_at
+from lta_data.bag.mcap_file.rhythm import MessageIntervals, read_ordered_times
 from mcap.records import Channel
 
 
@@ -52,14 +48,6 @@ def read_chunk_index(stream: BinaryIO, place: MessageRegion) -> bytes:
         return read_at(stream, offset, length) if length <= NOTE_BYTES else b''
     except DamagedRecord:
         return b''
-
-
-def build_chunk_loss(stream: BinaryIO, place: MessageRegion) -> DamagedRegion:
-    """Return the loss of a chunk in the summary, with the contents from its message indexes."""
-    loss = DamagedRegion(place.offset, place.length, 1, start=place.start, end=place.end)
-    for channel, listed in iterate_index_entries(read_chunk_index(stream, place)):
-        loss.counts[channel] += len(listed)
-    return loss
 
 
 def read_indexed_rhythm(part: RecordingFile) -> MessageIntervals:

@@ -47,23 +47,17 @@ class DamagedRegion:
     """
     A region of the file that cannot be used. [bytes from the start of the file]
 
-    `counts` are the messages in it by channel, as far as an index shows; `start` and `end` their
-    first and last log time in ns. `chunks` is the number of chunks that it certainly contained,
-    `reason` why it cannot be used, as a clause, if not for damage.
+    `start` and `end` are the first and last log time in it in ns, None if unknown. `chunks` is the
+    number of chunks that it certainly contained, `reason` why it cannot be used, as a clause, if
+    not for damage.
     """
 
     offset: int
     length: int
     chunks: int = 0
     reason: str = ''
-    counts: Counter[int] = field(default_factory=Counter)
     start: int | None = None
     end: int | None = None
-
-    def extend_time_span(self, start: int, end: int) -> None:
-        """Extend the span of log times. [ns]"""
-        self.start = start if self.start is None else min(self.start, start)
-        self.end = end if self.end is None else max(self.end, end)
 
 
 @final

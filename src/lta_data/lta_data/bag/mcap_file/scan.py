@@ -15,7 +15,6 @@ from lta_config.limits import CHUNK_BYTES, NOTE_BYTES
 from lta_data.bag.mcap_file.chunks import iterate_records, MESSAGE, RECORD, unpack_chunk
 from lta_data.bag.mcap_file.compression import DamagedRecord
 from lta_data.bag.mcap_file.contents import DamagedRegion, McapContents, MessageRegion
-from lta_data.bag.mcap_file.rhythm import iterate_index_entries
 from mcap.opcode import Opcode
 from mcap.writer import MCAP0_MAGIC
 import numpy as np
@@ -34,7 +33,7 @@ MANY_PENDING = 10_000  # bare messages held before they enter the rhythm
 MOST_TOLD = 100  # further losses are only counted
 PRIVATE = 0x80  # opcodes from here on are private
 DATA_END_SIZE, FOOTER_SIZE = 4, 20  # bytes without opcode and length
-UNREAD: Final = (Opcode.HEADER, Opcode.ATTACHMENT)
+UNREAD: Final = (Opcode.HEADER, Opcode.ATTACHMENT, Opcode.MESSAGE_INDEX)
 NAMES: Final = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA)
 
 
@@ -66,7 +65,6 @@ class McapScanner:
         self._ended = False  # the data section is over; the rest repeats parts of it
         self._finished = False
         self._readable = len(MCAP0_MAGIC)  # end of the last valid record
-        self._orphan: DamagedRegion | None = None  # the loss whose message indexes may follow
         self._pending: list[tuple[int, int]] = []  # time and channel of bare messages
 
     def walk(self) -> None:
@@ -145,8 +143,6 @@ class McapScanner:
             self._add_chunk(self._unpack_chunk(at))
         elif opcode == Opcode.MESSAGE:
             self._add_message(at, end)
-        elif opcode == Opcode.MESSAGE_INDEX:
-            self._count_lost_messages(at, end)
         elif opcode == Opcode.DATA_END and end - start == DATA_END_SIZE:
             self._ended = True
         elif opcode == Opcode.FOOTER and end - start == FOOTER_SIZE:
@@ -162,7 +158,7 @@ class McapScanner:
 
     def _add_chunk(self, chunk: IntactChunk) -> None:
         """Add a chunk, its messages and the channels announced in it."""
-        self._orphan, self._ended, self._readable = None, False, chunk.end
+        self._ended, self._readable = False, chunk.end
         times, channels = [], []
         contents = self.contents
         length = chunk.end - chunk.start
@@ -220,15 +216,6 @@ class McapScanner:
             )
             self._pending.clear()
 
-    def _count_lost_messages(self, at: int, end: int) -> None:
-        """Count the messages of a lost chunk by its message index."""
-        if self._orphan is not None and end - at <= NOTE_BYTES:
-            for channel, listed in iterate_index_entries(self._read(at, end - at)):
-                self._orphan.counts[channel] += len(listed)
-                if len(listed):
-                    times = listed['time']
-                    self._orphan.extend_time_span(int(times.min()), int(times.max()))
-
     def _note_loss(self, at: int, end: int, opcode: int, reason: str) -> None:
         """Add an unusable region, or extend the last one."""
         # Behind the data end only the summary is damaged, which the scan does not need.
@@ -241,7 +228,6 @@ class McapScanner:
             lost[-1].length += end - at
         else:
             lost.append(DamagedRegion(at, end - at, chunks, reason))
-        self._orphan = lost[-1]
 
     def _describe_losses(self) -> None:
         """Add a sentence for each unusable region, and for an end that is missing."""
