@@ -239,12 +239,13 @@ def build_definition(channel: Channel, schema: Schema | None) -> MessageDefiniti
 
 
 def parse_qos_profiles(channel: Channel) -> list[OfferedQos]:
-    """Return the QoS that a topic's publishers offered; empty if unknown."""
+    """Return the QoS that a topic's publishers offered; empty if unknown, or in numbers."""
     text = channel.metadata.get('offered_qos_profiles', '')
     try:
         listed: Any = parse_yaml(text, 'the QoS') if text else []
     except BadInput:
         return []
-    if not isinstance(listed, list) or not all(isinstance(entry, dict) for entry in listed):
-        return []
-    return cast('list[OfferedQos]', listed)
+    named = isinstance(listed, list) and all(
+        isinstance(one, dict) and isinstance(one.get('history'), str) for one in listed
+    )
+    return cast('list[OfferedQos]', listed) if named else []

@@ -54,9 +54,9 @@ class TopicConverter:
     Attributes
     ----------
     without : int
-        Rows left out so far because all cells of the topic's columns were empty.
+        Rows left out because all cells of the topic's columns were empty.
     excluded : int
-        Rows left out so far by the mapping's `where`.
+        Rows left out by the mapping's `where`.
     silent : list of str
         Actuators left out because they have no values.
 
@@ -66,7 +66,6 @@ class TopicConverter:
         self.plan = plan
         self.without = self.excluded = 0
         self.silent: list[str] = []
-        self._layout: CdrTemplate | None = None
         self._map = LocalMap()
 
     def convert(self, table: LogTable) -> ConvertedMessages:
@@ -85,7 +84,7 @@ class TopicConverter:
             'header.stamp.sec': chosen.stamps // 1_000_000_000,
             'header.stamp.nanosec': chosen.stamps % 1_000_000_000,
         } | self.compute_numbers(chosen)
-        layout = self._ensure_layout()
+        layout = self._build_layout()
         data = layout.serialize_messages(len(chosen), numbers)
         # log_times keep the order of logging; the stamps are in the messages.
         order, times = chosen.order, chosen.log_times
@@ -118,21 +117,19 @@ class TopicConverter:
         self.without += int((nothing & fits).sum())
         return fits & ~nothing
 
-    def _ensure_layout(self) -> CdrTemplate:
-        """Return the template of the messages, created once the actuators are known."""
-        if self._layout is None:
-            type_name, frame = self.plan.target
-            constants: dict[str, Any] = {'header.frame_id': frame, **CHILD.get(type_name, {})}
-            constants |= CONSTANT.get(type_name, {})
-            constants |= dict.fromkeys(NOBODY.get(type_name, ()), np.nan)
-            names = self._list_actuators()
-            fields = {field for name, field, _ in self.plan.iterate_joints() if name in names}
-            fields |= {'effort' for name in self.plan.thrust_laws if name in names}
-            lengths = {field: len(names) for field in fields}
-            if names:
-                constants['name'] = names
-            self._layout = CdrTemplate(type_name, constants, lengths)
-        return self._layout
+    def _build_layout(self) -> CdrTemplate:
+        """Return the template of the messages, once the actuators are known."""
+        type_name, frame = self.plan.target
+        constants: dict[str, Any] = {'header.frame_id': frame, **CHILD.get(type_name, {})}
+        constants |= CONSTANT.get(type_name, {})
+        constants |= dict.fromkeys(NOBODY.get(type_name, ()), np.nan)
+        names = self._list_actuators()
+        fields = {field for name, field, _ in self.plan.iterate_joints() if name in names}
+        fields |= {'effort' for name in self.plan.thrust_laws if name in names}
+        lengths = {field: len(names) for field in fields}
+        if names:
+            constants['name'] = names
+        return CdrTemplate(type_name, constants, lengths)
 
     def _list_actuators(self) -> list[str]:
         return [name for name in self.plan.entry.actuators or {} if name not in self.silent]
@@ -146,8 +143,7 @@ class TopicConverter:
         for name, (c0, c1, c2) in self.plan.thrust_laws.items():
             speed = joint_values[name, 'velocity']
             joint_values[name, 'effort'] = c0 + c1 * speed + c2 * speed * np.abs(speed)
-        # Decide on the first part only: the layout is the same for all messages.
-        if self.plan.entry.drop_empty and self._layout is None:
+        if self.plan.entry.drop_empty:
             valued = {
                 name for (name, _), values in joint_values.items() if not np.isnan(values).all()
             }
@@ -228,7 +224,7 @@ def _convert_number(scalar: ScalarField, table: LogTable, share: float) -> Numbe
         constant = scalar.value.si if scalar.value is not None else np.nan
         return np.full(len(table), constant * share)
     column = table.columns[scalar.column]
-    return scale_column(scalar, scalar.scale, column, scalar.column, table.first) * share
+    return scale_column(scalar, scalar.scale, column, scalar.column) * share
 
 
 def _convert_vector(
@@ -248,7 +244,7 @@ def _convert_vector(
     else:
         # A component without a column is never commanded
         scaled_columns = [
-            scale_column(vector, scale, table.columns[name], name, table.first)
+            scale_column(vector, scale, table.columns[name], name)
             if name is not None
             else np.zeros(len(table))
             for name, scale in zip(vector.columns, vector.scales, strict=True)
@@ -264,12 +260,10 @@ def _convert_vector(
 
 
 def scale_column(
-    source: ScalarField | VectorField, scale: float, raw: Numbers, column: str, first: int
+    source: ScalarField | VectorField, scale: float, raw: Numbers, column: str
 ) -> Numbers:
     """
     Convert a column to SI: (number + offset) * scale / over, times its unit.
-
-    `first` is the number of rows before these, for error messages.
 
     Raises
     ------
@@ -286,7 +280,7 @@ def scale_column(
         if len(wrong):
             raise ValueOutOfBounds(
                 # Rows count from 1 in messages
-                f"Column '{column}' has {values[wrong[0]]:.6g} in row {first + wrong[0] + 1}, but "
+                f"Column '{column}' has {values[wrong[0]]:.6g} in row {wrong[0] + 1}, but "
                 f'"within" in the mapping allows {low:g} to {high:g}; choose the right column in '
                 'the mapping, or correct "within".'
             )
@@ -294,7 +288,7 @@ def scale_column(
     wrong = np.flatnonzero(np.isinf(numbers) & np.isfinite(values))
     if len(wrong):
         raise BadInput(
-            f"Column '{column}' has {values[wrong[0]]:.6g} in row {first + wrong[0] + 1}, which "
+            f"Column '{column}' has {values[wrong[0]]:.6g} in row {wrong[0] + 1}, which "
             'is too large with "scale", "over" and "offset" of the mapping; correct these.'
         )
     return numbers
@@ -320,7 +314,7 @@ def _check_stamps(table: LogTable, topic: str) -> None:
         if len(wrong):
             seconds = times[wrong[0]] * 1e-9
             raise BadInput(
-                f"Row {table.first + wrong[0] + 1} of '{topic}' is at {seconds:.6g} s, outside "
+                f"Row {wrong[0] + 1} of '{topic}' is at {seconds:.6g} s, outside "
                 'the range of ROS time stamps; in the mapping, correct the unit of "time", or '
                 'add "start" to it.'
             )

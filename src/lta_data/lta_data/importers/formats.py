@@ -15,7 +15,6 @@ from lta_data.importers.readers import (
     array_files,
     column_log,
     crazyflie_usd,
-    csv_text,
     dataflash,
     mcap_bag,
     px4_ulog,
@@ -52,7 +51,7 @@ class LogFormat(NamedTuple):
 
 def _open_csv(path: Path, mapping: MappingFile | None) -> LogReader:
     assert mapping is not None  # select_mapping has found one or raised
-    return csv_text.CsvLog(path, mapping)
+    return column_log.open_text(path, mapping)
 
 
 def _open_bag(path: Path, mapping: MappingFile | None) -> LogReader:

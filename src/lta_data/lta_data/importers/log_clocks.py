@@ -125,7 +125,7 @@ def _read_timed_tables(
         selection.setdefault(plan.entry.table or '', set()).update(plan.entry.columns)
         selection |= {other: set() for other in plan.entry.join if other not in selection}
     tables: dict[str, TimedTable] = {}
-    read = next(iter(log.iterate_tables(selection, lambda _: None))) if selection else {}
+    read = log.read_tables(selection)
     for plan in plans:
         name = plan.entry.table or ''
         joined, _ = join_tables(read[name], {other: read[other] for other in plan.entry.join})

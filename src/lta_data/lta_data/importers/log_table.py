@@ -24,7 +24,6 @@ class LogTable:
     # shape (n,)
     order: Times
     columns: Mapping[str, Numbers]  # numbers as logged; NaN if missing, shape (n,)
-    first: int = 0  # number of rows in the earlier parts of the log
     # Mask of the empty cells, for columns that have some, shape (n,)
     empty: Mapping[str, NDArray[np.bool_]] = field(default_factory=dict)
 
@@ -41,13 +40,12 @@ class LogTable:
             self.log_times[rows],
             self.order[rows],
             {name: column[rows] for name, column in self.columns.items()},
-            self.first,
             {name: holes[rows] for name, holes in self.empty.items()},
         )
 
 
 def encode_label(word: str) -> float:
-    """Return a number for a word that selects rows, the same in all parts of a log."""
+    """Return a number for a word that selects rows, the same wherever it stands."""
     return float(crc32(word.strip().encode()))
 
 

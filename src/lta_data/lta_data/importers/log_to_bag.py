@@ -1,73 +1,44 @@
 """Write a log as a bag: convert its tables, pass its messages on, all in the log's order."""
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from heapq import merge
 from operator import itemgetter
 from pathlib import Path
-from typing import final
 
 from lta_bridge.bag.qos import build_offered_qos
 from lta_bridge.bag.writer import BagWriter
 from lta_data.importers.converter import ConvertedMessages, TopicConverter, ValueOutOfBounds
-from lta_data.importers.log_table import join_tables, LogTable, Numbers, Times
+from lta_data.importers.log_table import join_tables, LogTable
 from lta_data.importers.mapping_choice import MappingChoice
 from lta_data.importers.protocol import LogReader, Reached
 import numpy as np
 
 
-@final
-class LogRemarks:
-    """Counts irregular times and missing numbers over all parts of a log; data stay unchanged."""
-
-    def __init__(self) -> None:
-        self._rows: Counter[str] = Counter()
-        self._nan: Counter[str] = Counter()
-        self._back: Counter[str] = Counter()
-        self._same: Counter[str] = Counter()
-        self._last: dict[str, int] = {}
-        self._where: dict[str, int] = {}
-
-    def add_rows(self, name: str, stamps: Times, columns: Mapping[str, Numbers]) -> None:
-        """Count the next rows of a table: their times, and the columns in use."""
-        if not len(stamps):
-            return
-        # Without an earlier part the first step counts as forward.
-        before = self._last.get(name, int(stamps[0]) - 1)
-        # Includes the step from the last row of the previous part
-        steps = np.diff(stamps, prepend=before)
-        self._back[name] += int((steps < 0).sum())
-        self._same[name] += int((steps == 0).sum())
-        if (steps < 0).any() and name not in self._where:
-            # argmax of a mask: the first True; rows count from 1
-            self._where[name] = self._rows[name] + int(np.argmax(steps < 0)) + 1
-        self._rows[name] += len(stamps)
-        self._last[name] = int(stamps[-1])
-        for column, numbers in columns.items():
-            holes = int(np.isnan(numbers).sum())
-            if holes:
-                self._nan[f'{name}.{column}' if name else column] += holes
-
-    def format_remarks(self) -> list[str]:
-        """Return the remarks, one sentence each."""
-        lines = []
-        for name, count in sorted(self._back.items()):
-            if count:
-                lines.append(
-                    f'The time{_format_owner(name)} goes back {_format_times(count)}, first '
-                    f'in row {self._where[name]}; these rows are kept.'
-                )
-        for name, count in sorted(self._same.items()):
-            if count:
-                lines.append(
-                    f'The time{_format_owner(name)} repeats {_format_times(count)}; these '
-                    'rows are kept.'
-                )
-        for column, count in sorted(self._nan.items()):
-            lines.append(
-                f"Column '{column}' lacks a number {_format_times(count)}; the bag has NaN there."
+def _describe_oddities(used: Mapping[str, LogTable]) -> list[str]:
+    """Return remarks on irregular times and missing numbers, which stay as they are."""
+    back, same, lacking = [], [], {}
+    for name, table in sorted(used.items()):
+        steps = np.diff(table.stamps)
+        wrong = np.flatnonzero(steps < 0)
+        if len(wrong):
+            back.append(
+                f'The time{_format_owner(name)} goes back {_format_times(len(wrong))}, first in '
+                f'row {wrong[0] + 2}; these rows are kept.'
             )
-        return lines
+        if count := int((steps == 0).sum()):
+            same.append(
+                f'The time{_format_owner(name)} repeats {_format_times(count)}; these rows are '
+                'kept.'
+            )
+        for column, numbers in table.columns.items():
+            if holes := int(np.isnan(numbers).sum()):
+                lacking[f'{name}.{column}' if name else column] = holes
+    return [*back, *same, *(
+        f"Column '{column}' lacks a number {_format_times(count)}; the bag has NaN there."
+        for column, count in sorted(lacking.items())
+    )]  # fmt: skip
 
 
 def _format_owner(name: str) -> str:
@@ -96,41 +67,39 @@ def write_log_bag(
         Remarks on odd, missing or omitted data, one sentence each.
 
     """
-    remarks, notes = LogRemarks(), list[str]()
+    notes = list[str]()
     converters = [TopicConverter(plan) for plan in chosen.plans]
-    parts = _iterate_converted(log, converters, remarks, notes, reached)
-    first = next(parts, [])  # reading the first part completes log.facts
+    used = _read_used_tables(log, converters)
+    reached(0.0 if log.raw else 0.5)  # reading is done, writing the bag is not
+    pairs = [(converter, _convert_topic(converter, used, notes)) for converter in converters]
+    converters = [converter for converter, one in pairs if one is not None]
+    converted = [one for _, one in pairs if one is not None]
     counts: Counter[str] = Counter()
     with BagWriter(bag, provenance | log.facts) as writer:
         names = _announce_topics(writer, log, converters, chosen)
-        for messages in _iterate_runs(log, names, first, parts, reached):
-            for _, topic, log_time, data in messages:
-                writer.write(topic, data, log_time)
-                counts[topic] += 1
+        for _, topic, log_time, data in _iterate_ordered(log, names, converted, reached):
+            writer.write(topic, data, log_time)
+            counts[topic] += 1
     topics = {converter.plan.topic for converter in converters} | set(names.values())
-    notes += [*_describe_unused(converters, chosen, log), *remarks.format_remarks(), *log.notes]
+    oddities = _describe_oddities(_select_used_columns(used, chosen))
+    notes += [*_describe_unused(converters, chosen, log), *oddities, *log.notes]
     return {topic: counts[topic] for topic in sorted(topics)}, notes
 
 
-def _iterate_runs(
+def _iterate_ordered(
     log: LogReader,
     names: dict[str, str],
-    first: list[ConvertedMessages],
-    parts: Iterable[list[ConvertedMessages]],
+    converted: list[ConvertedMessages],
     reached: Reached,
-) -> Iterator[Iterator[Message]]:
-    """Yield runs of messages: one merged run for a bag, otherwise one run per part."""
-    if log.raw:
-        passed = (
-            (one.order, names[one.topic], one.log_time, one.data)
-            for one in log.iterate_messages(reached)
-            if one.topic in names
-        )
-        # heapq.merge keeps memory small: both sides are already in the log's order.
-        yield merge(_merge_in_order(first), passed, key=itemgetter(0))
-        return
-    yield _merge_in_order(first)
-    yield from map(_merge_in_order, parts)
+) -> Iterator[Message]:
+    """Return all messages in the order of the log."""
+    passed = (
+        (one.order, names[one.topic], one.log_time, one.data)
+        for one in log.iterate_messages(reached)
+        if one.topic in names
+    )
+    # heapq.merge keeps memory small: both sides are already in the log's order.
+    return merge(_merge_in_order(converted), passed, key=itemgetter(0))
 
 
 def _announce_topics(
@@ -146,40 +115,32 @@ def _announce_topics(
     return names
 
 
-def _iterate_converted(
-    log: LogReader,
-    converters: list[TopicConverter],
-    remarks: LogRemarks,
-    notes: list[str],
-    reached: Reached,
-) -> Iterator[list[ConvertedMessages]]:
-    """Yield the converted messages, one part of the log at a time."""
+def _read_used_tables(
+    log: LogReader, converters: Sequence[TopicConverter]
+) -> Mapping[str, LogTable]:
+    """Return the tables of which topics are made."""
     columns_by_table: dict[str, set[str]] = {}
-    for converter in converters:
-        entry = converter.plan.entry
+    for entry in (converter.plan.entry for converter in converters):
         columns_by_table.setdefault(entry.table or '', set()).update(entry.columns)
         for other in entry.join:
             # Joined tables must be read, too; their columns carry the table's name as prefix
             columns_by_table.setdefault(other, set())
-    if not columns_by_table:
-        return
-    for tables in log.iterate_tables(columns_by_table, reached):
-        for name, table in tables.items():
-            used = {
-                column: table.columns[column]
-                for column in columns_by_table[name] & {*table.columns}
-            }
-            remarks.add_rows(name, table.stamps, used)
-        messages = []
-        # A copy, since converters are removed while iterating
-        for converter in list(converters):
-            one = _convert_topic(converter, tables, notes)
-            if one is None:
-                # Drop the topic for the rest of the log as well.
-                converters.remove(converter)
-            else:
-                messages.append(one)
-        yield messages
+    return log.read_tables(columns_by_table)
+
+
+def _select_used_columns(
+    tables: Mapping[str, LogTable], chosen: MappingChoice
+) -> dict[str, LogTable]:
+    """Return the tables with rows, and of each the columns that the mapping names."""
+    columns: dict[str, set[str]] = {}
+    for entry in (plan.entry for plan in chosen.plans):
+        columns.setdefault(entry.table or '', set()).update(entry.columns)
+    return {
+        name: replace(table, columns={one: table.columns[one] for one in table.columns
+                                      if one in columns.get(name, ())})
+        for name, table in tables.items()
+        if len(table)
+    }  # fmt: skip
 
 
 def _convert_topic(

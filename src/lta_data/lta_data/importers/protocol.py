@@ -58,10 +58,8 @@ class LogReader(Protocol):
         """Columns that were used as times."""
         ...
 
-    def iterate_tables(
-        self, selection: Mapping[str, Collection[str]], reached: Reached
-    ) -> Iterator[Mapping[str, LogTable]]:
-        """Yield the selected columns of the selected tables, one part of the log at a time."""
+    def read_tables(self, selection: Mapping[str, Collection[str]]) -> Mapping[str, LogTable]:
+        """Return the selected tables, with the selected columns at least; all if none is."""
         ...
 
     def iterate_messages(self, reached: Reached) -> Iterator[PassThroughMessage]:
@@ -72,7 +70,7 @@ class LogReader(Protocol):
 @final
 @dataclass(slots=True)
 class InMemoryLog:
-    """A log that is read at once: all formats except text and bags."""
+    """A log whose tables are read on opening."""
 
     content: Mapping[str, LogTable]
     notes: list[str]
@@ -85,13 +83,9 @@ class InMemoryLog:
         """The columns of each table."""
         return {name: list(table.columns) for name, table in self.content.items()}
 
-    def iterate_tables(
-        self, selection: Mapping[str, Collection[str]], reached: Reached
-    ) -> Iterator[Mapping[str, LogTable]]:
-        """Yield all selected tables at once."""
-        # Reading is done, writing the bag is not
-        reached(0.5)
-        yield {name: self.content[name] for name in selection}
+    def read_tables(self, selection: Mapping[str, Collection[str]]) -> Mapping[str, LogTable]:
+        """Return the selected tables."""
+        return {name: self.content[name] for name in selection}
 
     def iterate_messages(self, reached: Reached) -> Iterator[PassThroughMessage]:
         """Yield nothing: these logs contain no ROS messages."""

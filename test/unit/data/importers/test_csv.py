@@ -215,17 +215,6 @@ def test_the_bag_says_where_it_comes_from(bring, tmp_path):
     assert list(found.messages) == ['/hawk/ground_truth/odom']
 
 
-def test_parts_of_a_long_text_join_without_a_seam(bring, tmp_path, monkeypatch):
-    monkeypatch.setattr('lta_data.importers.readers.csv_text.PART', 1 << 12)
-    lines = ['t,x,y,z', *(f'{5 + k}.125,{k},{k / 3!r},{-k}' for k in range(2000))]
-    found = bring(text(tmp_path / 'a.csv', *lines), POSE)
-    positions = [message.pose.pose.position for message in found.messages[ODOM]]
-    assert [p.x for p in positions] == list(range(2000))
-    assert [p.y for p in positions] == [k / 3 for k in range(2000)]
-    assert found.stamps(ODOM) == [(5 + k) * 10**9 + 125_000_000 for k in range(2000)]
-    assert not found.imported.notes
-
-
 UNITS = {'m': 1.0, 'cm': 1e-2, 'mm': 1e-3}
 
 

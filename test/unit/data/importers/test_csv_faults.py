@@ -7,7 +7,6 @@ from pathlib import Path
 from lta_config.errors import BadInput
 from lta_data.importers.readers import csv_text
 from lta_data.importers.readers.text_dialect import detect_text_format
-import pyarrow as pa
 import pytest
 
 from .csv_texts import ODOM, POSE, text
@@ -46,7 +45,7 @@ def test_a_text_with_the_wrong_separator_is_not_read_to_its_end(bring, tmp_path,
 def test_short_rows_among_as_many_of_another_kind_are_read():
     """Of a hundred thousand skipped rows, nothing tells how many good ones their part has."""
     stream = io.BytesIO(b't,x\n' + b'1,2\ne,r,r\n' * 110_000 + b'3,4\n')
-    rows = csv_text.TextRows(stream, csv_text.TextFormat(), ['t', 'x'], {'t': pa.binary()})
+    rows = csv_text.TextRows(stream, csv_text.TextFormat(), ['t', 'x'])
     assert sum(batch.num_rows for batch in rows) == 110_001
     assert rows.describe_skipped()[0].startswith('110000 rows have another number of cells')
 

@@ -51,8 +51,8 @@ def test_times_that_are_missing_or_begin_at_zero(bring, tmp_path, time, expected
 def test_a_time_keeps_every_nanosecond(seconds, nanoseconds):
     texts = [f'{seconds}.{nanoseconds:09d}', str(seconds * 10**9 + nanoseconds)]
     whole = seconds * 10**9 + nanoseconds
-    assert parse_exact_times(texts[:1], 's', 't', 0).times.tolist() == [whole]
-    assert parse_exact_times(texts[1:], 'ns', 't', 0).times.tolist() == [whole]
+    assert parse_exact_times(texts[:1], 's', 't').times.tolist() == [whole]
+    assert parse_exact_times(texts[1:], 'ns', 't').times.tolist() == [whole]
 
 
 DATES = {

@@ -69,4 +69,4 @@ def read_tables(path: Path, names: Sequence[str]) -> Mapping[str, LogTable]:
     head = {'schema': 1, 'name': 'draft', 'about': 'A draft.', 'format': 'bag', 'data': 'measured'}
     log = FORMATS['bag'].opened(path, ImportMapping.model_validate({**head, 'topics': topics}))
     there = {name: set[str]() for name in names if name in log.columns}
-    return next(iter(log.iterate_tables(there, lambda _: None)))
+    return log.read_tables(there)

@@ -24,7 +24,6 @@ from lta_data.bag.columns import extract_field_columns
 from lta_data.bag.stamps import extract_stamp
 from lta_data.importers.log_table import LogTable, Numbers
 from lta_data.importers.message_parts import MessagePart, SHAPES
-from lta_data.importers.protocol import Reached
 import numpy as np
 
 TRANSFORMS = 'tf2_msgs/msg/TFMessage'
@@ -254,8 +253,6 @@ class BagTableLog(ABC):
         """The columns of the tables that the mapping uses."""
         return {name: list(table.columns) for name, table in self._tables.items()}
 
-    def iterate_tables(
-        self, selection: Mapping[str, Collection[str]], reached: Reached
-    ) -> Iterator[Mapping[str, LogTable]]:
-        """Yield the tables that the mapping uses."""
-        yield {name: self._tables[name] for name in selection}
+    def read_tables(self, selection: Mapping[str, Collection[str]]) -> Mapping[str, LogTable]:
+        """Return the tables that the mapping uses."""
+        return {name: self._tables[name] for name in selection}

@@ -1,11 +1,11 @@
 """
-Read text with columns in parts with pyarrow, so that memory does not grow with the file.
+Read text with columns with pyarrow.
 
 Numbers are rounded to the nearest float; times are parsed as decimals, so that
 1772424689.277293682 s keeps its nanoseconds. An empty cell is missing; `nan` is NaN.
 """
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 import csv
 from pathlib import Path
@@ -13,21 +13,11 @@ import re
 from typing import Any, BinaryIO, final
 
 from lta_config.errors import BadInput
-from lta_config.limits import check_column_count, LINE_BYTES
-from lta_config.schema.import_file import ImportMapping as MappingFile
+from lta_config.limits import check_column_count, check_log_size, LINE_BYTES
 from lta_config.schema.import_file import TextFormat
-from lta_data.importers.log_provenance import CLOCK
-from lta_data.importers.log_table import encode_label, LogTable, Times
-from lta_data.importers.protocol import PassThroughMessage, RawTopic, Reached
+from lta_data.importers.log_table import Numbers
 from lta_data.importers.readers.line_stream import decompress_stream, NAMED, open_text_lines
-from lta_data.importers.readers.row_times import (
-    choose_time_offset,
-    compute_even_times,
-    parse_exact_times,
-    SECOND,
-    shorten_cell,
-)
-import numpy as np
+from lta_data.importers.readers.row_times import shorten_cell
 import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.csv as pacsv
@@ -35,139 +25,52 @@ import pyarrow.csv as pacsv
 EMPTY = ('', ' ', 'NA', 'null', 'None')  # cells without a number
 PART = 4 << 20  # bytes of text per part
 MOST_SKIPPED = 3 * PART  # bytes of skipped rows without another one; parts are read ahead
-ZONELESS = 'The dates in the log have no time zone; UTC is assumed.'
+Cells = pa.ChunkedArray  # of a column, as bytes; null where empty
 
 
-@final
-class CsvLog:
-    """
-    An opened text; see `protocol.LogReader`.
-
-    Raise `BadInput` if it cannot be read as text with columns.
-    """
-
-    def __init__(self, path: Path, mapping: MappingFile) -> None:
-        self._path = path
-        self._mapping = mapping
-        self._names = read_column_names(path, mapping.text)
-        self.columns: Mapping[str, list[str]] = {'': self._names}
-        self.raw: Mapping[str, RawTopic] = {}
-        self.notes: list[str] = []
-        self.facts: dict[str, str] = {}
-        time = mapping.time
-        self.timed = [] if time is None else time.columns
-        self._labels = {name for entry in mapping.topics for name in entry.labels}
-        self._rows = 0
-        self._shift: int | None = None
-        start = None if time is None else time.start
-        if start is not None:
-            self._shift = round(start.si * SECOND)
-        elif not self.timed:
-            self.facts[CLOCK] = 'rows counted'
-
-    def iterate_tables(
-        self, selection: Mapping[str, Collection[str]], reached: Reached
-    ) -> Iterator[Mapping[str, LogTable]]:
-        """Yield the text, one part at a time."""
-        needed = [name for name in self._names if name in selection['']]
-        if absent := [name for name in self.timed if name not in self._names]:
-            raise missing_columns_error(self._path, absent, self._names)
-        # Times as text: float64 would round nanoseconds since 1970
-        as_text = [*self.timed, *self._labels]
-        types = dict.fromkeys(needed, pa.float64()) | dict.fromkeys(as_text, pa.binary())
-        size = self._path.stat().st_size
-        with self._path.open('rb') as stream:
-            for batch in self._read_record_batches(stream, types):
-                reached(min(1.0, stream.tell() / size))
-                if batch.num_rows:
-                    yield {'': self._build_table(batch, needed)}
-
-    def iterate_messages(self, reached: Reached) -> Iterator[PassThroughMessage]:
-        """Yield nothing."""
-        yield from ()
-
-    def _read_record_batches(
-        self, stream: BinaryIO, types: Mapping[str, pa.DataType]
-    ) -> Iterator[Any]:
-        """Yield the text as record batches; an invalid cell raises BadInput with its row."""
+def read_cells(
+    path: Path, text: TextFormat, names: list[str]
+) -> tuple[dict[str, Cells], list[str]]:
+    """Return the cells of each column, without the empty ones, and remarks on skipped rows."""
+    check_log_size(path)
+    with path.open('rb') as stream:
         try:
-            rows = TextRows(stream, self._mapping.text, self._names, types)
-            yield from rows
-            self.notes += rows.describe_skipped()
-        except BadInput:
-            raise
+            rows = TextRows(stream, text, names)
+            batches = [batch for batch in rows if batch.num_rows]
         except (pa.ArrowInvalid, pa.ArrowKeyError, EOFError, OSError) as error:
-            raise self._translate_error(str(error), types) from None
+            if 'Empty CSV' not in str(error):
+                reason = ' '.join(str(error).split())
+                raise BadInput(
+                    f"'{path}' cannot be read as a text table ({reason[:200]}); correct the file, "
+                    'or the entries under "text" in the mapping, such as the delimiter.'
+                ) from None
+            raise empty_text_error(path) from None
+    notes = rows.describe_skipped()
+    if not batches:
+        raise empty_text_error(path)
+    table = pa.Table.from_batches(batches)
+    return {name: table.column(name) for name in names}, notes
 
-    def _build_table(self, batch: Any, needed: list[str]) -> LogTable:  # noqa: ANN401 - of pyarrow
-        """Return one part as a table."""
-        first, self._rows = self._rows, self._rows + batch.num_rows
-        rows = np.arange(first, self._rows, dtype=np.int64)
-        stamps = self._read_stamps(batch, rows)
-        columns, empty = {}, {}
-        for name in needed:
-            cells = batch.column(name)
-            if name in self._labels:
-                columns[name] = np.array([encode_label(decode_cell(c)) for c in cells.to_pylist()])
-                continue
-            columns[name] = cells.to_numpy(zero_copy_only=False).astype(np.float64)
-            if cells.null_count:
-                empty[name] = cells.is_null().to_numpy(zero_copy_only=False)
-        return LogTable(stamps, stamps, rows, columns, first, empty)
 
-    def _read_stamps(self, batch: Any, rows: Times) -> Times:  # noqa: ANN401 - of pyarrow
-        """Return the measurement times of the rows. [ns]"""
-        time = self._mapping.time
-        if time is None or time.column is None:
-            stamps = compute_even_times(time, rows)
-        else:
-            texts, *fractions = (
-                list(map(decode_cell, batch.column(name).to_pylist())) for name in self.timed
-            )
-            stamps, zoneless = parse_exact_times(texts, time.unit, time.column, int(rows[0]))
-            for more in fractions:
-                stamps = (
-                    stamps
-                    + parse_exact_times(
-                        more, time.fraction_unit, str(time.fraction), int(rows[0])
-                    ).times
-                )
-            if zoneless and ZONELESS not in self.notes:
-                self.notes.append(ZONELESS)
-        # The first part decides for the whole file
-        if self._shift is None:
-            self._shift = choose_time_offset(int(stamps[0]), self.notes, self.facts)
-        return stamps + self._shift
+def empty_text_error(path: Path) -> BadInput:
+    """Return the error for a text without rows."""
+    return BadInput(f"'{path}' has column names but no rows; give a log with data.")
 
-    def _translate_error(self, error: str, types: Mapping[str, pa.DataType]) -> BadInput:
-        """Return the error for text that pyarrow cannot read."""
-        # pyarrow names neither row nor column reliably, so find the cell by reading again
-        if 'conversion error' in error:
-            for name, kind in types.items():
-                if kind == pa.float64() and (cell_place := self._find_non_numeric_cell(name)):
-                    row, cell = cell_place
-                    return BadInput(
-                        f"'{self._path}': '{cell}' in column '{name}', row {row}, is not a "
-                        'number; correct it, or leave the cell empty.'
-                    )
-        if 'Empty CSV' in error:
-            return BadInput(f"'{self._path}' has column names but no rows; give a log with data.")
-        reason = ' '.join(error.split())
-        return BadInput(
-            f"'{self._path}' cannot be read as a text table ({reason[:200]}); correct the file, "
-            'or the entries under "text" in the mapping, such as the delimiter.'
-        )
 
-    def _find_non_numeric_cell(self, name: str) -> tuple[int, str] | None:
-        """Return row and text of the first non-numeric cell of a column."""
-        row = 0
-        with self._path.open('rb') as stream:
-            for batch in TextRows(stream, self._mapping.text, self._names, {name: pa.binary()}):
-                for cell in map(decode_cell, batch.column(name).to_pylist()):
-                    row += 1
-                    if cell and not is_number(cell):
-                        return row, shorten_cell(cell)
-        return None
+def parse_cells(path: Path, name: str, cells: Cells) -> Numbers:
+    """Return the cells of a column as numbers, NaN where empty; raise BadInput for words."""
+    try:
+        texts = pc.utf8_trim_whitespace(cells.cast(pa.string()))
+        numbers: Numbers = pc.cast(texts, pa.float64()).to_numpy()
+        return numbers
+    except pa.ArrowInvalid:
+        for row, cell in enumerate(decode_cells(cells)):
+            if cell and not is_number(cell):
+                raise BadInput(
+                    f"'{path}': '{shorten_cell(cell)}' in column '{name}', row {row + 1}, is not "
+                    'a number; correct it, or leave the cell empty.'
+                ) from None
+        raise
 
 
 @final
@@ -179,7 +82,6 @@ class TextRows:
         stream: BinaryIO,
         text: TextFormat,
         names: list[str],
-        types: Mapping[str, pa.DataType],
     ) -> None:
         unread = text.skip + (1 if text.header is None else 0)
         self._lines, delimiter = open_text_lines(
@@ -189,8 +91,6 @@ class TextRows:
         self._skipped_bytes = 0  # since the last row that was read
         self._first_skipped = ''
         self._rows = 0
-        # Bytes, since a text may not be UTF-8. Read at least one column to count the rows.
-        column_types = types or {names[0]: pa.binary()}
         with self._refuse_skipped_rows():
             self._reader = pacsv.open_csv(
                 self._lines,
@@ -201,8 +101,8 @@ class TextRows:
                     delimiter=delimiter, invalid_row_handler=self._skip_row
                 ),
                 convert_options=pacsv.ConvertOptions(
-                    include_columns=list(column_types),
-                    column_types=dict(column_types),
+                    # Bytes, since a text may not be UTF-8
+                    column_types=dict.fromkeys(names, pa.binary()),
                     null_values=EMPTY,
                     strings_can_be_null=True,
                 ),
@@ -329,6 +229,11 @@ def read_header(path: Path) -> list[str]:
 def decode_cell(cell: bytes | None) -> str:
     """Return a cell as text; '' if it is missing."""
     return '' if cell is None else cell.decode(errors='replace')
+
+
+def decode_cells(cells: Cells) -> list[str]:
+    """Return cells as texts; '' if they are missing."""
+    return [decode_cell(cell) for cell in cells.to_pylist()]
 
 
 def is_number(cell: str) -> bool:

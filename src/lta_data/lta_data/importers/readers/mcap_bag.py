@@ -3,14 +3,13 @@
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import cast, final
+from typing import final
 
-from lta_bridge.bag.qos import OfferedQos
 from lta_config.errors import BadInput
-from lta_config.files import parse_yaml
 from lta_config.schema.import_file import ImportMapping as MappingFile
 from lta_data.bag.bag_folder import find_bag_files
 from lta_data.bag.reader import Bag, read_bag, read_file_contents
+from lta_data.bag.recover import parse_qos_profiles
 from lta_data.importers.protocol import PassThroughMessage, RawTopic, Reached
 from lta_data.importers.readers.bag_tables import (
     BagTableLog,
@@ -86,18 +85,6 @@ def _list_raw_topics(bag: Bag, path: Path) -> dict[str, RawTopic]:
         for channel in contents.channels.values():
             # A channel without a schema gets None
             definition = read_bag_definition(channel, contents.schemas.get(channel.schema_id))
-            qos = parse_qos_profiles(channel.metadata.get('offered_qos_profiles', ''))
+            qos = parse_qos_profiles(channel)
             topics.setdefault(channel.topic, RawTopic(definition, qos))
     return {name: raw for name, raw in topics.items() if name in bag.topics}
-
-
-def parse_qos_profiles(text: str) -> list[OfferedQos]:
-    """Parse the QoS profiles of rosbag2 version 9 and later; older ones hold numbers: empty."""
-    try:
-        content = parse_yaml(text, 'the QoS')
-    except BadInput:
-        return []
-    named = isinstance(content, list) and all(
-        isinstance(one, dict) and isinstance(one.get('history'), str) for one in content
-    )
-    return cast('list[OfferedQos]', content) if named else []

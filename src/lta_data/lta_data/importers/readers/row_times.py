@@ -63,12 +63,11 @@ def _check_readable(seconds: NDArray[np.float64], rows: Times) -> None:
         )
 
 
-def parse_exact_times(texts: list[str], unit: str, column: str, first: int) -> ParsedTimes:
+def parse_exact_times(texts: list[str], unit: str, column: str) -> ParsedTimes:
     """
     Parse decimals or dates with time of day to integer nanoseconds.
 
-    A date without a zone counts as UTC. `unit` is the unit of decimals; `first` is the number of
-    rows before the first cell.
+    A date without a zone counts as UTC. `unit` is the unit of decimals.
 
     Raise `BadInput` if a cell is not a time; the message names the row.
     """
@@ -81,13 +80,13 @@ def parse_exact_times(texts: list[str], unit: str, column: str, first: int) -> P
             times[index] = reading(text)
         except OverflowError:
             raise BadInput(
-                f"Column '{column}' has '{shorten_cell(text)}' in row {first + index + 1}, "
+                f"Column '{column}' has '{shorten_cell(text)}' in row {index + 1}, "
                 'outside the range of ROS time stamps; in the mapping, correct the unit of "time".'
             ) from None
         except (ArithmeticError, ValueError):
             content = f"'{shorten_cell(text)}'" if text else 'nothing'
             raise BadInput(
-                f"Column '{column}' has {content} in row {first + index + 1}, which is not a "
+                f"Column '{column}' has {content} in row {index + 1}, which is not a "
                 'time; correct the row or remove it.'
             ) from None
     zoneless = dates and any(find_time_zone(text) == '' for text in texts)

@@ -3,7 +3,6 @@
 from pathlib import Path
 
 from lta_config.errors import BadInput, check_printable
-from lta_config.limits import check_log_size
 from lta_data.importers.readers.array_files import (
     READ,
     read_mat_file,
@@ -11,7 +10,7 @@ from lta_data.importers.readers.array_files import (
     read_parquet_file,
 )
 from lta_data.importers.readers.column_log import Column
-from lta_data.importers.readers.csv_text import decode_cell, read_column_names, TextRows
+from lta_data.importers.readers.csv_text import Cells, decode_cell, read_cells, read_column_names
 from lta_data.importers.readers.text_dialect import detect_text_format
 import numpy as np
 import pyarrow as pa
@@ -29,24 +28,10 @@ TEXTS = ('.csv', '.txt', '.tsv', '.dat', '.log')
 
 def read_text_file(path: Path) -> READ:
     """Read a text with columns completely, in whatever dialect it is."""
-    check_log_size(path)
     text = detect_text_format(path)
-    names = read_column_names(path, text)
-    with path.open('rb') as stream:
-        try:
-            rows = TextRows(stream, text, names, dict.fromkeys(names, pa.binary()))
-            batches = list(rows)
-        except (pa.ArrowInvalid, OSError, EOFError) as error:
-            reason = ' '.join(str(error).split())[:200]
-            raise BadInput(
-                f"'{path}' cannot be read as a text table ({reason}); correct the file."
-            ) from None
-    notes = rows.describe_skipped()
-    if not batches:
-        raise BadInput(f"'{path}' has column names but no rows; give a log with data.")
-    table = pa.Table.from_batches(batches)
-    columns = {name: _to_numbers(table.column(name)) for name in names}
-    _refuse_second_names(path, table, columns)
+    cells, notes = read_cells(path, text, read_column_names(path, text))
+    columns = {name: _to_numbers(one) for name, one in cells.items()}
+    _refuse_second_names(path, cells, columns)
     return {'': {name: cells for name, cells in columns.items() if cells is not None}}, notes
 
 
@@ -174,7 +159,9 @@ def _to_numbers(cells: pa.ChunkedArray) -> Column | None:
     return np.array([cell or '' for cell in texts.to_pylist()])
 
 
-def _refuse_second_names(path: Path, table: pa.Table, columns: dict[str, Column | None]) -> None:
+def _refuse_second_names(
+    path: Path, texts: dict[str, Cells], columns: dict[str, Column | None]
+) -> None:
     """Raise BadInput if a row in the middle has names instead of numbers: another log begins."""
     numbers = [name for name, cells in columns.items() if cells is not None
                and cells.dtype.kind == 'f']  # fmt: skip
@@ -182,7 +169,7 @@ def _refuse_second_names(path: Path, table: pa.Table, columns: dict[str, Column 
     if len(numbers) < 2 or 2 * len(numbers) < len(columns):
         return
     for row in np.flatnonzero(np.logical_and.reduce(lost)).tolist():
-        cells = [decode_cell(table.column(name)[row].as_py()).strip() for name in numbers]
+        cells = [decode_cell(texts[name][row].as_py()).strip() for name in numbers]
         if all(cell[:1].isalpha() and cell.lower() != 'nan' for cell in cells):
             raise BadInput(
                 f"Row {row + 1} of '{path}' has names instead of numbers ({', '.join(cells)}): "
