@@ -7,7 +7,7 @@ import sys
 from lta_cli.options.common_options import print_json
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
-from lta_data.importers.draft.choices import DraftQuestion
+from lta_data.importers.draft.choices import DraftQuestion, DraftVehicle
 from lta_data.importers.draft.draft_mapping import draft_mapping, MappingDraft
 from lta_data.importers.draft.draft_report import (
     build_draft_report,
@@ -16,7 +16,6 @@ from lta_data.importers.draft.draft_report import (
     group_channels,
     MAPPING,
 )
-from lta_data.importers.draft.draft_vehicle import DraftVehicle
 from lta_data.plot.terminal import draw_curves
 from lta_report.report_output import PAGE, write_report
 from lta_report.report_terminal import print_report, print_table

@@ -10,9 +10,16 @@ from collections.abc import Callable, Sequence
 from typing import Any, Final, final, NamedTuple
 
 from lta_data.bag.cdr_layout import CdrLayout, CdrLeaf, derive_layout, Fields, LayoutMismatch, TEXT
-from lta_data.bag.columns import add_objects
-from lta_data.bag.merge import Columns, merge_columns, PiecewiseColumn, Rows
-from lta_data.bag.stamps import extract_stamp, find_stamp_path, SECOND
+from lta_data.bag.columns import (
+    add_objects,
+    Columns,
+    extract_stamp,
+    find_stamp_path,
+    merge_columns,
+    PiecewiseColumn,
+    Rows,
+    SECOND,
+)
 import numpy as np
 from numpy.typing import NDArray
 

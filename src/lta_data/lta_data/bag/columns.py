@@ -1,17 +1,170 @@
 """
-Convert a list of messages to one array per field.
+Represent the messages of a topic as one array per field, and their stamps.
 
 `column_builder` gives the same result for whole topics, without an object for each message.
 """
 
-from collections.abc import Iterable, Iterator
-from dataclasses import fields, is_dataclass
+from collections.abc import Collection, Iterable, Iterator
+from dataclasses import dataclass, field, fields, is_dataclass
 from functools import cache
-from typing import Any, Final
+from typing import Any, Final, final, NamedTuple
 
-from lta_data.bag.merge import Columns, merge_columns, PiecewiseColumn
+from lta_config.errors import unknown_name_error
 import numpy as np
 from numpy.typing import NDArray
+
+SECOND: Final = 1_000_000_000  # ns
+# Paths of the stamp: first transform, header, or clock.
+PLACES: Final = ('transforms[0].header.stamp', 'header.stamp', 'clock')
+
+
+def extract_stamp(message: object) -> int | None:
+    """
+    Return the stamp of a decoded message, from its header, first transform or clock. [ns]
+
+    None if there is no stamp or it is zero, that is, unfilled.
+    """
+    transforms = getattr(message, 'transforms', None)
+    stamped = transforms[0] if transforms else message
+    header = getattr(stamped, 'header', None)
+    time = getattr(stamped, 'clock', None) if header is None else getattr(header, 'stamp', None)
+    seconds, rest = getattr(time, 'sec', None), getattr(time, 'nanosec', None)
+    if seconds is None or rest is None:
+        return None
+    return int(seconds) * SECOND + int(rest) or None
+
+
+def find_stamp_path(paths: Collection[str]) -> str | None:
+    """Return the path of the stamp among the paths of a message's fields; None without a stamp."""
+    for place in PLACES:
+        if f'{place}.sec' in paths and f'{place}.nanosec' in paths:
+            return place
+    return None
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class TopicSeries:
+    """Fields of one topic over time; `series['pose.pose.position.x']` returns one of them."""
+
+    # In the order of recording; for messages without a stamp, the log time converted to the clock
+    # of the stamps, shape (n,) [ns]
+    stamps: NDArray[np.int64]
+    time: NDArray[np.float64]  # the same since the start of the flight, shape (n,) [s]
+    # Numeric fields by path, in the units of the message, shape (n,)
+    numbers: dict[str, NDArray[Any]]
+    texts: dict[str, NDArray[Any]]  # text fields by path, shape (n,)
+
+    def __len__(self) -> int:
+        """Return the number of messages."""
+        return len(self.time)
+
+    def __getitem__(self, path: str) -> NDArray[Any]:
+        """Return a numeric field; raise `BadInput` with the known paths if it is unknown."""
+        if path not in self.numbers:
+            raise unknown_name_error('field', path, list(self.numbers))
+        return self.numbers[path]
+
+    def vector(self, path: str) -> NDArray[np.float64]:
+        """
+        Return the components x, y, z and, if present, w of a field, shape (n, 3) or (n, 4).
+
+        `path` is, for example, 'pose.pose.position' or 'pose.pose.orientation'.
+        """
+        parts = [self[f'{path}.{axis}'] for axis in 'xyz']
+        if f'{path}.w' in self.numbers:
+            parts.append(self.numbers[f'{path}.w'])
+        return np.stack(parts, axis=1).astype(np.float64)
+
+
+Columns = dict[str, NDArray[Any]]
+Rows = slice | NDArray[np.intp]
+
+
+class ColumnPiece(NamedTuple):
+    """A field of some messages: their rows, and values of shape (n,) or (n, elements)."""
+
+    rows: Rows
+    values: NDArray[Any]
+
+
+@final
+@dataclass(slots=True)
+class PiecewiseColumn:
+    """
+    A field in pieces.
+
+    `first` is its first occurrence: number of the message, and position in the message.
+    """
+
+    first: tuple[int, int]
+    pieces: list[ColumnPiece] = field(default_factory=list)
+    count: int = 0  # of messages that have it
+
+    def add_piece(self, first: tuple[int, int], rows: Rows, values: NDArray[Any]) -> None:
+        """Add the values of some messages."""
+        self.first = min(self.first, first)
+        self.pieces.append(ColumnPiece(rows, values))
+        self.count += len(values)
+
+
+def merge_columns(columns: dict[str, PiecewiseColumn], count: int) -> tuple[Columns, Columns]:
+    """
+    Return numbers and texts by path, in the order of first occurrence, for `count` messages.
+
+    Removes the merged columns from `columns`, which frees their memory.
+    """
+    numbers: Columns = {}
+    texts: Columns = {}
+    for path in sorted(columns, key=lambda path: columns[path].first):
+        # Remove each column once merged, so that the pieces do not double the memory
+        column = columns.pop(path)
+        values = column.pieces[0].values
+        if values.ndim == 2:
+            table = merge_arrays(column, count)
+            numbers |= {f'{path}[{index}]': table[:, index] for index in range(table.shape[1])}
+        elif values.dtype.kind == 'U':
+            texts[path] = merge_texts(column, count)
+        else:
+            numbers[path] = merge_numbers(column, count)
+    return numbers, texts
+
+
+def merge_arrays(column: PiecewiseColumn, count: int) -> NDArray[Any]:
+    """Return an array field, shape (n, longest); short arrays end in NaN."""
+    lengths = {piece.values.shape[1] for piece in column.pieces}
+    if len(lengths) == 1 and column.count == count:
+        (length,) = lengths
+        table = np.empty((count, length), column.pieces[0].values.dtype)
+    else:
+        table = np.full((count, max(lengths)), np.nan)
+    for rows, values in column.pieces:
+        table[rows, : values.shape[1]] = values
+    return table
+
+
+def merge_texts(column: PiecewiseColumn, count: int) -> NDArray[Any]:
+    """Return a text field, shape (n,); '' if a message lacks it."""
+    longest = max(piece.values.dtype.itemsize for piece in column.pieces)
+    # numpy stores four bytes per character
+    result = np.full(count, '', f'U{longest // np.dtype("U1").itemsize}')
+    for rows, values in column.pieces:
+        result[rows] = values
+    return result
+
+
+def merge_numbers(column: PiecewiseColumn, count: int) -> NDArray[Any]:
+    """Return a field of single numbers, shape (n,); NaN if a message lacks it."""
+    kinds = {piece.values.dtype for piece in column.pieces}
+    large = np.dtype(np.uint64)
+    kind = large if large in kinds else next(iter(kinds))
+    result = np.full(count, np.nan) if column.count < count else np.empty(count, kind)
+    for rows, values in column.pieces:
+        result[rows] = values
+    if result.dtype == large and result.max() <= np.iinfo(np.int64).max:
+        return result.astype(np.int64)  # numpy's default type for integers that fit
+    return result
+
 
 # Fields of lta_msgs by type: the name of their columns, '' for none.
 COLUMN_NAMES: Final = {

@@ -6,11 +6,12 @@ Memory is limited to one chunk, whatever the size of the bag.
 """
 
 from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, BinaryIO, final
+from typing import Any, BinaryIO, final, NamedTuple
 
 from lta_config.errors import BadInput, unknown_name_error
-from lta_config.limits import CHUNK_BYTES
+from lta_config.limits import CHUNK_BYTES, NOTE_BYTES
 from lta_data.bag.bag_folder import (
     ADVICE,
     describe_absent_files,
@@ -20,19 +21,19 @@ from lta_data.bag.bag_folder import (
     read_metadata,
     wrong_format_error,
 )
-from lta_data.bag.mcap_file.bag_structure import (
-    BagTopic,
-    find_message_type,
-    read_indexed_rhythm,
-    RecordingFile,
-)
 from lta_data.bag.mcap_file.channel_names import (
     complete_names,
     parse_topic_metadata,
     TopicMetadata,
 )
-from lta_data.bag.mcap_file.chunks import iterate_messages, McapMessage, RECORD, unpack_chunk
-from lta_data.bag.mcap_file.compression import DamagedRecord, decompress
+from lta_data.bag.mcap_file.chunks import (
+    DamagedRecord,
+    decompress,
+    iterate_messages,
+    McapMessage,
+    RECORD,
+    unpack_chunk,
+)
 from lta_data.bag.mcap_file.contents import (
     DamagedRegion,
     McapContents,
@@ -40,11 +41,58 @@ from lta_data.bag.mcap_file.contents import (
     read_at,
 )
 from lta_data.bag.mcap_file.decoder import explain_undecodable, MessageDecoder
-from lta_data.bag.mcap_file.rhythm import MessageIntervals
+from lta_data.bag.mcap_file.rhythm import MessageIntervals, read_ordered_times
 from lta_data.bag.mcap_file.scan import describe_damage, scan_mcap_file
 from lta_data.bag.mcap_file.summary import read_summary, summary_is_damaged, UNUSABLE
 from mcap.records import Channel, Schema
 from mcap.writer import MCAP0_MAGIC
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class BagTopic:
+    """
+    One recorded topic.
+
+    `undecodable` is the reason why its messages are kept but cannot be decoded, as a clause.
+    """
+
+    name: str
+    type_name: str
+    count: int
+    undecodable: str | None = None
+
+
+class RecordingFile(NamedTuple):
+    """One file of a bag."""
+
+    file: Path
+    contents: McapContents
+    refused: BadInput | None = None
+
+
+def find_message_type(contents: McapContents, channel: Channel) -> str:
+    """Return the message type of a channel; empty if unknown."""
+    schema = contents.schemas.get(channel.schema_id)
+    return '' if schema is None else schema.name
+
+
+def read_chunk_index(stream: BinaryIO, place: MessageRegion) -> bytes:
+    """Return the message indexes of a chunk; empty if the summary gives a wrong place."""
+    offset, length = place.index
+    try:
+        return read_at(stream, offset, length) if length <= NOTE_BYTES else b''
+    except DamagedRecord:
+        return b''
+
+
+def read_indexed_rhythm(part: RecordingFile) -> MessageIntervals:
+    """Return the timing of the messages of a finished file, from the indexes alone."""
+    rhythm = MessageIntervals()
+    with part.file.open('rb') as stream:
+        for place in part.contents.places:
+            rhythm.add_times(*read_ordered_times(read_chunk_index(stream, place)))
+    return rhythm
 
 
 @final

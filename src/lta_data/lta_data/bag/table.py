@@ -13,9 +13,8 @@ import re
 from typing import Any, Final
 
 from lta_config.errors import BadInput, unknown_name_error
-from lta_data.bag.merge import Columns
+from lta_data.bag.columns import Columns, TopicSeries
 from lta_data.bag.packed_samples import LAMP_PEAKS
-from lta_data.bag.series import TopicSeries
 from lta_data.bag.units import find_unit
 from lta_data.even_grid import check_time_span
 from lta_model.attitude import to_euler_angles

@@ -1,17 +1,24 @@
-"""Compare one channel of two flights: size, spectrum and time of the difference."""
+"""Pair the channels of A and B, and compare each: size, spectrum and time of the difference."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
-from typing import Final, final
+from typing import Final, final, NamedTuple
 
 from lta_config.errors import BadInput
-from lta_data.compare.channel_pairs import ChannelPair
-from lta_data.compare.divergence import Divergence, find_divergence, noise_band
-from lta_data.compare.measures import DifferenceMeasures, measure_difference, standard_deviation
+from lta_data.bag.channels import SignalChannel
+from lta_data.compare.divergence import (
+    DifferenceMeasures,
+    Divergence,
+    find_divergence,
+    measure_difference,
+    noise_band,
+    standard_deviation,
+)
 from lta_data.compare.sampling import (
     align_signals,
     AlignedSignals,
+    mask_absurd_values,
     median_period,
     SampledSignal,
     sort_samples,
@@ -23,6 +30,165 @@ from lta_data.compare.spectra import (
     find_correlation_peak,
 )
 import numpy as np
+
+AS: Final = '--pair odom=ground_truth/odom'
+
+
+class TopicPair(NamedTuple):
+    """Two topics to compare, and the field of each if only one channel is meant."""
+
+    topic_a: str
+    topic_b: str
+    field_a: str = ''
+    field_b: str = ''
+
+
+class ChannelPair(NamedTuple):
+    """One quantity of both flights; `name` is A's."""
+
+    name: str
+    a: SignalChannel
+    b: SignalChannel
+
+    @property
+    def angular(self) -> bool:
+        """Whether values 2 pi apart are equal."""
+        return self.a.angular and self.b.angular
+
+
+def select_topic_pairs(
+    pair_texts: Sequence[str], only: Collection[str], of_a: Sequence[str], of_b: Sequence[str]
+) -> list[TopicPair]:
+    """
+    Return the topics to compare.
+
+    `pair_texts`: 'odom=ground_truth/odom', of topics or of channels; empty for all of the same
+    name. `only`: topics of A to keep; empty for all. Raise `BadInput` if a pair is malformed, a
+    topic is missing, or there is none in common.
+    """
+    if pair_texts:
+        pairs = [parse_pair(text, of_a, of_b) for text in pair_texts]
+    else:
+        pairs = [TopicPair(topic, topic) for topic in of_a if topic in set(of_b)]
+        if not pairs:
+            raise BadInput(
+                f'The flights have no topic in common (A: {", ".join(of_a) or "none"}; B: '
+                f'{", ".join(of_b) or "none"}); name the topics to compare, as in {AS}.'
+            )
+    for name in only:
+        if name not in {each.topic_a for each in pairs}:
+            common = ', '.join(sorted({each.topic_a for each in pairs}))
+            raise BadInput(
+                f"Topic '{name}' is not among the compared topics; choose from: {common}."
+            )
+    return [each for each in pairs if not only or each.topic_a in only]
+
+
+def parse_pair(text: str, of_a: Sequence[str], of_b: Sequence[str]) -> TopicPair:
+    """Parse two topics or channels from the form 'a=b'."""
+    first, equals, second = text.partition('=')
+    if not equals or not first or not second:
+        raise BadInput(
+            f"Invalid pair '{text}'; write a topic of A, '=' and a topic of B, as in {AS}."
+        )
+    topic_a, field_a = split_channel_name(first, of_a, 'A')
+    topic_b, field_b = split_channel_name(second, of_b, 'B')
+    if bool(field_a) != bool(field_b):
+        raise BadInput(f"'{text}' pairs a topic with a channel; give two topics or two channels.")
+    return TopicPair(topic_a, topic_b, field_a, field_b)
+
+
+def split_channel_name(name: str, topics: Sequence[str], label: str) -> tuple[str, str]:
+    """Return topic and field of a name; the field is '' if the name is a topic."""
+    # The robot's topics are listed without a leading slash; accept one
+    name = name.removeprefix('/') if name not in topics else name
+    if name in topics:
+        return name, ''
+    topic, _, field = name.rpartition('/')
+    if topic in topics:
+        return topic, field
+    names = ', '.join(topics) or 'none'
+    raise BadInput(f"Flight {label} has no topic or channel '{name}'; its topics: {names}.")
+
+
+class PairingResult(NamedTuple):
+    """The pairs, and a remark for each that cannot be compared."""
+
+    pairs: list[ChannelPair]
+    remarks: list[str]
+
+
+def pair_channels(
+    topic_pairs: Sequence[TopicPair],
+    a: Mapping[str, SignalChannel],
+    b: Mapping[str, SignalChannel],
+) -> PairingResult:
+    """
+    Return the pairs of corresponding channels.
+
+    Fields correspond if they are equal or one ends with the other: `pose.position.x` of a
+    PoseStamped is `pose.pose.position.x` of an Odometry.
+
+    Raise `BadInput` if a requested channel is missing, or there is none in common.
+    """
+    pairing = PairingResult([], [])
+    for each in topic_pairs:
+        fields_a = [channel.field for channel in a.values() if channel.topic == each.topic_a]
+        fields_b = [channel.field for channel in b.values() if channel.topic == each.topic_b]
+        for field_a, field_b in match_fields(each, fields_a, fields_b):
+            name = f'{each.topic_a}/{field_a}'
+            one, other = a[name], b[f'{each.topic_b}/{field_b}']
+            # An unknown unit counts as equal.
+            if one.unit and other.unit and one.unit != other.unit:
+                pairing.remarks.append(
+                    f"Channel '{name}' is not compared: its unit is {one.unit} in A, but "
+                    f'{other.unit} in B.'
+                )
+            else:
+                pairing.pairs.append(
+                    ChannelPair(name, mask_non_finite(one), mask_non_finite(other))
+                )
+    if not pairing.pairs:
+        raise BadInput(
+            f'The flights have no channel in common; name the topics to compare, as in {AS}.'
+        )
+    return pairing
+
+
+def mask_non_finite(channel: SignalChannel) -> SignalChannel:
+    """Return a channel with NaN for all non-finite values."""
+    return replace(channel, values=mask_absurd_values(channel.values))
+
+
+def match_fields(
+    topic_pair: TopicPair, of_a: Sequence[str], of_b: Sequence[str]
+) -> list[tuple[str, str]]:
+    """Return the corresponding fields of two topics."""
+    if topic_pair.field_a:
+        for topic, field, fields in (
+            (topic_pair.topic_a, topic_pair.field_a, of_a),
+            (topic_pair.topic_b, topic_pair.field_b, of_b),
+        ):
+            if field not in fields:
+                names = ', '.join(fields)
+                raise BadInput(f"Topic '{topic}' has no channel '{field}'; it has: {names}.")
+        return [(topic_pair.field_a, topic_pair.field_b)]
+    pairs = []
+    for field in of_a:
+        if field in of_b:
+            pairs.append((field, field))
+            continue
+        ending = [
+            # Such as position.x of a Pose and pose.pose.position.x of an Odometry
+            other
+            for other in of_b
+            if other.endswith(f'.{field}') or field.endswith(f'.{other}')
+        ]
+        # Ambiguous endings are not paired.
+        if len(ending) == 1 and ending[0] not in of_a:
+            pairs.append((field, ending[0]))
+    return pairs
+
 
 STRAY: Final = 0.01  # share of samples that noise alone may put outside the band
 

@@ -20,7 +20,7 @@ from lta_data.compare.coarse_lag import (
     SharedQuantity,
     unwrap_finite,
 )
-from lta_data.compare.measures import NORMAL
+from lta_data.compare.divergence import NORMAL_QUANTILE
 from lta_data.compare.sampling import Array, interpolate_signal, median_period, SampledSignal
 from lta_data.even_grid import is_grid_allowed
 import numpy as np
@@ -216,7 +216,7 @@ def variance_inflation(channels: Sequence[PreparedChannel], span: float) -> floa
     width = max(each.width for each in channels)
     lost = min(0.5, 2.0 * width * BLOCKS / (math.sqrt(math.pi) * span)) if span > 0.0 else 0.5
     # Student's t for few blocks, relative to the normal quantile
-    few = float(stdtrit(BLOCKS - 1, 0.975)) / NORMAL
+    few = float(stdtrit(BLOCKS - 1, 0.975)) / NORMAL_QUANTILE
     return few**2 / (1.0 - lost)
 
 

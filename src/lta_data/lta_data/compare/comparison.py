@@ -10,21 +10,21 @@ from lta_data.bag.recorded_flight import RecordedFlight
 from lta_data.compare.channel_comparison import (
     build_pair_signals,
     ChannelComparison,
+    ChannelPair,
     compare_channels,
     find_channel_tolerances,
-)
-from lta_data.compare.channel_pairs import (
-    ChannelPair,
     pair_channels,
     select_topic_pairs,
     TopicPair,
 )
 from lta_data.compare.compared_flight import (
     ComparedFlight,
+    find_topic_faults,
     has_equal_messages,
     read_compared_flight,
+    SLOWER,
+    TopicFaults,
 )
-from lta_data.compare.faults import find_topic_faults, SLOWER, TopicFaults
 from lta_data.compare.frame_alignment import align_frames, FrameAlignment, Frames
 from lta_data.compare.sampling import Array, mask_absurd_values
 from lta_data.compare.time_alignment import Align, align_times, TimeAlignment

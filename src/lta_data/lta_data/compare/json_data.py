@@ -5,9 +5,8 @@ from dataclasses import asdict
 from typing import Any
 
 from lta_data.compare.channel_comparison import ChannelComparison
-from lta_data.compare.compared_flight import ComparedFlight
+from lta_data.compare.compared_flight import ComparedFlight, TopicFaults
 from lta_data.compare.comparison import ComparisonResult
-from lta_data.compare.faults import TopicFaults
 from lta_data.compare.sentences import format_verdict
 from lta_data.compare.spectra import average_log_bands, ChannelSpectra
 from lta_report.json_value import to_json_value

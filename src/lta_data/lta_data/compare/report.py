@@ -13,6 +13,7 @@ from lta_data.compare.channel_roles import (
     select_panel_channels,
 )
 from lta_data.compare.comparison import ComparisonResult
+from lta_data.compare.figures import encode_channel, encode_floats
 from lta_data.compare.json_data import comparison_to_dict
 from lta_data.compare.report_tables import (
     build_alignment_table,
@@ -32,7 +33,6 @@ from lta_data.compare.sentences import (
     MISSING,
 )
 from lta_data.compare.spectra import average_log_bands
-from lta_data.compare.traces import encode_channel, encode_floats
 from lta_report.flight_scene import render_time_bar
 from lta_report.formatting import Tile
 from lta_report.html_elements import embed_data

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Final, final, Literal
 
 from lta_config.errors import BadInput
-from lta_data.compare.channel_pairs import ChannelPair
+from lta_data.compare.channel_comparison import ChannelPair
 from lta_data.compare.clock_offset import ClockOffset, estimate_clock_offset
 from lta_data.compare.coarse_lag import SharedQuantity
 from lta_data.compare.compared_flight import ComparedFlight

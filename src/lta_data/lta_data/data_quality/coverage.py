@@ -5,12 +5,12 @@ from typing import Final, final, NamedTuple
 
 from lta_data.bag.channels import SignalChannel
 from lta_data.data_quality import limits, roles
-from lta_data.data_quality.check_context import CheckContext
 from lta_data.data_quality.checks.constant_channels import is_constant
 from lta_data.data_quality.checks.stamps import is_regular
 from lta_data.data_quality.checks.units import SIZES
 from lta_data.data_quality.finding import QualityFinding, Severity
-from lta_data.data_quality.runs import find_coarse_unit
+from lta_data.data_quality.recording import CheckContext
+from lta_data.data_quality.smoothing import find_coarse_unit
 from lta_data.data_quality.valid_ranges import COUNTS, RANGES, SPREAD
 import numpy as np
 

@@ -1,14 +1,30 @@
-"""Represent the data of one flight for the checks: channels, provenance and log times."""
+"""Represent the data of one flight for the checks, with what several of them derive from it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 import re
 from typing import Final, final
 
+from lta_config.errors import BadInput
+from lta_config.schema.vehicle_file import VehicleFile
 from lta_data.bag.channels import read_all_channels, SignalChannel
+from lta_data.bag.columns import extract_stamp
 from lta_data.bag.recorded_flight import RecordedFlight
-from lta_data.bag.stamps import extract_stamp
+from lta_data.data_quality.motion import (
+    collect_inertials,
+    collect_poses,
+    InertialSeries,
+    PoseSeries,
+)
+from lta_data.data_quality.motion_pairs import (
+    find_motion_pairs,
+    measure_similarity,
+    MotionPair,
+    PairSimilarity,
+)
 from lta_data.data_quality.roles import is_instrument_topic
+from lta_data.scene import parse_provenance_file
 import numpy as np
 from numpy.typing import NDArray
 
@@ -92,3 +108,36 @@ def read_quaternions(
             masked = np.where(known_there, values, np.nan)
             quaternions[name] = SignalChannel(name, '1', series.time, masked)
     return quaternions
+
+
+@final
+class CheckContext:
+    """A recording with the derived data that several checks use."""
+
+    def __init__(self, recording: ChannelRecording) -> None:
+        self.recording = recording
+
+    @cached_property
+    def poses(self) -> list[PoseSeries]:
+        """Topics with the motion of the vehicle, trackers first."""
+        return collect_poses(self.recording.channels)
+
+    @cached_property
+    def inertials(self) -> list[InertialSeries]:
+        """Inertial sensors."""
+        return collect_inertials(self.recording.channels)
+
+    @cached_property
+    def adc_full_scale(self) -> float | None:
+        """Largest reading of the diodes' ADC; None without a vehicle file. [counts]"""
+        try:
+            vehicle = parse_provenance_file(VehicleFile, self.recording.provenance, 'vehicle_file')
+        except BadInput:  # file of another version; the other checks still work
+            return None
+        return vehicle.sensors.diodes.largest_reading if vehicle else None
+
+    @cached_property
+    def pair_similarities(self) -> list[tuple[MotionPair, PairSimilarity | None]]:
+        """Pairs of sources for the same motion, with their similarity."""
+        pairs = find_motion_pairs(self.recording.channels)
+        return [(pair, measure_similarity(pair)) for pair in pairs]

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from typing import Final, final, Protocol
 
-from lta_data.data_quality.check_context import CheckContext
 from lta_data.data_quality.checks import (
     axes,
     clipping,
@@ -20,7 +19,7 @@ from lta_data.data_quality.checks import (
 from lta_data.data_quality.checks.rereadings import find_rereadings, remove_explained_findings
 from lta_data.data_quality.coverage import describe_coverage
 from lta_data.data_quality.finding import CheckVerdict, QualityFinding
-from lta_data.data_quality.recording import ChannelRecording
+from lta_data.data_quality.recording import ChannelRecording, CheckContext
 from lta_data.data_quality.roles import vector_name
 import numpy as np
 

@@ -9,13 +9,15 @@ fit into memory and into 2 GB.
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 import re
-from typing import Any, Final
+from typing import Any, Final, TYPE_CHECKING
 
 from lta_config.errors import BadInput
-from lta_data.export.source import ExportSource
 import numpy as np
 import pyarrow as arrow
 from scipy.io import savemat
+
+if TYPE_CHECKING:
+    from lta_data.export.run import ExportSource
 
 LARGEST: Final = 2**31 - 1  # bytes of a variable in version 5
 LONGEST: Final = 63  # characters of a name, namelengthmax of MATLAB
@@ -26,7 +28,7 @@ _LAST: Final = re.compile(r'(.*)\[(\d+)\]')
 Struct = dict[str, Any]
 
 
-def write_mat(source: ExportSource, path: Path) -> Iterator[arrow.Table]:
+def write_mat(source: 'ExportSource', path: Path) -> Iterator[arrow.Table]:
     """
     Write a file and yield its table.
 

@@ -7,13 +7,16 @@ from typing import Any, final, NamedTuple
 from lta_config.errors import BadInput
 from lta_config.quantity import UNITS
 from lta_config.schema.import_file import AppliedForce, OrientationField, ScalarField, VectorField
-from lta_data.importers.attitude import compute_quaternions, convert_attitude, rotate_into_body
-from lta_data.importers.axes import convert_to_lta_axes
+from lta_data.importers.axes import (
+    compute_quaternions,
+    convert_attitude,
+    convert_to_lta_axes,
+    LocalMap,
+    rotate_into_body,
+)
 from lta_data.importers.cdr_template import CdrTemplate
-from lta_data.importers.entry_plan import EntryPlan
-from lta_data.importers.geodetic import LocalMap
-from lta_data.importers.log_table import encode_label, LogTable, Numbers, Times
-from lta_data.importers.message_parts import CHILD, JOINT_DIMENSIONS, JOINTS, MessagePart
+from lta_data.importers.entry_plan import CHILD, EntryPlan, JOINT_DIMENSIONS, JOINTS, MessagePart
+from lta_data.importers.protocol import encode_label, LogTable, Numbers, Times
 import numpy as np
 
 UNKNOWN = -1.0  # first covariance element of an unknown quantity, as in sensor_msgs/Imu

@@ -15,8 +15,8 @@ from lta_data.importers.draft.clock_alignment import (
     TimedTable,
 )
 from lta_data.importers.formats import find_format
-from lta_data.importers.log_table import join_tables, LogTable, Numbers
 from lta_data.importers.mapping_choice import choose_entries
+from lta_data.importers.protocol import join_tables, LogTable, Numbers
 import numpy as np
 from scipy.spatial.transform import Rotation
 

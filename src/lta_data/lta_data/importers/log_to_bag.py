@@ -10,9 +10,8 @@ from pathlib import Path
 from lta_bridge.bag.qos import build_offered_qos
 from lta_bridge.bag.writer import BagWriter
 from lta_data.importers.converter import ConvertedMessages, TopicConverter, ValueOutOfBounds
-from lta_data.importers.log_table import join_tables, LogTable
 from lta_data.importers.mapping_choice import MappingChoice
-from lta_data.importers.protocol import LogReader, Reached
+from lta_data.importers.protocol import join_tables, LogReader, LogTable, Reached
 import numpy as np
 
 

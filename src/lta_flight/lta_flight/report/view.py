@@ -12,8 +12,8 @@ from typing import Any, Final, final
 from lta_config.covariances import select_estimates
 from lta_config.topics import load_topic_table
 from lta_data.bag.channels import find_airspeed_topic
+from lta_data.bag.columns import TopicSeries
 from lta_data.bag.recorded_flight import PointSeries, RecordedFlight
-from lta_data.bag.series import TopicSeries
 from lta_data.compare.sampling import median_period
 from lta_data.even_grid import check_time_span
 from lta_data.scene import read_scene

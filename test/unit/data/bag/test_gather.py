@@ -10,9 +10,8 @@ from lta_config.topics import load_topic_table
 from lta_data.bag import column_builder
 from lta_data.bag.cdr_layout import derive_layout, LayoutMismatch
 from lta_data.bag.column_builder import ColumnBuilder, MessageType
-from lta_data.bag.columns import extract_field_columns
+from lta_data.bag.columns import extract_field_columns, extract_stamp
 from lta_data.bag.mcap_file.decoder import MessageDecoder
-from lta_data.bag.stamps import extract_stamp
 from mcap.records import Schema
 import numpy as np
 import pytest

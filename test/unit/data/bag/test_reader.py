@@ -10,7 +10,7 @@ import sys
 from lta_bridge.bag import BagWriter
 from lta_config.errors import BadInput
 from lta_data.bag import read_bag
-from lta_data.bag.mcap_file.compression import DamagedRecord
+from lta_data.bag.mcap_file.chunks import DamagedRecord
 from lta_data.bag.mcap_file.contents import read_at
 from lta_data.bag.mcap_file.scan import scan_mcap_file
 from lta_data.bag.mcap_file.summary import read_summary

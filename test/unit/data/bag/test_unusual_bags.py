@@ -6,7 +6,7 @@ from lta_bridge.bag import BagWriter
 from lta_bridge.bag.schemas import generate_definition
 from lta_config.errors import BadInput
 from lta_data.bag import read_bag, summarize_bag
-from lta_data.bag.mcap_file import compression
+from lta_data.bag.mcap_file import chunks
 from lta_data.bag.mcap_file.decoder import explain_undecodable
 from mcap.data_stream import RecordBuilder
 from mcap.reader import make_reader
@@ -100,16 +100,16 @@ def test_unknown_compression_is_named(tmp_path):
 
 
 def test_chunks_that_claim_too_much_cost_no_memory(tmp_path, monkeypatch):
-    monkeypatch.setattr(compression, 'CHUNK_BYTES', 1 << 20)
+    monkeypatch.setattr(chunks, 'CHUNK_BYTES', 1 << 20)
     zeros = bytes(4 << 20)
     told = zstandard.ZstdCompressor().compress(zeros)
     silent = zstandard.ZstdCompressor(write_content_size=False).compress(zeros)
-    packed_lz4 = compression.lz4.frame.compress(zeros, store_size=False)
+    packed_lz4 = chunks.lz4.frame.compress(zeros, store_size=False)
     liar = bytearray(zstandard.ZstdCompressor().compress(bytes(300_000)))
     liar[5:9] = b'\xff\xff\xff\x7f'  # the content size, in 4 bytes behind magic and descriptor
     for kind, packed in (('zstd', told), ('zstd', silent), ('lz4', packed_lz4), ('zstd', liar)):
-        with pytest.raises(compression.DamagedRecord, match=r'decompress|^$'):
-            compression.decompress(kind, bytes(packed))
+        with pytest.raises(chunks.DamagedRecord, match=r'decompress|^$'):
+            chunks.decompress(kind, bytes(packed))
     good = message(7)
     bombs = [('zstd', told, len(zeros), 1), ('lz4', packed_lz4, len(zeros), 1)]
     bag = read_bag(chunked(tmp_path / 'a.mcap', *bombs, ('', good, len(good), 0)))
@@ -298,10 +298,9 @@ def test_chunks_without_the_topic_are_not_unpacked(tmp_path, monkeypatch):
         chunk_size=300,
         compression=CompressionType.ZSTD,
     )
-    seen = []
+    seen, whole = [], chunks.decompress
     monkeypatch.setattr(
-        'lta_data.bag.mcap_file.chunks.decompress',
-        lambda kind, data: seen.append(kind) or compression.decompress(kind, data),
+        chunks, 'decompress', lambda kind, data: seen.append(kind) or whole(kind, data)
     )
     assert len(list(read_bag(file).iterate_messages(['/rare']))) == 1
     assert len(seen) == 1

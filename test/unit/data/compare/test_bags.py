@@ -5,7 +5,7 @@ from lta_bridge.bag.schemas import load_jazzy_types
 from lta_config.errors import BadInput
 from lta_data.bag import open_flight
 from lta_data.bag.channels import SignalChannel
-from lta_data.compare.channel_pairs import select_topic_pairs
+from lta_data.compare.channel_comparison import select_topic_pairs
 from lta_data.compare.compared_flight import build_compared_flight
 from lta_data.compare.comparison import compare_flights, compare_sides, ComparisonRequest
 from lta_data.compare.sentences import describe_faults, format_verdict

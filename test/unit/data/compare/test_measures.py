@@ -3,12 +3,18 @@
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from lta_data.bag.channels import SignalChannel
-from lta_data.compare.channel_comparison import compare_channels
-from lta_data.compare.channel_pairs import ChannelPair
-from lta_data.compare.divergence import find_divergence, noise_band, noise_deviation
-from lta_data.compare.faults import FaultInterval, find_topic_faults
-from lta_data.compare.frame_fit import fit_frame_transform
-from lta_data.compare.measures import autocorrelation_time, measure_difference, rms_interval
+from lta_data.compare.channel_comparison import ChannelPair, compare_channels
+from lta_data.compare.compared_flight import FaultInterval, find_topic_faults
+from lta_data.compare.divergence import (
+    autocorrelation_time,
+    find_divergence,
+    measure_difference,
+    noise_band,
+    noise_deviation,
+    rms_interval,
+)
+from lta_data.compare.figures import thin_signal
+from lta_data.compare.frame_alignment import fit_frame_transform
 from lta_data.compare.sampling import (
     align_signals,
     break_at_gaps,
@@ -17,7 +23,6 @@ from lta_data.compare.sampling import (
     wrap_angle,
 )
 from lta_data.compare.spectra import average_log_bands, compute_spectra, find_correlation_peak
-from lta_data.compare.traces import thin_signal
 import numpy as np
 import pytest
 from scipy import signal

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from lta_data.bag import open_flight
 from lta_data.bag.channels import SignalChannel
-from lta_data.compare.channel_pairs import select_topic_pairs
+from lta_data.compare.channel_comparison import select_topic_pairs
 from lta_data.compare.compared_flight import build_compared_flight
 from lta_data.compare.comparison import compare_flights, compare_sides, ComparisonRequest
 from lta_data.importers.progress import ImportProgress

@@ -10,8 +10,7 @@ from lta_data.data_quality.finding import Severity
 from lta_data.data_quality.recording import ChannelRecording
 from lta_data.data_quality.registry import run_checks
 from lta_data.data_quality.roles import is_instrument_topic, vector_name
-from lta_data.data_quality.runs import find_runs, merge_runs
-from lta_data.data_quality.smoothing import hann_kernel, smooth_columns
+from lta_data.data_quality.smoothing import find_runs, hann_kernel, merge_runs, smooth_columns
 import numpy as np
 import pytest
 import yaml

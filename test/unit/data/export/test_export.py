@@ -7,7 +7,7 @@ from lta_bridge.bag import BagWriter
 from lta_cli.app import build_app
 from lta_config.errors import BadInput
 from lta_data.bag import read_bag
-from lta_data.export import run, source
+from lta_data.export import run
 from lta_data.export.mat_file import format_matlab_name
 from lta_data.export.run import export_recording, ExportRequest
 import numpy as np
@@ -158,8 +158,8 @@ def test_names_that_matlab_takes(name, expected):
 def test_samples_and_points_are_rows_with_times_of_their_own(
     mixed_bag, tmp_path, monkeypatch, stretch
 ):
-    monkeypatch.setattr(source, 'BLOCK_ROWS', stretch)
-    monkeypatch.setattr(source, 'POINT_ROWS', stretch)
+    monkeypatch.setattr(run, 'BLOCK_ROWS', stretch)
+    monkeypatch.setattr(run, 'POINT_ROWS', stretch)
     written, done = files(mixed_bag, 'parquet', tmp_path / 'out')
     assert done.remarks == ["Of the messages on 'camera', the data are not exported."]
     table = parquet.read_table(written['photodiodes'].file)

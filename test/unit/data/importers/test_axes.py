@@ -4,14 +4,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.errors import BadInput
 from lta_config.schema.import_file import FIELD_AXES, OrientationField
-from lta_data.importers.attitude import (
+from lta_data.importers.axes import (
     apply_matrix,
+    attitude_matrix,
     compute_quaternions,
     convert_attitude,
+    convert_to_lta_axes,
     rotate_into_body,
+    signed_permutation,
 )
-from lta_data.importers.axes import attitude_matrix, convert_to_lta_axes, signed_permutation
-from lta_data.importers.log_table import LogTable
+from lta_data.importers.protocol import LogTable
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation

@@ -6,10 +6,9 @@ import json
 from lta_cli.options.draft_command import ask_user
 from lta_config.errors import BadInput
 from lta_config.schema.import_file import load_mapping
-from lta_data.importers.draft.choices import DraftQuestion
+from lta_data.importers.draft.choices import DraftQuestion, DraftVehicle
 from lta_data.importers.draft.column_groups import group_columns
 from lta_data.importers.draft.draft_mapping import draft_mapping
-from lta_data.importers.draft.draft_vehicle import DraftVehicle
 from lta_data.importers.draft.name_hints import parse_column_name
 from lta_data.importers.readers.text_dialect import detect_text_format
 import numpy as np

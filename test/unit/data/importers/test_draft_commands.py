@@ -1,8 +1,8 @@
 """Commands of body axes become a wrench, numbers of arrays are asked for, and rotors get names."""
 
 from lta_config.errors import BadInput
+from lta_data.importers.draft.choices import DraftVehicle
 from lta_data.importers.draft.draft_mapping import draft_mapping
-from lta_data.importers.draft.draft_vehicle import DraftVehicle
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest

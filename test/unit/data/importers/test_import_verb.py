@@ -9,9 +9,8 @@ from lta_cli import app
 from lta_config.files import list_shipped_names, parse_yaml, validate_content
 from lta_config.schema.import_file import FIELD_AXES, Format, ImportMapping, load_mapping
 from lta_data.bag.reader import read_bag
-from lta_data.importers.entry_plan import plan_entry
+from lta_data.importers.entry_plan import EXTRA, plan_entry, SHAPES
 from lta_data.importers.formats import FORMATS
-from lta_data.importers.message_parts import EXTRA, SHAPES
 import pytest
 
 TRACE = '1.5 1 2 3 0 0 0 1\n2.5 1 2 4 0 0 0 1\n'

@@ -11,7 +11,7 @@ from typing import BinaryIO, final
 from lta_bridge.bag.mcap_file import PROVENANCE
 from lta_config.errors import strip_control_codes, to_one_line
 from lta_config.limits import CHANNELS
-from lta_data.bag.mcap_file.compression import DamagedRecord
+from lta_data.bag.mcap_file.chunks import DamagedRecord
 from lta_data.bag.mcap_file.rhythm import MessageIntervals
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError

@@ -12,8 +12,13 @@ import re
 from typing import BinaryIO, Final, final, NamedTuple
 
 from lta_config.limits import CHUNK_BYTES, NOTE_BYTES
-from lta_data.bag.mcap_file.chunks import iterate_records, MESSAGE, RECORD, unpack_chunk
-from lta_data.bag.mcap_file.compression import DamagedRecord
+from lta_data.bag.mcap_file.chunks import (
+    DamagedRecord,
+    iterate_records,
+    MESSAGE,
+    RECORD,
+    unpack_chunk,
+)
 from lta_data.bag.mcap_file.contents import DamagedRegion, McapContents, MessageRegion
 from mcap.opcode import Opcode
 from mcap.writer import MCAP0_MAGIC

@@ -7,8 +7,7 @@ from typing import BinaryIO
 import zlib
 
 from lta_config.limits import NOTE_BYTES, SUMMARY_BYTES
-from lta_data.bag.mcap_file.chunks import iterate_records, RECORD
-from lta_data.bag.mcap_file.compression import DamagedRecord
+from lta_data.bag.mcap_file.chunks import DamagedRecord, iterate_records, RECORD
 from lta_data.bag.mcap_file.contents import McapContents, MessageRegion, read_at
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError

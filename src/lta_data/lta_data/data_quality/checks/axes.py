@@ -12,7 +12,6 @@ from itertools import permutations, product
 from typing import Final
 
 from lta_data.data_quality import limits
-from lta_data.data_quality.check_context import CheckContext
 from lta_data.data_quality.finding import (
     CheckVerdict,
     QualityFinding,
@@ -22,12 +21,14 @@ from lta_data.data_quality.finding import (
 from lta_data.data_quality.motion import PoseSeries, remove_sign_jumps, VectorSeries
 from lta_data.data_quality.motion_pairs import (
     interpolate_attitude,
+    measure_similarity,
     MotionPair,
     pair_force,
     pair_rates,
     pair_velocity,
+    PairSimilarity,
 )
-from lta_data.data_quality.pair_similarity import measure_similarity, PairSimilarity
+from lta_data.data_quality.recording import CheckContext
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation

@@ -9,10 +9,14 @@ from collections.abc import Iterator
 from typing import final, NamedTuple
 
 from lta_data.data_quality import limits
-from lta_data.data_quality.check_context import CheckContext
 from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
-from lta_data.data_quality.motion_pairs import MotionPair
-from lta_data.data_quality.pair_similarity import estimate_lag, high_pass_pair, PairSimilarity
+from lta_data.data_quality.motion_pairs import (
+    estimate_lag,
+    high_pass_pair,
+    MotionPair,
+    PairSimilarity,
+)
+from lta_data.data_quality.recording import CheckContext
 import numpy as np
 from numpy.typing import NDArray
 

@@ -9,9 +9,9 @@ from collections.abc import Iterator
 
 from lta_data.bag.channels import SignalChannel
 from lta_data.data_quality import limits, roles
-from lta_data.data_quality.check_context import CheckContext
 from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
-from lta_data.data_quality.runs import find_coarse_unit
+from lta_data.data_quality.recording import CheckContext
+from lta_data.data_quality.smoothing import find_coarse_unit
 import numpy as np
 from numpy.typing import NDArray
 

@@ -10,11 +10,10 @@ import math
 
 from lta_data.bag.channels import SignalChannel
 from lta_data.data_quality import limits, roles
-from lta_data.data_quality.check_context import CheckContext
 from lta_data.data_quality.checks.constant_channels import is_constant
 from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
-from lta_data.data_quality.runs import find_coarse_unit, find_runs
-from lta_data.data_quality.smoothing import median_period
+from lta_data.data_quality.recording import CheckContext
+from lta_data.data_quality.smoothing import find_coarse_unit, find_runs, median_period
 import numpy as np
 from numpy.typing import NDArray
 

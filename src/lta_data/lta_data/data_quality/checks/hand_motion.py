@@ -13,15 +13,15 @@ from typing import final, NamedTuple
 
 from lta_config.limits import GRID
 from lta_data.data_quality import limits, roles
-from lta_data.data_quality.check_context import CheckContext
 from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
 from lta_data.data_quality.motion import VectorSeries
-from lta_data.data_quality.recording import ChannelRecording
-from lta_data.data_quality.runs import find_runs, merge_runs
+from lta_data.data_quality.recording import ChannelRecording, CheckContext
 from lta_data.data_quality.smoothing import (
+    find_runs,
     hann_kernel,
     interpolate_on_grid,
     median_period,
+    merge_runs,
     smooth_columns,
 )
 from lta_data.data_quality.tracker_jumps import find_tracker_jumps

@@ -11,8 +11,8 @@ from collections import defaultdict
 
 from lta_data.bag.channels import SignalChannel
 from lta_data.data_quality import limits, roles
-from lta_data.data_quality.check_context import CheckContext
 from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
+from lta_data.data_quality.recording import CheckContext
 from lta_data.data_quality.smoothing import sort_samples
 import numpy as np
 from numpy.typing import NDArray

@@ -10,7 +10,6 @@ from typing import Final
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_data.data_quality import limits
-from lta_data.data_quality.check_context import CheckContext
 from lta_data.data_quality.checks.angle_units import find_wrong_angle_unit
 from lta_data.data_quality.finding import QualityFinding, Severity
 from lta_data.data_quality.motion import PoseSeries, VectorSeries
@@ -28,6 +27,7 @@ from lta_data.data_quality.motion_scales import (
     TILT,
     VectorFit,
 )
+from lta_data.data_quality.recording import CheckContext
 from lta_data.data_quality.smoothing import hann_kernel, median_period, smooth_columns
 import numpy as np
 from numpy.typing import NDArray

@@ -5,10 +5,9 @@ from typing import Any
 
 from lta_data.bag.channels import SignalChannel
 from lta_data.data_quality import limits
-from lta_data.data_quality.check_context import CheckContext
 from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
-from lta_data.data_quality.runs import find_runs
-from lta_data.data_quality.smoothing import median_period, TOGETHER
+from lta_data.data_quality.recording import CheckContext
+from lta_data.data_quality.smoothing import find_runs, median_period, TOGETHER
 import numpy as np
 from numpy.typing import NDArray
 

@@ -12,15 +12,14 @@ from typing import Final, NamedTuple
 from lta_config.constants import STANDARD_GRAVITY
 from lta_data.bag.channels import SignalChannel
 from lta_data.data_quality import limits
-from lta_data.data_quality.check_context import CheckContext
 from lta_data.data_quality.finding import (
     CheckVerdict,
     QualityFinding,
     select_first_findings,
     Severity,
 )
-from lta_data.data_quality.motion_pairs import MotionPair
-from lta_data.data_quality.pair_similarity import PairSimilarity
+from lta_data.data_quality.motion_pairs import MotionPair, PairSimilarity
+from lta_data.data_quality.recording import CheckContext
 import numpy as np
 from numpy.typing import NDArray
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Final
 
 from lta_data.even_grid import build_uniform_time_grid
-from lta_data.importers.draft.choices import DraftChoices
+from lta_data.importers.draft.choices import BODY_AXES, DraftChoices
 from lta_data.importers.draft.clock_alignment import (
     find_motion,
     find_rising,
@@ -12,10 +12,9 @@ from lta_data.importers.draft.clock_alignment import (
     sum_residuals,
     TimedTable,
 )
-from lta_data.importers.draft.draft_vehicle import BODY_AXES
 from lta_data.importers.draft.generic_commands import ask_for_meanings
 from lta_data.importers.draft.name_hints import ColumnName, NUMBERED
-from lta_data.importers.log_table import LogTable, Numbers
+from lta_data.importers.protocol import LogTable, Numbers
 import numpy as np
 
 # A twist or a force in a message: linear.x is surge

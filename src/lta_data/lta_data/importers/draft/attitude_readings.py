@@ -6,7 +6,7 @@ from typing import Any, Final, final, NamedTuple
 
 from lta_data.importers.draft.column_groups import ColumnGroup, find_turn, measure_length
 from lta_data.importers.draft.name_hints import HEADINGS, parse_column_name, WORDS
-from lta_data.importers.log_table import Numbers
+from lta_data.importers.protocol import Numbers
 import numpy as np
 from scipy.spatial.transform import Rotation
 

@@ -10,8 +10,7 @@ from typing import Any, Final
 
 from lta_config.errors import BadInput
 from lta_config.quantity import Quantity
-from lta_data.importers.draft.choices import DraftChoices
-from lta_data.importers.draft.draft_vehicle import BODY_AXES
+from lta_data.importers.draft.choices import BODY_AXES, DraftChoices
 from lta_data.importers.draft.name_hints import (
     ACTUATORS,
     AXIS_LETTERS,
@@ -28,7 +27,7 @@ from lta_data.importers.draft.name_hints import (
     UNIT_WORDS,
     WORDS,
 )
-from lta_data.importers.log_table import Numbers
+from lta_data.importers.protocol import Numbers
 import numpy as np
 from pydantic import ValidationError
 

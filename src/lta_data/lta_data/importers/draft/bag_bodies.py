@@ -7,10 +7,9 @@ from lta_config.errors import unknown_name_error
 from lta_config.schema.import_file import ImportMapping
 from lta_data.importers.draft.bodies import STILL
 from lta_data.importers.draft.choices import DraftChoices
+from lta_data.importers.entry_plan import SHAPES
 from lta_data.importers.formats import FORMATS
-from lta_data.importers.log_table import LogTable
-from lta_data.importers.message_parts import SHAPES
-from lta_data.importers.protocol import LogReader
+from lta_data.importers.protocol import LogReader, LogTable
 from lta_data.importers.readers.bag_tables import BagTableLog, BODIES, FURTHER
 import numpy as np
 

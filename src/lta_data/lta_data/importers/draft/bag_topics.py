@@ -10,10 +10,9 @@ from lta_config.schema.import_file import FIELD_AXES
 from lta_data.importers.axes import signed_permutation
 from lta_data.importers.draft.array_commands import ask_for_columns
 from lta_data.importers.draft.bag_bodies import choose_body, choose_moving, read_tables
-from lta_data.importers.draft.choices import DraftChoices
+from lta_data.importers.draft.choices import BODY_AXES, DraftChoices
 from lta_data.importers.draft.clock_alignment import TimedTable
 from lta_data.importers.draft.column_groups import ColumnGroup
-from lta_data.importers.draft.draft_vehicle import BODY_AXES
 from lta_data.importers.draft.motion_draft import draft_motion, MotionDraft
 from lta_data.importers.draft.name_hints import (
     ACTUATORS,
@@ -28,9 +27,9 @@ from lta_data.importers.draft.scalar_draft import draft_scalars
 from lta_data.importers.draft.table_draft import draft_table
 from lta_data.importers.draft.time_base import TimeBase
 from lta_data.importers.draft.vertical import CONFLICT, find_axes, VerticalAxes
+from lta_data.importers.entry_plan import SHAPES
 from lta_data.importers.formats import FORMATS
-from lta_data.importers.log_table import LogTable, Numbers
-from lta_data.importers.message_parts import SHAPES
+from lta_data.importers.protocol import LogTable, Numbers
 from lta_data.importers.readers.bag_tables import BODIES, CHILD, FURTHER
 import numpy as np
 from scipy.spatial.transform import Rotation

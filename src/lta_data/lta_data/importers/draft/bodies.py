@@ -6,7 +6,7 @@ from typing import Any, Final, final, NamedTuple
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.column_groups import ColumnGroup, Columns, group_columns
 from lta_data.importers.draft.name_hints import KINDS, match_role, parse_column_name
-from lta_data.importers.log_table import Numbers
+from lta_data.importers.protocol import Numbers
 from lta_data.importers.readers.column_log import Column
 import numpy as np
 

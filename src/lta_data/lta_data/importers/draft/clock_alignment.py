@@ -13,7 +13,7 @@ from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.column_groups import Columns
 from lta_data.importers.draft.kinematics import body_rates_of, differentiate
 from lta_data.importers.draft.table_draft import list_columns, TableDraft
-from lta_data.importers.log_table import Numbers
+from lta_data.importers.protocol import Numbers
 import numpy as np
 from pydantic import ValidationError
 from scipy.spatial.transform import Rotation

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import re
 from typing import Final, final, NamedTuple
 
+from lta_data.importers.axes import LocalMap
 from lta_data.importers.draft.axis_commands import find_named_axes
 from lta_data.importers.draft.name_hints import (
     ACTIONS,
@@ -20,8 +21,7 @@ from lta_data.importers.draft.name_hints import (
     parse_column_name,
     UNIT_WORDS,
 )
-from lta_data.importers.geodetic import LocalMap
-from lta_data.importers.log_table import Numbers
+from lta_data.importers.protocol import Numbers
 import numpy as np
 
 TRIPLES: Final = (('x', 'y', 'z'), ('n', 'e', 'd'), ('0', '1', '2'), ('1', '2', '3'))

@@ -10,13 +10,11 @@ from lta_config.files import find_file
 from lta_data.bag.channels import SignalChannel
 from lta_data.importers.draft.bag_topics import BagDraft, draft_bag_topics
 from lta_data.importers.draft.bodies import select_body_rows
-from lta_data.importers.draft.choices import DraftChoices
+from lta_data.importers.draft.choices import DraftChoices, DraftVehicle
 from lta_data.importers.draft.clock_alignment import align_clocks, AlignedClock
-from lta_data.importers.draft.command_motion import find_driven_axes, list_answers
-from lta_data.importers.draft.draft_vehicle import DraftVehicle
+from lta_data.importers.draft.command_motion import check_wrenches, find_driven_axes, list_answers
 from lta_data.importers.draft.source_tables import read_source, SourceTables
 from lta_data.importers.draft.table_draft import draft_table, TableDraft
-from lta_data.importers.draft.wrench_axes import check_wrenches
 from lta_data.importers.formats import FORMATS
 from lta_data.importers.readers.column_log import Column
 import numpy as np

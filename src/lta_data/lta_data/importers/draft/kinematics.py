@@ -10,7 +10,7 @@ from itertools import permutations, product
 from typing import Final, final, NamedTuple
 
 from lta_data.data_quality.smoothing import hann_kernel, smooth_columns
-from lta_data.importers.log_table import Numbers
+from lta_data.importers.protocol import Numbers
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation

@@ -29,7 +29,7 @@ from lta_data.importers.draft.kinematics import (
     score_attitude,
 )
 from lta_data.importers.draft.name_hints import parse_column_name, UNIT_WORDS
-from lta_data.importers.log_table import Numbers
+from lta_data.importers.protocol import Numbers
 import numpy as np
 from scipy.spatial.transform import Rotation
 

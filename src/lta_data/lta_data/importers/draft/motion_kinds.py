@@ -13,7 +13,7 @@ from lta_data.importers.draft.attitude_readings import AttitudeReading, list_rea
 from lta_data.importers.draft.column_groups import ATTITUDES, ColumnGroup, Columns
 from lta_data.importers.draft.kinematics import body_rates_of, differentiate, fit_scale
 from lta_data.importers.draft.name_hints import KINDS, parse_column_name
-from lta_data.importers.log_table import Numbers
+from lta_data.importers.protocol import Numbers
 import numpy as np
 from scipy.spatial.transform import Rotation
 

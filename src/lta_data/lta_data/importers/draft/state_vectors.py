@@ -21,7 +21,7 @@ from lta_data.importers.draft.motion_kinds import (
     LOOKED_AT,
 )
 from lta_data.importers.draft.name_hints import ACTUATORS, COMMANDS, JOYSTICKS, parse_column_name
-from lta_data.importers.log_table import Numbers
+from lta_data.importers.protocol import Numbers
 import numpy as np
 
 FEWEST: Final = 6  # numbers of a state vector

@@ -22,7 +22,7 @@ from lta_data.importers.draft.scalar_draft import draft_scalars
 from lta_data.importers.draft.state_vectors import find_state_vectors
 from lta_data.importers.draft.time_base import find_time_base, TimeBase
 from lta_data.importers.draft.vertical import find_axes, name_axes, spread_axes, VerticalAxes
-from lta_data.importers.log_table import Numbers
+from lta_data.importers.protocol import Numbers
 import numpy as np
 
 TOPICS: Final = {'truth': 'ground_truth/odom', 'estimate': 'odom', 'setpoint': 'setpoint/pose'}

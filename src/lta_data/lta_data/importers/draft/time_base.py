@@ -7,7 +7,7 @@ from lta_config.quantity import UNITS
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.column_groups import ColumnGroup, Columns
 from lta_data.importers.draft.name_hints import parse_column_name, TIMES, UNIT_WORDS
-from lta_data.importers.log_table import Numbers
+from lta_data.importers.protocol import Numbers
 from lta_data.importers.readers.row_times import parse_date, split_date
 import numpy as np
 

@@ -8,7 +8,7 @@ from lta_data.data_quality.motion_scales import fit_tilt, TILT
 from lta_data.importers.axes import signed_permutation
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.kinematics import differentiate, fit_scale, MotionEvidence
-from lta_data.importers.log_table import Numbers
+from lta_data.importers.protocol import Numbers
 import numpy as np
 from scipy.spatial.transform import Rotation
 

@@ -14,17 +14,52 @@ from collections.abc import (
     Mapping,
     Sequence,
 )
+from dataclasses import replace
 from itertools import islice
 from typing import Any, final, NamedTuple
 
+from lta_bridge.bag.schemas import load_jazzy_types, MessageDefinition
 from lta_config.errors import BadInput
 from lta_config.schema.import_file import ImportMapping as MappingFile
 from lta_config.schema.import_file import OrientationField, ScalarField, TopicMapping, VectorField
-from lta_data.bag.columns import extract_field_columns
-from lta_data.bag.stamps import extract_stamp
-from lta_data.importers.log_table import LogTable, Numbers
-from lta_data.importers.message_parts import MessagePart, SHAPES
+from lta_data.bag.columns import extract_field_columns, extract_stamp
+from lta_data.bag.mcap_file.decoder import MISDEFINED, parse_definition
+from lta_data.bag.recover import build_definition
+from lta_data.importers.entry_plan import MessagePart, SHAPES
+from lta_data.importers.protocol import LogTable, Numbers
+from mcap.records import Channel, Schema
 import numpy as np
+from rosbags.typesys import get_typestore, Stores
+from rosbags.typesys.store import Typestore
+
+
+def read_bag_definition(channel: Channel, schema: Schema | None) -> MessageDefinition:
+    """Return a topic's definition from an MCAP file, with its REP-2016 hash if possible."""
+    definition = build_definition(channel, schema)
+    if definition.rihs01 or definition.encoding != 'ros2msg':
+        return definition
+    types = get_typestore(Stores.EMPTY)
+    try:
+        types.register(
+            parse_definition(definition.text, definition.type_name, definition.encoding)
+        )
+        return replace(definition, rihs01=types.hash_rihs01(definition.type_name))
+    except MISDEFINED:
+        return definition  # unreadable, but kept as it is
+
+
+def find_store_definition(type_name: str, types: Typestore, notes: list[str]) -> MessageDefinition:
+    """Return a type's definition from a store; empty if it is unknown."""
+    for store in (types, load_jazzy_types()):
+        if type_name in store.fielddefs:
+            text, _ = store.generate_msgdef(type_name, ros_version=2)
+            return MessageDefinition(type_name, text, store.hash_rihs01(type_name))
+    notes.append(
+        f"Neither the bag nor ROS 2 Jazzy defines '{type_name}'; its messages are copied "
+        'undecoded.'
+    )
+    return MessageDefinition(type_name, '', '')
+
 
 TRANSFORMS = 'tf2_msgs/msg/TFMessage'
 NAMED_POSES = 'motion_capture_tracking_interfaces/msg/NamedPoseArray'

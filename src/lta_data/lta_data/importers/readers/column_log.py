@@ -14,8 +14,14 @@ from lta_config.quantity import UNITS
 from lta_config.schema.import_file import ImportMapping as MappingFile
 from lta_config.schema.import_file import TimeColumn
 from lta_data.importers.log_provenance import CLOCK
-from lta_data.importers.log_table import encode_label, LogTable, Times
-from lta_data.importers.protocol import PassThroughMessage, RawTopic, Reached
+from lta_data.importers.protocol import (
+    encode_label,
+    LogTable,
+    PassThroughMessage,
+    RawTopic,
+    Reached,
+    Times,
+)
 from lta_data.importers.readers.csv_text import (
     Cells,
     decode_cells,

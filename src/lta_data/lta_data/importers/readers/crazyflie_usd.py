@@ -24,8 +24,7 @@ from lta_config.limits import check_log_size
 from lta_config.schema.import_file import ImportMapping as MappingFile
 from lta_config.topics import load_topic_table
 from lta_data.importers.log_provenance import CLOCK
-from lta_data.importers.log_table import LogTable
-from lta_data.importers.protocol import InMemoryLog
+from lta_data.importers.protocol import InMemoryLog, LogTable
 import numpy as np
 
 MAGIC = 0xBC

@@ -10,12 +10,12 @@ from contextlib import contextmanager
 import csv
 from pathlib import Path
 import re
-from typing import Any, BinaryIO, final
+from typing import Any, BinaryIO, final, TypeAlias
 
 from lta_config.errors import BadInput
 from lta_config.limits import check_column_count, check_log_size, LINE_BYTES
 from lta_config.schema.import_file import TextFormat
-from lta_data.importers.log_table import Numbers
+from lta_data.importers.protocol import Numbers
 from lta_data.importers.readers.line_stream import decompress_stream, NAMED, open_text_lines
 from lta_data.importers.readers.row_times import shorten_cell
 import pyarrow as pa
@@ -25,7 +25,7 @@ import pyarrow.csv as pacsv
 EMPTY = ('', ' ', 'NA', 'null', 'None')  # cells without a number
 PART = 4 << 20  # bytes of text per part
 MOST_SKIPPED = 3 * PART  # bytes of skipped rows without another one; parts are read ahead
-Cells = pa.ChunkedArray  # of a column, as bytes; null where empty
+Cells: TypeAlias = pa.ChunkedArray  # of a column, as bytes; null where empty
 
 
 def read_cells(

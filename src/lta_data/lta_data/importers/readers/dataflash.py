@@ -13,8 +13,7 @@ from lta_config.errors import BadInput
 from lta_config.limits import check_log_size
 from lta_config.schema.import_file import ImportMapping as MappingFile
 from lta_data.importers.log_provenance import CLOCK
-from lta_data.importers.log_table import LogTable
-from lta_data.importers.protocol import InMemoryLog
+from lta_data.importers.protocol import InMemoryLog, LogTable
 import numpy as np
 
 HEAD: Final = b'\xa3\x95'

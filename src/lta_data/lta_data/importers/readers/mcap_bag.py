@@ -16,8 +16,8 @@ from lta_data.importers.readers.bag_tables import (
     build_tables,
     Decode,
     list_mapping_tables,
+    read_bag_definition,
 )
-from lta_data.importers.readers.definitions import read_bag_definition
 
 LOOK = 2000  # messages between two updates of the progress bar
 

@@ -15,8 +15,7 @@ from lta_config.errors import BadInput
 from lta_config.limits import check_log_size, limit_memory
 from lta_config.schema.import_file import ImportMapping as MappingFile
 from lta_data.importers.log_provenance import CLOCK
-from lta_data.importers.log_table import LogTable, Times
-from lta_data.importers.protocol import InMemoryLog
+from lta_data.importers.protocol import InMemoryLog, LogTable, Times
 import numpy as np
 from pyulog import ULog
 from pyulog.exceptions import ULogException

@@ -17,19 +17,20 @@ from lta_config.errors import BadInput
 from lta_config.limits import limit_memory
 from lta_config.schema.import_file import ImportMapping as MappingFile
 from lta_data.importers.protocol import PassThroughMessage, RawTopic, Reached
-from lta_data.importers.readers.bag_safety_checks import (
-    find_files,
-    has_metadata,
-    refuse_hostile_bag,
-)
 from lta_data.importers.readers.bag_tables import (
     BagTableLog,
     build_tables,
     Decode,
+    find_store_definition,
     list_mapping_tables,
 )
-from lta_data.importers.readers.definitions import find_store_definition
-from lta_data.importers.readers.sqlite_files import CopyFolder, prepare_files
+from lta_data.importers.readers.sqlite_files import (
+    CopyFolder,
+    find_files,
+    has_metadata,
+    prepare_files,
+    refuse_hostile_bag,
+)
 from rosbags.convert.converter import is_same_wireformat, migrate_bytes
 from rosbags.highlevel import AnyReader
 from rosbags.interfaces import Connection

@@ -10,7 +10,7 @@ from lta_config.errors import BadInput
 from lta_config.quantity import UNITS
 from lta_config.topics import load_topic_table
 from lta_data.importers.log_provenance import CLOCK
-from lta_data.importers.log_table import Times
+from lta_data.importers.protocol import Times
 import numpy as np
 from numpy.typing import NDArray
 
