@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import final
 
 from lta_bridge.bag.version_1 import describe_old_topics
-from lta_data.bag.mcap_file.rhythm import MessageIntervals
 from lta_data.bag.reader import Bag, read_bag
 from lta_data.bag.recorded_flight import list_robots
 from lta_report.formatting import format_count
@@ -14,17 +13,15 @@ from rich.console import Console
 from rich.table import Table
 
 MOST = 10  # sentences of one kind, at most
-WOVEN = 1_000_000_000  # ns; topics overlap by up to that if log time is publication time
 
 
 def describe_irregularities(bag: Bag) -> list[str]:
-    """Return one sentence for each irregularity in the contents and indexes of a bag."""
+    """Return one sentence for each irregularity in the contents of a bag."""
     return [
         *bag.remarks[:MOST],
         *describe_omitted(len(bag.remarks), 'remarks on the files of the bag'),
         *describe_empty_bag(bag),
         *describe_undecodable_topics(bag),
-        *describe_time_irregularities(bag.read_rhythm(), bag.start),
     ]
 
 
@@ -50,25 +47,6 @@ def describe_undecodable_topics(bag: Bag) -> list[str]:
         if topic.undecodable is not None
     ]
     return [*lines[:MOST], *describe_omitted(len(lines), 'topics that cannot be decoded')]
-
-
-def describe_time_irregularities(rhythm: MessageIntervals, start: int | None) -> list[str]:
-    """Return the remarks on backward steps and long silences; `start` in ns."""
-    lines = []
-    if rhythm.backwards and rhythm.worst > WOVEN:
-        whose = '' if rhythm.worst_topic is None else f" (on '{rhythm.worst_topic}')"
-        lines.append(
-            f'The log time goes back at {rhythm.backwards} of {rhythm.count} messages, by up to '
-            f'{rhythm.worst * 1e-9:.6g} s{whose}; they are kept in the order of recording.'
-        )
-    silences = rhythm.find_long_silences()
-    for begin, end in silences[:MOST]:
-        at = (begin - (start or 0)) * 1e-9
-        lines.append(
-            f'No message was recorded for {(end - begin) * 1e-9:.6g} s, starting {at:.6g} s after '
-            'the first message.'
-        )
-    return [*lines, *describe_omitted(len(silences), 'long periods without a message')]
 
 
 @final

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, BinaryIO, final, NamedTuple
 
 from lta_config.errors import BadInput, unknown_name_error
-from lta_config.limits import CHUNK_BYTES, NOTE_BYTES
+from lta_config.limits import CHUNK_BYTES
 from lta_data.bag.bag_folder import (
     ADVICE,
     describe_absent_files,
@@ -41,7 +41,6 @@ from lta_data.bag.mcap_file.contents import (
     read_at,
 )
 from lta_data.bag.mcap_file.decoder import explain_undecodable, MessageDecoder
-from lta_data.bag.mcap_file.rhythm import MessageIntervals, read_ordered_times
 from lta_data.bag.mcap_file.scan import describe_damage, scan_mcap_file
 from lta_data.bag.mcap_file.summary import read_summary, summary_is_damaged, UNUSABLE
 from mcap.records import Channel, Schema
@@ -75,24 +74,6 @@ def find_message_type(contents: McapContents, channel: Channel) -> str:
     """Return the message type of a channel; empty if unknown."""
     schema = contents.schemas.get(channel.schema_id)
     return '' if schema is None else schema.name
-
-
-def read_chunk_index(stream: BinaryIO, place: MessageRegion) -> bytes:
-    """Return the message indexes of a chunk; empty if the summary gives a wrong place."""
-    offset, length = place.index
-    try:
-        return read_at(stream, offset, length) if length <= NOTE_BYTES else b''
-    except DamagedRecord:
-        return b''
-
-
-def read_indexed_rhythm(part: RecordingFile) -> MessageIntervals:
-    """Return the timing of the messages of a finished file, from the indexes alone."""
-    rhythm = MessageIntervals()
-    with part.file.open('rb') as stream:
-        for place in part.contents.places:
-            rhythm.add_times(*read_ordered_times(read_chunk_index(stream, place)))
-    return rhythm
 
 
 @final
@@ -210,17 +191,6 @@ class Bag:
         type_name = self.topics[topic].type_name
         for _, _, data in self.iterate_messages([topic]):
             yield self._decoder.encode_again(type_name, data)
-
-    def read_rhythm(self) -> MessageIntervals:
-        """Return the timing of the messages, from the indexes alone if the bag has them."""
-        whole = MessageIntervals()
-        for part in self.parts:
-            rhythm = read_indexed_rhythm(part) if part.contents.indexed else part.contents.rhythm
-            channel = part.contents.channels.get(
-                -1 if rhythm.worst_of is None else rhythm.worst_of
-            )
-            whole.join(rhythm, None if channel is None else channel.topic)
-        return whole
 
     def list_fields(self, type_name: str) -> list[tuple[str, Any]]:
         """Return the fields of a type of messages in the bag; see `MessageDecoder.list_fields`."""

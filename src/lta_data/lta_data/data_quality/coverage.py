@@ -5,7 +5,7 @@ from typing import Final, final, NamedTuple
 
 from lta_data.bag.channels import SignalChannel
 from lta_data.data_quality import limits, roles
-from lta_data.data_quality.checks.constant_channels import is_constant
+from lta_data.data_quality.checks.repeated_values import is_constant
 from lta_data.data_quality.checks.stamps import is_regular
 from lta_data.data_quality.checks.units import SIZES
 from lta_data.data_quality.finding import QualityFinding, Severity

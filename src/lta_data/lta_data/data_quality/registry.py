@@ -5,14 +5,11 @@ from typing import Final, final, Protocol
 
 from lta_data.data_quality.checks import (
     axes,
-    clipping,
     clocks,
-    constant_channels,
-    duplication,
-    freezes,
     hand_motion,
     impossible_values,
     noise_floor,
+    repeated_values,
     stamps,
     units,
 )
@@ -37,10 +34,10 @@ class QualityCheck(Protocol):
 
 
 CHECKS: Final[dict[str, QualityCheck]] = {
-    constant_channels.KIND: constant_channels.find_constant_channels,
-    freezes.KIND: freezes.find_freezes,
-    clipping.KIND: clipping.find_clipping,
-    duplication.KIND: duplication.find_duplication,
+    repeated_values.CONSTANT: repeated_values.find_constant_channels,
+    repeated_values.FROZEN: repeated_values.find_freezes,
+    repeated_values.CLIPPED: repeated_values.find_clipping,
+    repeated_values.DUPLICATE: repeated_values.find_duplication,
     impossible_values.KIND: impossible_values.find_impossible_values,
     noise_floor.KIND: noise_floor.find_missing_noise,
     units.KIND: units.find_wrong_units,

@@ -43,28 +43,6 @@ def test_yaw_of_a_turning_robot(flight_bag):
     np.testing.assert_allclose(found.roll, 0.0, atol=1e-12)
 
 
-def test_angles_compose_as_yaw_pitch_roll():
-    yaw, pitch, roll = 0.7, -0.4, 1.1
-    cy, sy, cp, sp, cr, sr = (f(0.5 * a) for a in (yaw, pitch, roll) for f in (np.cos, np.sin))
-    # The product of the three elementary rotations, written out.
-    w = cr * cp * cy + sr * sp * sy
-    x = sr * cp * cy - cr * sp * sy
-    y = cr * sp * cy + sr * cp * sy
-    z = cr * cp * sy - sr * sp * cy
-    found = to_euler_angles([[x, y, z, w], [0.0, 0.0, 0.0, 0.0]])
-    np.testing.assert_allclose([a[0] for a in found], [yaw, pitch, roll], rtol=0, atol=1e-12)
-    assert all(np.isnan(a[1]) for a in found)
-
-
-def test_gimbal_lock_gives_angles_without_a_warning(recwarn):
-    """As of a sensor that looks down: its frame is in `/tf_static`."""
-    half = np.sqrt(0.5)
-    found = to_euler_angles([[0.0, half, 0.0, half]])
-    assert found.pitch[0] == pytest.approx(0.5 * np.pi)
-    assert found.roll[0] == pytest.approx(0.0)
-    assert not recwarn.list
-
-
 def test_unstamped_messages_are_placed_by_their_log_time(flight_bag):
     reserve = open_flight(flight_bag).read_series('energy/reserve')
     np.testing.assert_allclose(reserve.time, [0.0, 0.1, 0.2, 0.3], rtol=0, atol=1e-12)

@@ -145,45 +145,6 @@ def test_whole_topics_give_what_single_messages_give(type_name, turns, shapes, s
         check(type_name, messages)
 
 
-@pytest.mark.parametrize('type_name', OURS)
-def test_of_messages_of_one_layout_only_the_first_is_made_an_object(type_name):
-    values = np.random.default_rng(1)
-    messages = [
-        bytes(
-            load_jazzy_types().serialize_cdr(
-                drawn(type_name, np.random.default_rng(2), values), type_name
-            )
-        )
-        for _ in range(5)
-    ]
-    kind = typed(type_name)
-    expected, _ = extract_field_columns([kind.decode(data) for data in messages])
-    made = []
-    found = gathered(kind._replace(decode=made.append), messages)
-    same(found.numbers, expected)
-    assert made == messages[:1]
-
-
-def test_a_layout_is_worked_out_once(monkeypatch):
-    made = []
-    monkeypatch.setattr(column_builder, 'BATCH_MESSAGES', 10)
-    monkeypatch.setattr(
-        column_builder, 'derive_layout', lambda *given: made.append(1) or derive_layout(*given)
-    )
-    values = np.random.default_rng(1)
-    messages = [
-        bytes(
-            load_jazzy_types().serialize_cdr(
-                drawn('sensor_msgs/msg/Imu', np.random.default_rng(7), values),
-                'sensor_msgs/msg/Imu',
-            )
-        )
-        for _ in range(95)
-    ]
-    assert len(gathered(typed('sensor_msgs/msg/Imu'), messages).numbers['orientation.x']) == 95
-    assert len(made) == 1
-
-
 @pytest.mark.parametrize(
     ('change', 'at'), [(b'\xff', 12), (b'\x09', 16 + 3), (b'\xff', 16), (b'\x02', 1), (b'', -2)]
 )

@@ -6,14 +6,12 @@ from lta_data.bag.channels import SignalChannel
 from lta_data.compare.channel_comparison import ChannelPair, compare_channels
 from lta_data.compare.compared_flight import FaultInterval, find_topic_faults
 from lta_data.compare.divergence import (
-    autocorrelation_time,
     find_divergence,
     measure_difference,
     noise_band,
     noise_deviation,
     rms_interval,
 )
-from lta_data.compare.figures import thin_signal
 from lta_data.compare.frame_alignment import fit_frame_transform
 from lta_data.compare.sampling import (
     align_signals,
@@ -22,7 +20,7 @@ from lta_data.compare.sampling import (
     SampledSignal,
     wrap_angle,
 )
-from lta_data.compare.spectra import average_log_bands, compute_spectra, find_correlation_peak
+from lta_data.compare.spectra import compute_spectra, find_correlation_peak
 import numpy as np
 import pytest
 from scipy import signal
@@ -74,13 +72,6 @@ def test_bias_rms_and_nrmse_by_hand():
     assert found.spread == 1.0
     assert found.nrmse == pytest.approx(np.sqrt(3.0))
     assert measure_difference(pair_of(0 * a, a, np.arange(4.0))).nrmse is None
-
-
-def test_memory_is_that_of_a_first_order_process():
-    noise_ = CHANCE.normal(size=200_000)
-    for pole in (0.0, 0.5, 0.9):
-        series = signal.lfilter([1.0], [1.0, -pole], noise_)
-        assert autocorrelation_time(series) == pytest.approx((1 + pole) / (1 - pole), rel=0.12)
 
 
 @pytest.mark.parametrize('pole', [0.0, 0.9])
@@ -141,13 +132,6 @@ def test_spectra_are_those_of_scipy():
     assert found.segments == 4
 
 
-def test_a_sine_is_at_its_frequency_with_its_power():
-    found = compute_spectra(pair_of(3.0 * np.sin(2 * np.pi * 5.0 * T), 0 * T))
-    assert found.frequency[found.a.argmax()] == pytest.approx(5.0, abs=0.13)
-    assert np.trapezoid(found.a, found.frequency) == pytest.approx(4.5, rel=0.02)
-    assert average_log_bands(found, 20).frequency.size <= 20
-
-
 def test_spectra_are_of_the_longest_stretch_without_a_gap():
     a = np.sin(T)
     a[800] = np.nan
@@ -204,16 +188,6 @@ def test_faults_are_named_with_their_intervals():
     uneven = find_topic_faults(np.cumsum(np.random.default_rng(0).exponential(size=100)))
     assert not uneven.rhythm
     assert uneven.gap_count == 0
-
-
-def test_thinning_keeps_the_extremes_and_the_gaps():
-    values = np.sin(T)
-    values[1234], values[777] = 9.0, np.nan
-    found = thin_signal(SampledSignal(T, values), 100)
-    assert len(found.time) < 200
-    assert np.nanmax(found.values) == 9.0
-    assert np.nanmin(found.values) == np.nanmin(values)
-    assert np.isnan(found.values).sum() == 1
 
 
 # --- laws --------------------------------------------------------------------------------------

@@ -13,7 +13,6 @@ from lta_data.compare.comparison import (
     ComparisonRequest,
     describe_old_odometry,
 )
-from lta_data.compare.end_offset import format_direction
 from lta_data.compare.sentences import format_verdict
 import numpy as np
 import pytest
@@ -153,15 +152,3 @@ def test_the_headline_says_where_b_ends_and_since_when_it_turns_differently(tmp_
     assert format_verdict(found) == 'B ends 3 m behind A; they turn differently from 4.0 s on.'
     found = compare_sides(side('A', 0.0, 0.0), side('B', 0.0, -0.5), topics, request)
     assert format_verdict(found).startswith('B ends 3 m ahead of A; they diverge at 4.0')
-
-
-@pytest.mark.parametrize(
-    ('offset', 'words'),
-    [
-        ((-3.0, 0.1, 0.0), 'behind'),
-        ((2.0, -1.5, 0.2), 'ahead of and right of'),
-        ((1.0, 1.0, -1.0), 'ahead of, left of and below'),
-    ],
-)
-def test_directions_are_those_of_a_person_in_a(offset, words):
-    assert format_direction(offset) == words

@@ -4,13 +4,9 @@ from dataclasses import replace
 
 from lta_config.files import find_file, load_yaml
 from lta_data.bag.channels import SignalChannel
-from lta_data.data_quality.checks.duplication import hash_windows
-from lta_data.data_quality.checks.noise_floor import high_frequency_noise
 from lta_data.data_quality.finding import Severity
 from lta_data.data_quality.recording import ChannelRecording
 from lta_data.data_quality.registry import run_checks
-from lta_data.data_quality.roles import is_instrument_topic, vector_name
-from lta_data.data_quality.smoothing import find_runs, hann_kernel, merge_runs, smooth_columns
 import numpy as np
 import pytest
 import yaml
@@ -166,13 +162,6 @@ def test_a_stretch_again_names_both():
     assert found.values == {'from_s': pytest.approx(time[100]), 'readings': 60.0}
 
 
-def test_hashes_are_those_of_equal_windows_only():
-    values = np.array([1.0, 2.0, 3.0, 9.0, 1.0, 2.0, 3.0, 2.0, 1.0])
-    told = hash_windows(values, 3)
-    assert told[0] == told[4]
-    assert len(set(told.tolist())) == len(told) - 1
-
-
 @pytest.mark.parametrize(
     ('name', 'value', 'reason'),
     [
@@ -217,14 +206,6 @@ def test_a_rest_that_does_not_feel_gravity_is_impossible():
     time, values = data[f'{FORCE}.z']
     data[f'{FORCE}.z'] = (time, values + 1.5)
     assert kinds(recording(**data)) == {('impossible', FORCE)}
-
-
-def test_the_noise_is_that_of_white_noise():
-    values = np.random.default_rng(3).normal(0.0, 0.02, 20_000)
-    # The median over windows is below the mean of an exponential: ln 2.
-    assert high_frequency_noise(values) == pytest.approx(0.02 * np.sqrt(np.log(2.0)), rel=0.05)
-    slow = np.sin(np.arange(20_000) * 0.01)
-    assert high_frequency_noise(slow) < 1e-7
 
 
 def test_smooth_data_is_a_warning_unless_it_says_that_it_is_simulated():
@@ -322,24 +303,3 @@ def test_log_times_that_part_from_stamps_are_found():
     arrived[500:] += 2.0
     (found,) = run_checks(replace(flight, arrivals={'imu': arrived})).findings
     assert found.values['jump'] == pytest.approx(-2.0)
-
-
-def test_runs_and_what_is_put_together():
-    true = np.array([1, 1, 0, 1, 0, 0, 0, 1], dtype=bool)
-    assert find_runs(true).tolist() == [[0, 2], [3, 4], [7, 8]]
-    assert list(merge_runs(find_runs(true), 1)) == [(0, 4), (7, 8)]
-    assert find_runs(np.zeros(3, dtype=bool)).shape == (0, 2)
-
-
-def test_a_kernel_keeps_the_mean_and_a_straight_line():
-    weights = hann_kernel(0.25, 0.01)
-    assert weights.sum() == pytest.approx(1.0)
-    line = np.arange(100.0)[:, None] * [1.0, -2.0]
-    np.testing.assert_allclose(smooth_columns(line, weights)[20:-20], line[20:-20])
-
-
-def test_families_and_roles():
-    assert vector_name('odom/pose.pose.position.x') == 'odom/pose.pose.position'
-    assert vector_name('battery/voltage') == 'battery/voltage'
-    assert not is_instrument_topic('light/estimate')
-    assert is_instrument_topic('ground_truth/odom')

@@ -8,7 +8,6 @@ from lta_cli.app import build_app
 from lta_config.errors import BadInput
 from lta_data.bag import read_bag
 from lta_data.export import run
-from lta_data.export.mat_file import format_matlab_name
 from lta_data.export.run import export_recording, ExportRequest
 import numpy as np
 import pandas
@@ -143,15 +142,6 @@ def test_matlab_holds_structs_matrices_and_units(flight_bag, mixed_bag, tmp_path
     np.testing.assert_array_equal(found['aligned'].motors.effort.up, 0.1 * np.arange(5))
     np.testing.assert_array_equal(found['aligned'].light.peaks.x[:, 0], np.arange(5))
     assert found['units'].motors.effort.up == '1'
-
-
-@pytest.mark.parametrize(
-    ('name', 'expected'),
-    [('status[0]', 'status_0'), ('light/peaks', 'light_peaks'), ('_x', 'x'), ('2d', 'x2d')],
-)
-def test_names_that_matlab_takes(name, expected):
-    assert format_matlab_name(name) == expected
-    assert len(format_matlab_name('a' * 100)) == 63
 
 
 @pytest.mark.parametrize('stretch', [2, 1000])

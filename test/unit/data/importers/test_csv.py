@@ -11,7 +11,7 @@ from hypothesis import given, HealthCheck, settings
 from hypothesis import strategies as st
 from lta_config.errors import BadInput
 from lta_data.importers.formats import detect_format
-from lta_data.importers.readers.csv_text import is_number, read_header
+from lta_data.importers.readers.csv_text import read_header
 from lta_data.importers.readers.text_dialect import detect_text_format
 import numpy as np
 import pytest
@@ -155,15 +155,6 @@ def test_what_is_odd_is_kept_and_named(bring, tmp_path):
         'The mapping does not use these columns of the log: u.',
     ):
         assert sentence in found.notes
-
-
-@given(st.floats(allow_nan=False, allow_infinity=False))
-def test_a_number_is_the_one_nearest_to_its_text(value):
-    import pyarrow as pa
-    import pyarrow.compute as pc
-
-    assert pc.cast(pa.array([repr(value)]), pa.float64())[0].as_py() == value
-    assert is_number(repr(value))
 
 
 def test_compressed_text_comments_blanks_and_names_with_spaces(bring, tmp_path):

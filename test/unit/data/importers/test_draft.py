@@ -7,10 +7,7 @@ from lta_cli.options.draft_command import ask_user
 from lta_config.errors import BadInput
 from lta_config.schema.import_file import load_mapping
 from lta_data.importers.draft.choices import DraftQuestion, DraftVehicle
-from lta_data.importers.draft.column_groups import group_columns
 from lta_data.importers.draft.draft_mapping import draft_mapping
-from lta_data.importers.draft.name_hints import parse_column_name
-from lta_data.importers.readers.text_dialect import detect_text_format
 import numpy as np
 import pytest
 from rich.console import Console
@@ -19,69 +16,6 @@ import yaml
 
 from .csv_texts import ODOM
 from .lab_flights import DOWN, lab_flight, three, write_csv
-
-
-@pytest.mark.parametrize(
-    ('column', 'stem', 'axis', 'unit'),
-    [
-        ('px', ('p',), 'x', ''),
-        ('wx_vicon', ('w', 'vicon'), 'x', ''),
-        ('stateEstimate.qw', ('state', 'estimate', 'q'), 'w', ''),
-        ('p_RS_R_x [m]', ('p', 'rs', 'r'), 'x', 'm'),
-        ('gyro_z_dps', ('gyro',), 'z', 'dps'),
-        ('AccX', ('acc',), 'x', ''),
-        ('vbat (mV)', ('vbat',), '', 'mv'),
-        ('q[3]', ('q',), '3', ''),
-        ('yaw_deg', (), 'yaw', 'deg'),
-        ('north_m', (), 'n', 'm'),
-        ('X_m', (), 'x', 'm'),
-        ('motor_m', ('motor', 'm'), '', ''),
-        ('x_s', ('s',), 'x', ''),
-        ('fx_N', ('f',), 'x', 'n'),
-        ('Fz_cmd_mN', ('f', 'cmd'), 'z', 'mn'),
-        ('tz_Nm', ('t',), 'z', 'nm'),
-        ('Tau_z [N·m]', ('tau',), 'z', 'n m'),
-        ('cmd_yaw_N_m', ('cmd',), 'yaw', 'n m'),
-        ('cmd_surge_N', ('cmd', 'surge'), '', 'n'),
-        ('m1_N', ('m1',), '', 'n'),
-        ('vx_m_s', ('v',), 'x', 'm s'),
-        ('acc_x_m_s2', ('acc',), 'x', 'm s2'),
-        # Components along north
-        ('v_n', ('v',), 'n', ''),
-        ('u_n', ('u',), 'n', ''),
-        ('t_s', ('t',), '', 's'),
-        ('XToGlobal1', (), 'x', ''),
-        ('QwToGlobal1', ('q',), 'w', ''),
-    ],
-)
-def test_names_are_taken_apart(column, stem, axis, unit):
-    assert parse_column_name(column) == (column, stem, axis, unit)
-
-
-def test_four_columns_are_a_quaternion_only_if_their_length_is_one():
-    table = {f'q{i}': np.full(10, 0.5) for i in range(4)}
-    assert [group.kind for group in group_columns(table)[0]] == ['quaternion']
-    table['q0'] = np.full(10, 3.0)
-    assert group_columns(table)[0] == []
-
-
-def test_a_place_and_the_angles_beside_it_are_two_groups():
-    """As in the commonest file of all: t, x, y, z, roll, pitch, yaw."""
-    table = {name: np.ones(10) for name in ('t', 'x', 'y', 'z', 'roll', 'pitch', 'yaw')}
-    assert {group.kind for group in group_columns(table)[0]} == {'position', 'euler'}
-
-
-def test_an_angle_without_a_unit_belongs_to_those_with_one():
-    table = {name: np.ones(10) for name in ('X', 'Y', 'Z', 'roll_deg', 'pitch_deg', 'yaw')}
-    _, euler = sorted(group_columns(table)[0], key=lambda group: group.kind == 'euler')
-    assert (euler.columns, euler.unit) == (('roll_deg', 'pitch_deg', 'yaw'), 'deg')
-
-
-def test_an_angle_that_wraps_at_pi_is_in_radians_whatever_the_others_are():
-    turn = np.tile(np.linspace(-3.1, 3.1, 20), 3)
-    table = dict.fromkeys(('X', 'Y', 'Z', 'roll_deg', 'pitch_deg', 'yaw'), turn)
-    groups, _ = group_columns(table)
-    assert all('yaw' not in group.columns or group.unit != 'deg' for group in groups)
 
 
 def test_the_unit_of_several_turns_of_a_heading_is_asked(tmp_path):
@@ -167,25 +101,6 @@ def test_an_export_with_a_preamble_padded_rows_and_rounded_times(tmp_path):
     assert topic['orientation']['order'] == 'xyzw'
 
 
-@pytest.mark.parametrize('columns', [2, 3, 4])
-def test_decimal_commas_are_told_from_delimiters(tmp_path, columns):
-    rows = [';'.join(f'{k},{k}00' for _ in range(columns)) for k in range(5)]
-    (tmp_path / 'a.csv').write_text('\n'.join([';'.join('thyx'[:columns]), *rows]) + '\n')
-    text = detect_text_format(tmp_path / 'a.csv')
-    assert (text.delimiter, text.decimal) == (';', ',')
-
-
-@pytest.mark.parametrize(
-    ('name', 'is_heading'),
-    [('yaw', True), ('heading_deg', True), ('yaw_rate', False), ('yaw_setpoint', False)],
-)
-def test_a_heading_alone_is_the_attitude(name, is_heading):
-    table = {one: np.ones(10) for one in ('t', 'x', 'y', 'z', name)}
-    groups, rest = group_columns(table)
-    assert [group.kind for group in groups] == ['position', *(['euler'] if is_heading else [])]
-    assert [one.column for one in rest] == (['t'] if is_heading else ['t', name])
-
-
 @pytest.mark.parametrize(
     ('names', 'force', 'torque'),
     [
@@ -228,29 +143,6 @@ def test_commanded_forces_and_torques_are_found_by_axis(tmp_path, names, force, 
     }
     found = {k: v['columns'] for one in wrench for k, v in one.items() if k != 'topic'}
     assert found == wanted
-
-
-def test_the_only_place_beside_an_attitude_is_no_torque():
-    names = ['timestamp', 'tx', 'ty', 'tz', 'qx', 'qy', 'qz', 'qw', 'fx', 'fy', 'fz']
-    groups = group_columns({name: np.full(10, 0.5) for name in names})[0]
-    assert {group.kind: group.columns[0] for group in groups} == {
-        'force': 'fx', 'position': 'tx', 'quaternion': 'qx',
-    }  # fmt: skip
-
-
-def test_a_single_marker_is_the_position():
-    names = ['t', 'marker_x', 'marker_y', 'marker_z', 'qx', 'qy', 'qz', 'qw']
-    groups = group_columns({name: np.full(10, 0.5) for name in names})[0]
-    assert {group.kind for group in groups} == {'position', 'quaternion'}
-
-
-def test_angles_named_by_axis_are_no_rotation_vector(tmp_path):
-    f = lab_flight()
-    source = write_csv(tmp_path / 'a.csv', {
-        'time': f['t'] + 100.0, **three('p', f['p']), **three('euler_', f['rpy']),
-    })  # fmt: skip
-    (topic,) = yaml.safe_load(draft_mapping(source, {}).text)['topics']
-    assert 'euler' in topic['orientation']
 
 
 def test_the_file_of_a_tracker_has_its_names_in_several_lines(bring, tmp_path):
@@ -304,16 +196,6 @@ def expect_flight(found, flight, parts='pqvw'):
             np.testing.assert_allclose(found[part], truth, atol=1e-6)
 
 
-def test_a_lab_file_in_our_own_conventions(bring, tmp_path):
-    f = lab_flight()
-    source = write_csv(tmp_path / 'a.csv', {
-        'time': f['t'] + 100.0, **three('p', f['p']), **three('q', f['q'], 'xyzw'),
-        **three('v', f['v']), **three('w', f['w']),
-    })  # fmt: skip
-    found, _, _ = import_drafted(bring, source)
-    expect_flight(found, f)
-
-
 def test_millimetres_milliseconds_degrees_and_z_down(bring, tmp_path):
     f = lab_flight()
     # Frd angles: the same roll, pitch and yaw with y and z turned over
@@ -348,45 +230,6 @@ def test_a_heading_alone_turns_a_level_vehicle(bring, tmp_path):
     assert (Rotation.from_quat(found['q']).inv() * level).magnitude().max() < 1e-6
     said = ' '.join(f'{one.reading} {one.reason}' for one in draft.choices.reasons)
     assert 'roll and pitch taken as 0' in said
-
-
-def test_north_east_down_by_name_and_velocity_in_the_world(bring, tmp_path):
-    f = lab_flight()
-    to_ned = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
-    turn = Rotation.from_quat(f['q'])
-    theirs = Rotation.from_matrix(to_ned @ turn.as_matrix() @ np.diag(DOWN))
-    source = write_csv(tmp_path / 'a.csv', {
-        't': f['t'] + 5.0, **three('p', f['p'] @ to_ned.T, 'ned'),
-        **three('v', turn.apply(f['v']) @ to_ned.T, 'ned'),
-        **three('q', theirs.as_quat()[:, [3, 0, 1, 2]], '0123'), **three('w', f['w'] * DOWN),
-    })  # fmt: skip
-    found, _, draft = import_drafted(bring, source)
-    expect_flight(found, f)
-    assert 'order: wxyz' in draft.text
-    assert 'world: NED' in draft.text
-
-
-def test_a_file_without_time_has_the_rate_that_velocity_says(bring, tmp_path):
-    f = lab_flight()
-    source = write_csv(
-        tmp_path / 'a.csv',
-        {**three('p', f['p']), **three('q', f['q'], 'xyzw'), **three('v', f['v'])},
-    )
-    _, got, draft = import_drafted(bring, source)
-    assert 'time: {rate: 50 Hz}' in draft.text
-    assert np.diff(got.stamps(ODOM))[:3].tolist() == [20_000_000] * 3
-
-
-def test_an_inverted_attitude_is_recognised_by_the_rates(bring, tmp_path):
-    f = lab_flight()
-    inverse = f['q'] * [-1.0, -1.0, -1.0, 1.0]
-    source = write_csv(tmp_path / 'a.csv', {
-        't': f['t'] + 5.0, **three('p', f['p']), **three('q', inverse, 'xyzw'),
-        **three('v', f['v']), **three('w', f['w']),
-    })  # fmt: skip
-    found, _, draft = import_drafted(bring, source)
-    expect_flight(found, f)
-    assert 'direction: world to body' in draft.text
 
 
 def test_truth_estimate_and_command_are_told_apart_by_name(tmp_path):

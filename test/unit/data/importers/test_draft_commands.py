@@ -3,7 +3,6 @@
 from lta_config.errors import BadInput
 from lta_data.importers.draft.choices import DraftVehicle
 from lta_data.importers.draft.draft_mapping import draft_mapping
-from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
 from rosbags.rosbag1 import Writer
@@ -257,19 +256,6 @@ def test_the_numbers_of_an_array_are_rotors_if_the_user_says_so(tmp_path, vehicl
     }
     draft = draft_mapping(source, {**answers, 'data[1].command': 'none'}, vehicle)
     assert [*find_topic(draft, 'motors')['actuators']] == ['left']
-
-
-def test_what_a_vehicle_file_says_of_its_rotors():
-    gtmab = DraftVehicle.load('gtmab')
-    rotors = load_vehicle('gtmab').rotors
-    assert gtmab.rotors == tuple(rotor.name for rotor in rotors)
-    ahead = [rotor for rotor in rotors if abs(rotor.column[0]) > 0.9]
-    assert gtmab.largest['surge'] == pytest.approx(
-        sum(rotor.full_thrust for rotor in ahead), rel=0.02
-    )
-    assert gtmab.centres['surge'][2] == pytest.approx(
-        np.mean([rotor.place[2] for rotor in ahead]), abs=0.01
-    )
 
 
 def write_plain_bag(path):

@@ -20,12 +20,13 @@ import pytest
 from rich.console import Console
 from scipy.spatial.transform import Rotation
 
-from .lab_flights import lab_flight, three, write_csv
+from .lab_flights import DOWN, lab_flight, three, write_csv
 
 Array = NDArray[np.float64]
 Flight = dict[str, Array]
 DEGREES = 180.0 / np.pi
 EPOCH = 1_700_000_000  # s
+TO_NED = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
 
 
 class Form(NamedTuple):
@@ -67,6 +68,10 @@ def compass(f: Flight) -> Array:
 def whole_and_rest(f: Flight, per_second: int, names: tuple[str, str]) -> dict[str, Array]:
     count = np.round((f['t'] + EPOCH) * per_second).astype(np.int64)
     return {names[0]: count // per_second, names[1]: count % per_second}
+
+
+def in_ned(f: Flight) -> Array:
+    return Rotation.from_matrix(TO_NED @ turned(f).as_matrix() @ np.diag(DOWN)).as_quat()
 
 
 def crazyflie(f: Flight) -> dict[str, Array]:
@@ -159,7 +164,20 @@ FORMS = {
         lambda f: timed(f) | angles(f, scale=1.0) | place(f)
         | dict(zip(('xdot', 'ydot', 'zdot'), world_velocity(f).T, strict=True)), 'pqv',
     ),
+    'north, east, down': Form(
+        lambda f: timed(f, **three('p', f['p'] @ TO_NED.T, 'ned'),
+                        **three('v', world_velocity(f) @ TO_NED.T, 'ned'),
+                        **three('q', in_ned(f)[:, [3, 0, 1, 2]], '0123'),
+                        **three('w', f['w'] * DOWN)), 'pqvw',
+    ),
+    'from the world to the body': Form(
+        lambda f: timed(f) | place(f) | three('q', f['q'] * [-1.0, -1.0, -1.0, 1.0], 'xyzw')
+        | three('v', f['v']) | three('w', f['w']), 'pqvw',
+    ),
     # Times
+    'no time beside a velocity': Form(
+        lambda f: place(f, 'p') | quaternion(f) | three('v', f['v']), 'pqv'
+    ),
     'seconds and nanoseconds': Form(
         lambda f: whole_and_rest(f, 10**9, ('stamp.sec', 'stamp.nanosec')) | place(f)
         | quaternion(f)

@@ -1,7 +1,6 @@
 """Quick looks: which channels a word means, and what the terminal shows of them."""
 
 import io
-from itertools import pairwise
 import re
 
 from lta_config.errors import BadInput
@@ -14,7 +13,7 @@ from lta_data.plot.channel_selection import (
     unwrap_to_degrees,
 )
 from lta_data.plot.report import build_report, plot_channels
-from lta_data.plot.terminal import build_channel_listing, draw_curves, draw_sparkline
+from lta_data.plot.terminal import build_channel_listing, draw_curves
 import numpy as np
 import pytest
 from rich.console import Console
@@ -84,13 +83,6 @@ def test_what_has_one_unit_shares_an_axis():
     assert found == {'m': ['a/z', 'c/x'], 'm/s': ['b/speed']}
 
 
-def test_a_line_of_blocks_follows_the_means():
-    assert draw_sparkline(np.arange(8.0), 8) == '▁▂▃▄▅▆▇█'
-    assert draw_sparkline(np.array([0.0, 0.0, np.nan, np.nan, 1.0, 1.0]), 3) == '▁ █'
-    assert draw_sparkline(np.full(5, 2.0)) == 'constant'
-    assert draw_sparkline(np.full(5, np.nan)) == 'no value'
-
-
 def split_plot(text):
     """Return what is inside the frame of a plot, and what is below it."""
     lines = text.splitlines()
@@ -100,22 +92,6 @@ def split_plot(text):
 
 def list_filled_columns(rows):
     return [[k for k, letter in enumerate(row) if letter != ' '] for row in rows]
-
-
-@pytest.mark.parametrize('width', [40, 80, 120])
-def test_a_curve_rises_from_the_lower_left_to_the_upper_right(width):
-    text = draw_curves('m', [ramp()], (0.0, 6.3), width).plain
-    assert {len(row) for row in text.splitlines()[:-1]} == {width}
-    rows, below = split_plot(text)
-    filled = list_filled_columns(rows)
-    assert filled[0][-1] == len(rows[0]) - 1
-    assert filled[-1][0] == 0
-    middles = [np.mean(columns) for columns in filled]
-    assert all(upper > lower for upper, lower in pairwise(middles))
-    assert below[0].split()[0] == '0.0'
-    assert below[0].split()[-1] == '6.3'
-    assert below[1].split() == ['[m]', 'time', '[s]']
-    assert below[2] == '━━ odom/z'
 
 
 def test_values_that_are_unknown_or_out_of_all_bounds_are_gaps():
@@ -128,24 +104,6 @@ def test_values_that_are_unknown_or_out_of_all_bounds_are_gaps():
     columns = sorted(set().union(*list_filled_columns(rows)))
     # Dots in the first and the last seventh, none in the five between them
     assert max(np.diff(columns)) > 0.65 * len(rows[0])
-
-
-@pytest.mark.parametrize('values', [[], [np.nan], [2.0]])
-def test_a_channel_of_at_most_one_value_is_drawn(values):
-    channel = SignalChannel('z', 'm', np.arange(float(len(values))), np.array(values))
-    rows, _ = split_plot(draw_curves('m', [channel], (0.0, 0.0), 60).plain)
-    assert sum(map(len, list_filled_columns(rows))) == np.isfinite(values).sum()
-
-
-def test_curves_have_the_colours_of_their_legend():
-    falling = SignalChannel('odom/y', 'm', np.arange(64.0) / 10, 63.0 - np.arange(64.0))
-    printed = io.StringIO()
-    console = Console(file=printed, force_terminal=True, color_system='standard', width=60)
-    console.print(draw_curves('m', [ramp(), falling], (0.0, 6.3), 60), soft_wrap=True)
-    *rows, first, second, _ = printed.getvalue().splitlines()
-    assert '\x1b[36m━━ \x1b[0modom/z' in first
-    assert '\x1b[33m━━ \x1b[0modom/y' in second
-    assert re.findall(r'\x1b\[(\d+)m', rows[1]) == ['33', '0', '36', '0']
 
 
 def test_a_picture_holds_the_values():

@@ -12,7 +12,6 @@ from lta_bridge.bag.mcap_file import PROVENANCE
 from lta_config.errors import strip_control_codes, to_one_line
 from lta_config.limits import CHANNELS
 from lta_data.bag.mcap_file.chunks import DamagedRecord
-from lta_data.bag.mcap_file.rhythm import MessageIntervals
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
@@ -28,8 +27,7 @@ class MessageRegion:
     A region of the file that contains messages. [bytes from the start of the file]
 
     `packed` marks a chunk, otherwise the records are bare; `channels` is None if unknown. `start`
-    and `end` are the first and last log time in ns, None if unknown. `index` is offset and length
-    of the message indexes, (0, 0) if there are none.
+    and `end` are the first and last log time in ns, None if unknown.
     """
 
     offset: int
@@ -38,7 +36,6 @@ class MessageRegion:
     channels: frozenset[int] | None
     start: int | None = None
     end: int | None = None
-    index: tuple[int, int] = field(default=(0, 0), compare=False)
 
 
 @final
@@ -67,8 +64,8 @@ class McapContents:
     Directory of one MCAP file.
 
     `counts` are messages by channel, `start` and `end` the first and last log time in ns. `losses`
-    describe what is missing, `lost` where, and `remarks` irregularities without loss. `rhythm` is
-    filled by a scan only. `indexed` is whether everything comes from the file's summary.
+    describe what is missing, `lost` where, and `remarks` irregularities without loss. `indexed`
+    is whether everything comes from the file's summary.
     """
 
     schemas: dict[int, Schema] = field(default_factory=dict)
@@ -81,7 +78,6 @@ class McapContents:
     losses: list[str] = field(default_factory=list)
     lost: list[DamagedRegion] = field(default_factory=list)
     remarks: list[str] = field(default_factory=list)
-    rhythm: MessageIntervals = field(default_factory=MessageIntervals, compare=False)
     indexed: bool = field(default=False, compare=False)
 
     def add_record(self, opcode: int, body: bytes) -> None:

@@ -22,7 +22,6 @@ from lta_data.bag.mcap_file.chunks import (
 from lta_data.bag.mcap_file.contents import DamagedRegion, McapContents, MessageRegion
 from mcap.opcode import Opcode
 from mcap.writer import MCAP0_MAGIC
-import numpy as np
 
 # A chunk from its length on: length, times, size, CRC, compression, packed length. Lengths and
 # sizes are below 4 GB.
@@ -34,7 +33,6 @@ FIRST_WINDOW, LARGEST_WINDOW = 1 << 12, 1 << 20  # bytes; the next chunk is usua
 FUTILE = 1 << 26  # bytes of futile attempts to unpack per file, beyond eight times its size
 ATTEMPT = 1 << 20  # least cost of an attempt [bytes]
 LONGEST_RUN = 1 << 20  # bytes; bare messages are read in regions of about this size
-MANY_PENDING = 10_000  # bare messages held before they enter the rhythm
 MOST_TOLD = 100  # further losses are only counted
 PRIVATE = 0x80  # opcodes from here on are private
 DATA_END_SIZE, FOOTER_SIZE = 4, 20  # bytes without opcode and length
@@ -70,7 +68,6 @@ class McapScanner:
         self._ended = False  # the data section is over; the rest repeats parts of it
         self._finished = False
         self._readable = len(MCAP0_MAGIC)  # end of the last valid record
-        self._pending: list[tuple[int, int]] = []  # time and channel of bare messages
 
     def walk(self) -> None:
         """Scan the file to its end."""
@@ -81,7 +78,6 @@ class McapScanner:
             self._add_chunk(chunk)
             chunk = self._find_chunk(chunk.end)
         self._read_between(self._readable, self._size)
-        self._flush_pending()
         self._describe_losses()
 
     def _read(self, offset: int, length: int) -> bytes:
@@ -179,12 +175,10 @@ class McapScanner:
                     )
         except DamagedRecord:
             contents.losses.append(describe_damage(chunk.start, length))
-        self._flush_pending()
         contents.counts.update(channels)
         first, last = min(times, default=None), max(times, default=None)
         if first is not None and last is not None:
             contents.extend_time_span(first, last)
-        contents.rhythm.add_times(np.array(times, np.uint64), np.array(channels, np.uint16))
         channel_ids = frozenset(channels)
         contents.places.append(MessageRegion(chunk.start, length, True, channel_ids, first, last))
 
@@ -196,9 +190,6 @@ class McapScanner:
         if channel not in self.contents.channels:
             raise DamagedRecord
         self.contents.count_message(channel, log_time)
-        self._pending.append((log_time, channel))
-        if len(self._pending) >= MANY_PENDING:
-            self._flush_pending()
         run = MessageRegion(at, 0, False, None, log_time, log_time)
         places = self.contents.places
         if places and extends_run(places[-1], at):
@@ -211,15 +202,6 @@ class McapScanner:
                 end=max(run.end or 0, log_time),
             )
         )
-
-    def _flush_pending(self) -> None:
-        """Add the times of pending bare messages to the rhythm."""
-        if self._pending:
-            times, channels = zip(*self._pending, strict=True)
-            self.contents.rhythm.add_times(
-                np.array(times, np.uint64), np.array(channels, np.uint16)
-            )
-            self._pending.clear()
 
     def _note_loss(self, at: int, end: int, opcode: int, reason: str) -> None:
         """Add an unusable region, or extend the last one."""

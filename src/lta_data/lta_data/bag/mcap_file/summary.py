@@ -111,11 +111,8 @@ def parse_chunk_region(body: bytes) -> MessageRegion:
     stop = CHUNK_INDEX.size + size
     if size % CHANNEL.size or stop + 8 > len(body):
         raise DamagedRecord
-    indexes = dict(CHANNEL.iter_unpack(body[CHUNK_INDEX.size : stop]))
-    index = (0, 0)
-    if indexes:
-        index = (min(indexes.values()), struct.unpack_from('<Q', body, stop)[0])
-    return MessageRegion(offset, length, True, frozenset(indexes) or None, start, end, index)
+    channels = frozenset(id for id, _ in CHANNEL.iter_unpack(body[CHUNK_INDEX.size : stop]))
+    return MessageRegion(offset, length, True, channels or None, start, end)
 
 
 def covers_all_messages(contents: McapContents, statistics: Statistics, data_end: int) -> bool:
