@@ -16,8 +16,7 @@ import sys
 import tempfile
 from typing import Final, final, NamedTuple
 
-from lta_data.importers.progress import ImportProgress
-from lta_data.importers.run import import_logs, ImportRequest
+from lta_data.importers.run import import_logs, ImportProgress, ImportRequest
 from lta_discovery.calibration.calibration import calibrate_flights
 from lta_discovery.calibration.prepared_flights import prepare_calibration
 from lta_discovery.flights.bags import read_bags, Role

@@ -19,8 +19,7 @@ from lta_config.files import find_file
 from lta_data.bag.recorded_flight import open_flight
 from lta_data.data_quality.recording import read_recording
 from lta_data.data_quality.registry import run_checks
-from lta_data.importers.progress import ImportProgress
-from lta_data.importers.run import import_logs, ImportRequest
+from lta_data.importers.run import import_logs, ImportProgress, ImportRequest
 import numpy as np
 from rich.console import Console
 import yaml

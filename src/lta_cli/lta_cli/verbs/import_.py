@@ -84,8 +84,7 @@ def import_(
     Example: lta import log00 log01 --json
     """
     # Import here: the format readers load slowly, and building the help does not need them.
-    from lta_data.importers.progress import ImportProgress
-    from lta_data.importers.run import import_logs, ImportRequest
+    from lta_data.importers.run import import_logs, ImportProgress, ImportRequest
 
     console = plain_console(stderr=json)
     if draft:

@@ -65,15 +65,6 @@ class ColumnBuilder:
         self._logged: list[int] = []
         self._stamps: list[NDArray[np.int64]] = []
 
-    @property
-    def type_name(self) -> str:
-        """The message type."""
-        return self._typed.name
-
-    def __len__(self) -> int:
-        """Return the number of messages added since the last flush."""
-        return len(self._logged)
-
     def add_message(self, log_time: int, data: bytes) -> None:
         """Add a message; raise `BadInput` if a pending one cannot be decoded."""
         if not self._logged:

@@ -39,10 +39,12 @@ from lta_data.bag.mcap_file.contents import (
     McapContents,
     MessageRegion,
     read_at,
+    read_summary,
+    summary_is_damaged,
+    UNUSABLE,
 )
 from lta_data.bag.mcap_file.decoder import explain_undecodable, MessageDecoder
 from lta_data.bag.mcap_file.scan import describe_damage, scan_mcap_file
-from lta_data.bag.mcap_file.summary import read_summary, summary_is_damaged, UNUSABLE
 from mcap.records import Channel, Schema
 from mcap.writer import MCAP0_MAGIC
 

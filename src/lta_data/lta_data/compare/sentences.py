@@ -5,10 +5,15 @@ import math
 from typing import Final
 
 from lta_data.compare.channel_comparison import ChannelComparison
-from lta_data.compare.channel_roles import FIELDS, select_headline_channels
+from lta_data.compare.channel_roles import (
+    end_offset,
+    FIELDS,
+    find_pose_channels,
+    format_direction,
+    select_headline_channels,
+)
 from lta_data.compare.compared_flight import ComparedFlight, TopicFaults
 from lta_data.compare.comparison import ComparisonResult
-from lta_data.compare.end_offset import end_offset, find_pose_channels, format_direction
 from lta_data.compare.frame_alignment import FrameAlignment, FrameTransform
 from lta_data.compare.time_alignment import TimeAlignment
 from lta_report.formatting import format_count

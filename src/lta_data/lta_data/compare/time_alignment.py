@@ -7,9 +7,8 @@ from typing import Final, final, Literal
 from lta_config.errors import BadInput
 from lta_data.compare.channel_comparison import ChannelPair
 from lta_data.compare.clock_offset import ClockOffset, estimate_clock_offset
-from lta_data.compare.coarse_lag import SharedQuantity
+from lta_data.compare.coarse_lag import estimate_start_offset, SharedQuantity
 from lta_data.compare.compared_flight import ComparedFlight
-from lta_data.compare.motion_start import estimate_start_offset
 from lta_data.compare.sampling import Array, interpolate_signal, SampledSignal, sort_samples
 from lta_data.importers.log_provenance import have_separate_clocks
 import numpy as np

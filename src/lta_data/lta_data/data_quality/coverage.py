@@ -10,8 +10,8 @@ from lta_data.data_quality.checks.stamps import is_regular
 from lta_data.data_quality.checks.units import SIZES
 from lta_data.data_quality.finding import QualityFinding, Severity
 from lta_data.data_quality.recording import CheckContext
+from lta_data.data_quality.roles import COUNTS, RANGES, SPREAD
 from lta_data.data_quality.smoothing import find_coarse_unit
-from lta_data.data_quality.valid_ranges import COUNTS, RANGES, SPREAD
 import numpy as np
 
 KIND: Final = 'missing'

@@ -16,9 +16,8 @@ from lta_data.importers.draft.source_tables import (
     read_source,
 )
 from lta_data.importers.formats import detect_format, FORMATS
-from lta_data.importers.progress import ImportProgress
 from lta_data.importers.readers.sensor_folder import describe_empty_files, list_run_files
-from lta_data.importers.run import import_logs, ImportRequest
+from lta_data.importers.run import import_logs, ImportProgress, ImportRequest
 from rich.console import Console
 
 MAPPING: Final = 'mapping.yaml'  # in the folder: for all its logs

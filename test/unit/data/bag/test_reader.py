@@ -142,7 +142,7 @@ KILLED = """
 import itertools, sys, time
 from pathlib import Path
 from lta_data.bag.mcap_file.scan import scan_mcap_file
-from lta_data.bag.mcap_file.summary import read_summary
+from lta_data.bag.mcap_file.contents import read_summary
 from lta_bridge.bag import BagWriter
 bag = BagWriter(Path(sys.argv[1]), {'seed': '9'})
 bag.add_topic('/b', 'std_msgs/msg/Bool', [])

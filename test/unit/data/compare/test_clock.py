@@ -1,8 +1,7 @@
 """Clocks: offsets, drifts and starts that are known, found within their own uncertainty."""
 
 from lta_data.compare.clock_offset import estimate_clock_offset
-from lta_data.compare.coarse_lag import SharedQuantity
-from lta_data.compare.motion_start import estimate_start_offset, find_motion_start
+from lta_data.compare.coarse_lag import estimate_start_offset, find_motion_start, SharedQuantity
 from lta_data.compare.sampling import SampledSignal, sort_samples
 import numpy as np
 import pytest

@@ -7,8 +7,7 @@ from lta_data.bag.channels import SignalChannel
 from lta_data.compare.channel_comparison import select_topic_pairs
 from lta_data.compare.compared_flight import build_compared_flight
 from lta_data.compare.comparison import compare_flights, compare_sides, ComparisonRequest
-from lta_data.importers.progress import ImportProgress
-from lta_data.importers.run import import_logs, ImportRequest
+from lta_data.importers.run import import_logs, ImportProgress, ImportRequest
 import numpy as np
 import pytest
 from rich.console import Console

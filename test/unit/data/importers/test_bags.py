@@ -6,8 +6,7 @@ from lta_config.errors import BadInput
 from lta_data.bag.reader import read_bag
 from lta_data.importers.draft.draft_mapping import draft_mapping
 from lta_data.importers.draft.draft_report import list_missing_parts
-from lta_data.importers.progress import ImportProgress
-from lta_data.importers.run import import_logs, ImportRequest
+from lta_data.importers.run import import_logs, ImportProgress, ImportRequest
 from mcap.reader import make_reader
 from mcap.writer import Writer as McapWriter
 import numpy as np

@@ -4,8 +4,7 @@ from pathlib import Path
 import random
 
 from lta_config.errors import BadInput
-from lta_data.importers.progress import ImportProgress
-from lta_data.importers.run import import_logs, ImportRequest
+from lta_data.importers.run import import_logs, ImportProgress, ImportRequest
 import pytest
 from rich.console import Console
 from rosbags.rosbag1 import Writer as Writer1

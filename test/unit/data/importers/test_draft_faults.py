@@ -7,8 +7,7 @@ from lta_config.errors import BadInput
 from lta_data.importers.draft.choices import DraftQuestion
 from lta_data.importers.draft.draft_mapping import draft_mapping
 from lta_data.importers.draft.draft_report import build_draft_report
-from lta_data.importers.progress import ImportProgress
-from lta_data.importers.run import import_logs, ImportRequest
+from lta_data.importers.run import import_logs, ImportProgress, ImportRequest
 import numpy as np
 import pytest
 from rich.console import Console

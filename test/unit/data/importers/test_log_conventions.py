@@ -12,8 +12,7 @@ from typing import Any, NamedTuple
 from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import open_flight
 from lta_data.importers.draft.draft_mapping import draft_mapping, MappingDraft
-from lta_data.importers.progress import ImportProgress
-from lta_data.importers.run import import_logs, ImportRequest
+from lta_data.importers.run import import_logs, ImportProgress, ImportRequest
 import numpy as np
 from numpy.typing import NDArray
 import pytest

@@ -8,9 +8,9 @@ from lta_data.data_quality import limits, roles
 from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
 from lta_data.data_quality.motion import collect_poses, InertialSeries, PoseSeries
 from lta_data.data_quality.recording import CheckContext
+from lta_data.data_quality.roles import build_light_ranges, CELLS, RANGES, ValidRange
 from lta_data.data_quality.smoothing import find_runs, merge_runs
 from lta_data.data_quality.tracker_jumps import find_steps
-from lta_data.data_quality.valid_ranges import build_light_ranges, CELLS, RANGES, ValidRange
 import numpy as np
 from numpy.typing import NDArray
 

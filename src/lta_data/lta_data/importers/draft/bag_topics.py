@@ -9,7 +9,7 @@ from lta_config.errors import BadInput
 from lta_config.schema.import_file import FIELD_AXES
 from lta_data.importers.axes import signed_permutation
 from lta_data.importers.draft.array_commands import ask_for_columns
-from lta_data.importers.draft.bag_bodies import choose_body, choose_moving, read_tables
+from lta_data.importers.draft.bodies import choose_bag_body, choose_moving, read_tables
 from lta_data.importers.draft.choices import BODY_AXES, DraftChoices
 from lta_data.importers.draft.clock_alignment import TimedTable
 from lta_data.importers.draft.column_groups import ColumnGroup
@@ -80,7 +80,7 @@ def draft_bag_topics(path: Path, choices: DraftChoices) -> BagDraft:
     log = FORMATS['bag'].opened(path, None)
     types = {name: topic.definition.type_name for name, topic in sorted(log.raw.items())}
     if not any(kind in POSES for kind in types.values()):
-        types |= choose_body(path, log, types, f'{ROLES["truth"]}.table', choices)
+        types |= choose_bag_body(path, log, types, f'{ROLES["truth"]}.table', choices)
     chosen = _choose_topics(path, types, choices)
     commands = [] if 'wrench_command' in chosen else _list_command_topics(types)
     poses = {ours: name for ours, name in chosen.items() if ours in ROLES.values()}

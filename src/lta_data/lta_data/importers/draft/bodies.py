@@ -1,12 +1,18 @@
-"""Tell the bodies of a tracker apart, and choose the one that is the vehicle."""
+"""Tell the bodies of a tracker apart, in columns, rows or topics, and choose the vehicle."""
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Final, final, NamedTuple
 
+from lta_config.schema.import_file import ImportMapping
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.column_groups import ColumnGroup, Columns, group_columns
 from lta_data.importers.draft.name_hints import KINDS, match_role, parse_column_name
-from lta_data.importers.protocol import Numbers
+from lta_data.importers.entry_plan import SHAPES
+from lta_data.importers.formats import FORMATS
+from lta_data.importers.protocol import LogReader, LogTable, Numbers
+from lta_data.importers.readers.bag_tables import BagTableLog, BODIES, FURTHER
 from lta_data.importers.readers.column_log import Column
 import numpy as np
 
@@ -48,17 +54,10 @@ def choose_body(
     if len(bodies) < 2:
         return list(groups)
     by_name = {body.name: body for body in bodies}
-    largest = max(body.extent for body in bodies)
-    options = [
-        (body.name, f'{", ".join(body.place.columns)}: moves over {body.extent:.3g}')
-        for body in sorted(bodies, key=lambda body: -body.extent)
-    ]
-    moving = [body for body in bodies if body.extent > STILL * largest]
-    if len(moving) == 1 and KEY not in choices.answers:
-        chosen, why = choices.override(KEY, moving[0].name), 'the others stand still'
-    else:
-        chosen = choices.decide(KEY, options, 'The log has several bodies that move.')
-        why = choices.explain(KEY)
+    extents = {body.name: body.extent for body in bodies}
+    columns = {body.name: f'{", ".join(body.place.columns)}: ' for body in bodies}
+    question = 'The log has several bodies that move.'
+    chosen, why = _choose_moving(extents, KEY, question, choices, columns)
     choices.add_reason('body', by_name[chosen].place.columns, chosen, why)
     others = frozenset().union(*(one.words for one in bodies if one.name != chosen))
     others -= by_name[chosen].words
@@ -117,6 +116,22 @@ def _measure_step(rows: Numbers) -> float:
     return float(np.nanpercentile(np.linalg.norm(np.diff(rows, axis=0), axis=1), 75.0))
 
 
+def _choose_moving(
+    extents: Mapping[str, float],
+    key: str,
+    question: str,
+    choices: DraftChoices,
+    about: Mapping[str, str] = MappingProxyType({}),
+) -> tuple[str, str]:
+    """Return the only body that moves, or of several the one that the user says; and why."""
+    names = sorted(extents, key=lambda name: -extents[name])
+    moving = [name for name in names if extents[name] > STILL * extents[names[0]]]
+    if len(moving) < 2 and key not in choices.answers:
+        return choices.override(key, names[0]), 'the others stand still'
+    options = [(name, f'{about.get(name, "")}moves over {extents[name]:.3g}') for name in names]
+    return choices.decide(key, options, question), choices.explain(key)
+
+
 def _choose_label(
     column: str, labels: Column, rows: Numbers, cells: Column, choices: DraftChoices
 ) -> Any:  # noqa: ANN401 - a number or a word
@@ -125,15 +140,8 @@ def _choose_label(
     for label in labels:
         low, high = np.nanpercentile(rows[cells == label], [2.0, 98.0], axis=0)
         extents[str(label)] = float((high - low).max())
-    names = sorted(extents, key=lambda name: -extents[name])
-    moving = [name for name in names if extents[name] > STILL * extents[names[0]]]
-    options = [(name, f'moves over {extents[name]:.3g}') for name in names]
-    if len(moving) == 1 and KEY not in choices.answers:
-        chosen, why = choices.override(KEY, moving[0]), 'the others stand still'
-    else:
-        question = f'The rows of several bodies follow each other, by {column}.'
-        chosen = choices.decide(KEY, options, question)
-        why = choices.explain(KEY)
+    question = f'The rows of several bodies follow each other, by {column}.'
+    chosen, why = _choose_moving(extents, KEY, question, choices)
     choices.add_reason('body', [column], chosen, why)
     return next(label for label in labels if str(label) == chosen)
 
@@ -177,3 +185,55 @@ def _is_same(rows: Numbers, others: Numbers) -> bool:
     extent = float(np.ptp(rows[good], axis=0).max())
     spread = float(np.sqrt(((apart - apart.mean(axis=0)) ** 2).sum(axis=1).mean()))
     return spread < APART * extent
+
+
+def choose_bag_body(
+    path: Path, log: LogReader, types: Mapping[str, str], key: str, choices: DraftChoices
+) -> dict[str, str]:
+    """Return the table of the vehicle in a topic of several bodies, such as /tf, and its type."""
+    assert isinstance(log, BagTableLog)
+    tables = {
+        name: kind
+        for topic, kind in types.items()
+        if kind in BODIES and not topic.endswith('_static')
+        for name in log.list_bodies(topic)
+    }
+    if not tables:
+        return {}
+    chosen = choose_moving(path, tables, key, 'The bag has the poses of several bodies.', choices)
+    return {chosen: tables[chosen]}
+
+
+def choose_moving(
+    path: Path, tables: Mapping[str, str], key: str, question: str, choices: DraftChoices
+) -> str:
+    """
+    Return the table of poses of the only body that moves; of several, the user chooses.
+
+    `tables`: message types by table.
+    """
+    extents = {}
+    for name, table in read_tables(path, [*tables]).items():
+        shape = FURTHER.get(tables[name]) or SHAPES[tables[name]]
+        rows = np.stack([table.columns[f'{shape["position"].place}.{a}'] for a in 'xyz'], axis=1)
+        low, high = np.nanpercentile(rows, [2.0, 98.0], axis=0)
+        extents[name] = float(np.max(high - low))
+    chosen, _ = _choose_moving(extents, key, question, choices)
+    listed = ', '.join(
+        f'{name} (moves over {extents[name]:.3g})'
+        for name in sorted(extents, key=lambda name: -extents[name])
+    )
+    choices.add_reason('body', [chosen], chosen, f'of {listed}')
+    return chosen
+
+
+def read_tables(path: Path, names: Sequence[str]) -> Mapping[str, LogTable]:
+    """Return topics as tables, with a column for each number; those without a message lack."""
+    if not names:
+        return {}
+    number = {'effort': {'column': '-'}}
+    topics = [{'topic': 'motors', 'table': one, 'actuators': {'any': number}} for one in names]
+    head = {'schema': 1, 'name': 'draft', 'about': 'A draft.', 'format': 'bag', 'data': 'measured'}
+    log = FORMATS['bag'].opened(path, ImportMapping.model_validate({**head, 'topics': topics}))
+    there = {name: set[str]() for name in names if name in log.columns}
+    return log.read_tables(there)

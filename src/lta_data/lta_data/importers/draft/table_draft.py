@@ -16,10 +16,9 @@ from lta_data.importers.draft.column_groups import (
 from lta_data.importers.draft.generic_commands import ask_for_meanings, list_generic_commands
 from lta_data.importers.draft.kinematics import find_sensor_axes, MotionEvidence, SENSOR_AXES
 from lta_data.importers.draft.motion_draft import draft_motion, MotionDraft
-from lta_data.importers.draft.motion_kinds import settle_kinds
+from lta_data.importers.draft.motion_kinds import find_state_vectors, settle_kinds
 from lta_data.importers.draft.name_hints import match_role, parse_column_name, UNIT_WORDS
 from lta_data.importers.draft.scalar_draft import draft_scalars
-from lta_data.importers.draft.state_vectors import find_state_vectors
 from lta_data.importers.draft.time_base import find_time_base, TimeBase
 from lta_data.importers.draft.vertical import find_axes, name_axes, spread_axes, VerticalAxes
 from lta_data.importers.protocol import Numbers
