@@ -31,7 +31,7 @@ GRID: Final = 150_000  # points of a time grid, 25 min at 100 Hz; more if a reco
 DEFINITION_BYTES: Final = 250_000  # of the text that defines a message type
 ARRAY_PARTS: Final = 4096  # elements of its fixed arrays, which the reader unrolls into code
 # Logs of others
-LOG_BYTES: Final = 1 << 29  # of a log that is read whole: ULog, Crazyflie's card
+LOG_BYTES: Final = 1 << 29  # of a log that is read whole: text, ULog, Crazyflie's card
 LINE_BYTES: Final = 1 << 20  # of a line of text with columns
 COLUMNS: Final = 5000  # of a log; an autopilot's export has hundreds
 INFLATION: Final = 200  # bytes out of one byte of gzip or zstd; text with columns has up to 20

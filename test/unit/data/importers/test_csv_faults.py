@@ -42,6 +42,15 @@ def test_a_text_with_the_wrong_separator_is_not_read_to_its_end(bring, tmp_path,
         bring(source, POSE)
 
 
+def test_a_text_that_unpacks_to_more_than_a_log_may_have_is_refused(bring, tmp_path, monkeypatch):
+    monkeypatch.setattr(csv_text, 'LOG_BYTES', 1000)
+    source = tmp_path / 'a.csv.gz'
+    rows = ''.join(f'{k},1,2,3\n' for k in range(5, 500))
+    source.write_bytes(gzip.compress(f't,x,y,z\n{rows}'.encode()))
+    with pytest.raises(BadInput, match='unpacks to more than 1000 bytes'):
+        bring(source, POSE)
+
+
 def test_short_rows_among_as_many_of_another_kind_are_read():
     """Of a hundred thousand skipped rows, nothing tells how many good ones their part has."""
     stream = io.BytesIO(b't,x\n' + b'1,2\ne,r,r\n' * 110_000 + b'3,4\n')

@@ -6,14 +6,15 @@ import re
 from lta_config.errors import BadInput
 from lta_data.bag import open_flight
 from lta_data.bag.channels import SignalChannel
-from lta_data.plot.channel_selection import (
+from lta_data.plot.report import build_report, plot_channels
+from lta_data.plot.terminal import (
+    build_channel_listing,
     crop_channel,
+    draw_curves,
     group_by_unit,
     select_channels,
     unwrap_to_degrees,
 )
-from lta_data.plot.report import build_report, plot_channels
-from lta_data.plot.terminal import build_channel_listing, draw_curves
 import numpy as np
 import pytest
 from rich.console import Console

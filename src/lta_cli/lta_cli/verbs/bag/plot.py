@@ -10,14 +10,15 @@ from lta_config.errors import BadInput
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.channels import read_all_channels
 from lta_data.bag.recorded_flight import open_flight, RecordedFlight
-from lta_data.plot.channel_selection import (
+from lta_data.plot.report import build_report, write_png
+from lta_data.plot.terminal import (
+    build_channel_listing,
     crop_channel,
     group_by_unit,
+    print_channels,
     select_channels,
     unwrap_to_degrees,
 )
-from lta_data.plot.report import build_report, write_png
-from lta_data.plot.terminal import build_channel_listing, print_channels
 from lta_report.page_frame import write_file
 from lta_report.report_page import render_report
 from rich.console import Console

@@ -13,7 +13,7 @@ import re
 from typing import Any, BinaryIO, final, TypeAlias
 
 from lta_config.errors import BadInput
-from lta_config.limits import check_column_count, check_log_size, LINE_BYTES
+from lta_config.limits import check_column_count, check_log_size, LINE_BYTES, LOG_BYTES
 from lta_config.schema.import_file import TextFormat
 from lta_data.importers.protocol import Numbers
 from lta_data.importers.readers.line_stream import decompress_stream, NAMED, open_text_lines
@@ -36,7 +36,16 @@ def read_cells(
     with path.open('rb') as stream:
         try:
             rows = TextRows(stream, text, names)
-            batches = [batch for batch in rows if batch.num_rows]
+            batches, size = [], 0
+            for batch in rows:
+                size += batch.nbytes
+                # Each cell has four bytes besides its text
+                if size > 4 * LOG_BYTES:
+                    raise BadInput(
+                        f"'{path}' unpacks to more than {LOG_BYTES} bytes, the limit of an "
+                        'import; split the log.'
+                    )
+                batches += [batch] if batch.num_rows else []
         except (pa.ArrowInvalid, pa.ArrowKeyError, EOFError, OSError) as error:
             if 'Empty CSV' not in str(error):
                 reason = ' '.join(str(error).split())
