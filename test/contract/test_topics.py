@@ -123,7 +123,8 @@ def test_every_node_is_known_here():
 
 @pytest.mark.parametrize('name', BRIDGES)
 def test_a_bridge_plays_a_part_of_the_vehicle(name):
-    assert published(name) - ADDED.get(name, set()) <= set(TABLE.published_by('vehicle'))
+    rows = {*TABLE.published_by('vehicle'), *TABLE.published_by(name)}
+    assert published(name) - ADDED.get(name, set()) <= rows
     assert published(name)
     assert read(name) <= set(TABLE.read_by('vehicle'))
 
@@ -159,7 +160,7 @@ def test_a_topic_s_row_is_whole(name):
     assert topic.stamped == ('header' in fields), 'stamped says whether there is a header'
     assert topic.about.endswith('.')
     roles = {ROLES.get(node, node) for node in NODES}
-    assert topic.source in roles | set(BESIDE) | {'every node'}
+    assert topic.source in roles | set(BESIDE) | set(BRIDGES) | {'every node'}
     assert set(topic.subscribers) <= roles
     assert all(lag in (0, 1) for lag in topic.subscribers.values())
     assert topic.period_ns % 1_000_000 == 0
@@ -256,7 +257,7 @@ BEGUN_WITH = {
     },
     'live': {'port'},
     'teensy_bridge': {'peaks', 'patience', 'autostart'},
-    'tracker': {'origin', 'body', 'delay'},
+    'tracker': {'origin', 'body', 'delay', 'truth'},
     'teleop': {
         'layout.forward', 'layout.turn', 'layout.climb', 'layout.take', 'layout.give_back',
         'layout.stop', 'layout.rest',

@@ -5,10 +5,12 @@ import json
 import math
 
 from action_msgs.msg import GoalStatus
-from lta_msgs.action import GoToLamp, Land, TakeOff
+from geometry_msgs.msg import Pose, PoseStamped
+from lta_msgs.action import FollowPath, GoToLamp, GoToPose, Land, TakeOff
 import pytest
 from rcl_interfaces.msg import Log
 from rclpy.action import ActionClient
+from rclpy.qos import qos_profile_sensor_data
 
 from .command import ROOT
 from .peer import Peer
@@ -21,7 +23,13 @@ class Commander:
 
     def __init__(self, peer: Peer) -> None:
         self.peer = peer
-        kinds = {'take_off': TakeOff, 'go_to_lamp': GoToLamp, 'land': Land}
+        kinds = {
+            'take_off': TakeOff,
+            'go_to_lamp': GoToLamp,
+            'go_to_pose': GoToPose,
+            'follow_path': FollowPath,
+            'land': Land,
+        }
         self._clients = {n: ActionClient(peer.node, kind, n) for n, kind in kinds.items()}
         self.feedback: list[object] = []
         self.logged: list[Log] = []
@@ -118,6 +126,75 @@ def test_a_client_takes_off_goes_to_the_lamp_and_lands(lta, scenario, commander,
     launch.end()
     (line,) = [line for _, line in launch.lines if '"outcome"' in line]
     assert json.loads(line.partition(' ')[2])['outcome'] == 'flying'
+
+
+def at(x, y):
+    pose = Pose()
+    pose.position.x, pose.position.y = x, y
+    return pose
+
+
+def to_pose(x, y, tolerance=1.0, frame='map'):
+    goal = GoToPose.Goal(pose=PoseStamped(pose=at(x, y)), tolerance=tolerance)
+    goal.pose.header.frame_id = frame
+    return goal
+
+
+def test_a_tracked_drone_flies_to_places_until_its_tracker_is_lost(lta, scenario, commander, hear):
+    """The poses of the simulated drone come by motion capture, which ends in flight."""
+    room = scenario(walls='solid')  # 10 m x 8 m; the drone starts at -3.5, 0
+    words = ('processes:=one', f'scenario:={room}', 'tracker:=true', 'tracker_pose:=tracker/pose')
+    launch = lta.start(*COMMANDED, *words)
+    peer, sees = commander.peer, True
+    mocap = peer.node.create_publisher(PoseStamped, 'tracker/pose', qos_profile_sensor_data)
+
+    def relay(odom):
+        tick = odom.header.stamp.nanosec // 10_000_000
+        if sees and tick % 4 == 0:  # 25 Hz
+            # The noise of a camera, without which a pose counts as frozen
+            odom.pose.pose.position.z += 0.0005 * (tick // 4 % 2)
+            mocap.publish(PoseStamped(header=odom.header, pose=odom.pose.pose))
+
+    peer.hear('ground_truth/odom', relay)
+    assert commander.take_off(0.6)[0] == GoalStatus.STATUS_SUCCEEDED
+
+    room_words = '10 m x 8 m around the origin'
+    outside = f'the place 5.5, 0 m lies outside the room, {room_words}'
+    commander.refuse('go_to_pose', to_pose(5.5, 0.0), outside)
+    commander.refuse('go_to_pose', to_pose(math.nan, 0.0), 'the place nan, 0, 0 m is not finite')
+    odom = "the frame of a place is map, not 'odom'"
+    commander.refuse('go_to_pose', to_pose(0.0, 0.0, frame='odom'), odom)
+    commander.refuse('follow_path', FollowPath.Goal(), 'there is no place to fly to')
+
+    path = FollowPath.Goal(tolerance=1.0)
+    path.path.poses = [at(-3.0, 0.0), at(-2.0, 0.0)]
+    status, result = commander.fly('follow_path', path)
+    assert status == GoalStatus.STATUS_SUCCEEDED, result.message
+    assert result.outcome == FollowPath.Result.SUCCEEDED
+    assert result.place == 1
+    assert result.distance < 1.0
+    assert [each.place for each in commander.feedback] == sorted(
+        each.place for each in commander.feedback
+    )
+
+    handle = commander.send('go_to_pose', to_pose(2.0, 0.0))
+    mine = commander.feedback
+    peer.until(lambda: mine)
+    assert 3.0 < mine[0].distance < 5.1  # 4 m and what it was off
+    sees = False
+    ended = commander.wait(handle.get_result_async())
+    assert (ended.status, ended.result.outcome) == (
+        GoalStatus.STATUS_ABORTED,
+        GoToPose.Result.FAULT,
+    )
+    assert ended.result.message == 'the tracker is lost; holding height and heading'
+    commander.refuse('go_to_pose', to_pose(2.0, 0.0), 'no tracker sees the drone')
+    lost = 'lost: holding height and heading only'
+    hear(lambda facts: (fact := facts.get('navigator: tracker')) and fact.message == lost)
+    status, _ = commander.fly('land', Land.Goal())
+    assert status == GoalStatus.STATUS_SUCCEEDED
+    launch.interrupt()
+    launch.end()
 
 
 @pytest.mark.long

@@ -1,9 +1,10 @@
 """
-Fly by commands: take off, go to a lamp, land, and hold between them.
+Fly by commands: take off, go to a lamp or to places, land, and hold between them.
 
 `CommandedFlight` decides after each light block, as `Guidance` does for a mission that flies by
 itself. A task begins with a request and ends with a result. Without a task the drone rests on the
-ground, or holds its height and heading; at a lamp it also holds its position against the wind.
+ground, or holds its height and heading; where a tracker sees it, or at a lamp, it also holds its
+position against the wind. A tracker that is lost ends a flight to a place, and that hold.
 
 The energy reserve applies as in a mission, with or without a task. Whatever lands the drone but
 a task ends the task. A drone that stands on the ground rests, so nothing starts its motors again
@@ -21,7 +22,16 @@ from lta_control.cascade import CascadeMeasurement, FLOOR, Setpoint
 from lta_control.flight_step import FOOT, has_landed, LandingWatch, watch_landing
 from lta_control.guidance import GuidanceInputs, refuse_failures
 from lta_control.mission import fly_phase, MissionSettings, select_light
+from lta_control.odometry.tracked_motion import LocatedMotion
 from lta_control.phases import Mission, Phase
+from lta_control.place_hold import (
+    begin_hold,
+    find_route_fault,
+    Place,
+    PlaceHold,
+    Route,
+    steer_to_place,
+)
 from lta_control.reserve import decide_permission, FlightPermission
 from lta_control.reserve_policy import apply_reserve
 from lta_control.strategies.protocol import NavigationStrategy
@@ -32,13 +42,15 @@ FASTEST_BEACON = 100e3  # Hz
 # s without sinking after which a landing is reported: later than the controller ends it, as its
 # wrong end in the air would pass and a wrong report would not
 LANDED = 15.0
-# s at the lamp after which a flight to it has succeeded: a drone that only passes has left by then
+# s at the lamp or place after which a flight there has succeeded: one that passes has left by then
 STAYED = 3.0
+LOST_LAMP = 3.0  # s without light, away from the lamp, after which a drone without a task holds
+NO_ROUTE = Route()
 
 
 @final
 class TaskLimits(Settings):
-    """Time limits of commanded tasks."""
+    """Limits of commanded tasks."""
 
     take_off: float = setting(
         60.0,
@@ -61,6 +73,21 @@ class TaskLimits(Settings):
         low=1.0,
         high=3600.0,
     )
+    place: float = setting(
+        180.0,
+        'Time limit of the way to each place of go_to_pose and follow_path; after that, the drone '
+        'holds.',
+        unit='s',
+        low=1.0,
+        high=86400.0,
+    )
+    tolerance: float = setting(
+        1.0,
+        'Distance from a place that counts as there, where the goal names none.',
+        unit='m',
+        low=0.05,
+        high=100.0,
+    )
     land: float = setting(
         60.0,
         'Time limit of a landing; after that, it is reported as failed and goes on.',
@@ -75,7 +102,12 @@ class TaskKind(StrEnum):
 
     TAKE_OFF = 'take_off'
     GO_TO_LAMP = 'go_to_lamp'
+    GO_TO_POSE = 'go_to_pose'
+    FOLLOW_PATH = 'follow_path'
     LAND = 'land'
+
+
+TO_PLACES = (TaskKind.GO_TO_POSE, TaskKind.FOLLOW_PATH)
 
 
 class TaskOutcome(IntEnum):
@@ -97,13 +129,14 @@ class TaskResult(NamedTuple):
 
 
 class TaskProgress(NamedTuple):
-    """The drone and its lamp after the newest light block; NaN: unknown."""
+    """The drone and its lamp or place after the newest light block; NaN: unknown."""
 
     height: float = math.nan  # of the hull centre above the floor [m]
     climb: float = math.nan  # [m/s]
     seen: bool = False
-    distance: float = math.nan  # horizontal, to the lamp [m]
+    distance: float = math.nan  # horizontal, to the lamp; else to the place [m]
     bearing: float = math.nan  # of the lamp, from the nose, counter-clockwise [rad]
+    place: int = 0  # index of the place to which it flies
 
 
 @final
@@ -114,12 +147,14 @@ class FlightTask:
     kind: TaskKind
     # Height of a take-off [m] or frequency of a lamp [Hz]; 0: as in the settings
     value: float = 0.0
+    route: Route = NO_ROUTE  # of a flight to places
+    place: int = 0  # index of the next one
     result: TaskResult | None = None  # None while it is flown
     newest_ns: int | None = None  # stamp of its newest light block [ns]
     # Time since its first block, and since light from the lamp or the first block [ns]
     flown_ns: int = 0
     unseen_ns: int = 0
-    arrived_ns: int | None = None  # `flown_ns` at its arrival; None away from the lamp
+    arrived_ns: int | None = None  # `flown_ns` at its arrival; None away from lamp or place
     driven: bool = False  # whether a motor has turned
 
     def advance(self, stamp_ns: int) -> None:
@@ -152,9 +187,11 @@ class CommandedFlight:
     Parameters
     ----------
     limits : TaskLimits
-        Time limits, which may change in flight.
+        Limits, which may change in flight.
     ground_height : float
         Altitude of the hull centre when the drone stands on the floor. [m]
+    room : 3-tuple of float or None
+        Length, width and height of the room around the origin of the map, if it is known. [m]
 
     Attributes
     ----------
@@ -167,26 +204,33 @@ class CommandedFlight:
 
     """
 
-    def __init__(self, limits: TaskLimits, ground_height: float) -> None:
+    def __init__(
+        self,
+        limits: TaskLimits,
+        ground_height: float,
+        room: tuple[float, float, float] | None = None,
+    ) -> None:
         self.mission, self.permission = Mission(), FlightPermission.DOWN
         self.beacon = NO_WISH
         self.progress = TaskProgress()
-        self.limits, self._ground_height = limits, ground_height
+        self.limits, self._ground_height, self._room = limits, ground_height, room
         self.motors_turn = True
         self._height = 0.0
+        self._unseen = 0.0  # time away from the lamp without its light [s]
+        self._spot: PlaceHold | None = None  # that is held, or flown to, in the phase HOLD
         self._landing = LandingWatch()
         self._task: FlightTask | None = None
         self._situation: GuidanceInputs | None = None
         self._obstacle = ''  # why nothing can be commanded now
 
-    def request(self, kind: TaskKind, value: float = 0.0) -> FlightTask:
+    def request(self, kind: TaskKind, value: float = 0.0, route: Route = NO_ROUTE) -> FlightTask:
         """Return a new task; raise `BadInput` if there is an obstacle."""
-        if why := self.find_obstacle(kind, value):
+        if why := self.find_obstacle(kind, value, route):
             raise BadInput(why)
         now = self._situation
         assert now is not None  # else there is an obstacle
         self._end_task(TaskOutcome.CANCELED, 'a landing was commanded')
-        task = self._task = FlightTask(kind, value)
+        task = self._task = FlightTask(kind, value, route)
         if kind is TaskKind.TAKE_OFF:
             self._height = value or now.settings.altitude
             self.mission = Mission(
@@ -196,6 +240,10 @@ class CommandedFlight:
             self.beacon = value
             # The memory is made by the strategy in the next step
             self.mission = self.mission._replace(phase=Phase.SEEK, memory=(), turns=0)
+        elif kind in TO_PLACES:
+            assert now.located is not None  # else there is an obstacle
+            self._change_phase(Phase.HOLD, now)
+            self._aim(route.places[0], now.located)
         else:
             self._change_phase(Phase.LAND, now)
         return task
@@ -245,7 +293,7 @@ class CommandedFlight:
         self._apply_reserve(inputs)
         return self._step_phase(inputs, measured)
 
-    def find_obstacle(self, kind: TaskKind, value: float = 0.0) -> str:
+    def find_obstacle(self, kind: TaskKind, value: float = 0.0, route: Route = NO_ROUTE) -> str:
         """Return why a task cannot begin now, or ''."""
         now, phase = self._situation, self.mission.phase
         if now is None:
@@ -262,17 +310,25 @@ class CommandedFlight:
             return self._find_obstacle_to_climb(now.settings, value)
         if phase is not Phase.HOLD and phase is not Phase.ARRIVED:
             return 'the drone does not fly' if phase is Phase.REST else 'the drone is landing'
+        if kind in TO_PLACES:
+            if now.located is None or not now.located.tracked:
+                return 'no tracker sees the drone'
+            lowest = self._find_lowest(now.settings)
+            return find_route_fault(route, self._room, lowest, HIGHEST)
         if not 0.0 <= value <= FASTEST_BEACON:
             return f'a lamp cannot flicker at {value:g} Hz; give 0 to {FASTEST_BEACON:g}'
         return ''
+
+    def _find_lowest(self, settings: MissionSettings) -> float:
+        """Return the height above which the drone does not count as landed. [m]"""
+        return self._ground_height + FOOT + settings.reached
 
     def _find_obstacle_to_climb(self, settings: MissionSettings, value: float) -> str:
         """Return why a take-off to a height [m] is refused, or ''."""
         if self.mission.phase is not Phase.REST:
             return 'the drone flies already'
         height = value or settings.altitude
-        # The climb ends `reached` below it, where the drone must not count as landed
-        lowest = self._ground_height + FOOT + settings.reached
+        lowest = self._find_lowest(settings)  # as the climb ends `reached` below its height
         if not lowest < height <= HIGHEST:
             return (
                 f'the hull centre cannot fly {height:g} m above the ground; give more than '
@@ -287,7 +343,11 @@ class CommandedFlight:
             self._task = None
 
     def _change_phase(self, phase: Phase, now: GuidanceInputs) -> None:
-        """Enter a phase at the present heading."""
+        """Enter a phase at the present heading, and hold the present place if it is tracked."""
+        located = now.located
+        self._spot = None
+        if located is not None and located.tracked:
+            self._spot = begin_hold(located, located.position)
         self.mission = self.mission._replace(phase=phase, heading=now.sight.heading)
 
     def _hold(self, now: GuidanceInputs) -> None:
@@ -336,6 +396,41 @@ class CommandedFlight:
             outcome = TaskOutcome.FAULT if silent else TaskOutcome.RESERVE
             self._end_task(outcome, now.explain_restriction())
 
+    def _aim(self, place: Place, located: LocatedMotion) -> None:
+        """Hold another place from now on."""
+        self._spot = begin_hold(located, (place.x, place.y))
+        self._height = place.height or self._height
+
+    def _hold_place(
+        self, now: GuidanceInputs, measured: CascadeMeasurement, spot: PlaceHold, seconds: float
+    ) -> Setpoint:
+        """Return the setpoint at a place, or on the way there; end the flight there."""
+        located, task = now.located, self._task
+        if located is None or located.tracked is not spot.tracked:
+            self._end_task(TaskOutcome.FAULT, 'the tracker is lost; holding height and heading')
+            self._change_phase(Phase.HOLD, now)
+            self._spot = None  # until the next command, also if it comes back
+            return Setpoint(self._height, self.mission.heading, 0.0)
+        speed, self._spot = steer_to_place(now.settings, spot, located)
+        setpoint = Setpoint(self._height, self._spot.heading + located.turn, speed)
+        if task is None or task.kind not in TO_PLACES:
+            return setpoint
+        away = math.dist(located.position, spot.goal)
+        distance = math.hypot(away, measured.altitude - self._height)
+        self.progress = self.progress._replace(distance=distance, place=task.place)
+        is_last = task.place == len(task.route.places) - 1
+        is_near = distance <= (task.route.tolerance or self.limits.tolerance)
+        if is_near and not is_last:
+            task.place, task.flown_ns = task.place + 1, 0
+            self._aim(task.route.places[task.place], located)
+        elif self._has_stayed(task, is_near):
+            self._end_task(TaskOutcome.SUCCEEDED, 'the place is reached')
+        elif seconds > self.limits.place:
+            message = f'{distance:.2f} m from the place after {seconds:.0f} s; holding'
+            self._end_task(TaskOutcome.TIMEOUT, message)
+            self._change_phase(Phase.HOLD, now)
+        return setpoint
+
     def _step_phase(self, now: GuidanceInputs, measured: CascadeMeasurement) -> Setpoint:
         """Return the setpoint of the phase, and go on to the next one."""
         settings, task, seconds = now.settings, self._task, 0.0
@@ -343,8 +438,10 @@ class CommandedFlight:
             task.advance(now.stamp_ns)
             seconds = task.flown_ns * 1e-9
         phase = self.mission.phase
+        if phase is Phase.HOLD and self._spot is not None:
+            return self._hold_place(now, measured, self._spot, seconds)
         if phase is Phase.CLIMB:
-            self._climb(settings, measured, seconds)
+            self._climb(now, measured, seconds)
         elif phase is Phase.LAND and seconds > self.limits.land:
             self._end_task(TaskOutcome.TIMEOUT, f'not on the ground after {seconds:.0f} s')
         steers = phase is Phase.SEEK or phase is Phase.ARRIVED
@@ -362,14 +459,12 @@ class CommandedFlight:
                 return Setpoint(self._height, self.mission.heading, 0.0)
         return setpoint
 
-    def _climb(
-        self, settings: MissionSettings, measured: CascadeMeasurement, seconds: float
-    ) -> None:
+    def _climb(self, now: GuidanceInputs, measured: CascadeMeasurement, seconds: float) -> None:
         """End a climb at its height or its time limit."""
         task = self._task
         if task is not None:
             task.driven |= self.motors_turn
-        if measured.altitude > self._height - settings.reached:
+        if measured.altitude > self._height - now.settings.reached:
             if task is not None and not task.driven:
                 # Motors that are armed later must not hold it in the hands that carry it
                 self._end_task(
@@ -378,7 +473,9 @@ class CommandedFlight:
                 self.mission = self.mission._replace(phase=Phase.LAND)
                 return
             self._end_task(TaskOutcome.SUCCEEDED, 'the height is reached')
-            self.mission = self.mission._replace(phase=Phase.HOLD)
+            heading = self.mission.heading
+            self._change_phase(Phase.HOLD, now)
+            self.mission = self.mission._replace(heading=heading)
         elif seconds > self.limits.take_off:
             # Motors that were off, and are armed later, must not start
             self._end_task(
@@ -393,17 +490,23 @@ class CommandedFlight:
     ) -> None:
         """End a flight to a lamp at the lamp, without its light, or at its time limit."""
         task = self._task
+        self._unseen = 0.0 if sees or arrived else self._unseen + now.sight.interval
         if task is None:
-            # Never search for a lost lamp without a task
-            if not arrived:
+            # It returns to a lamp that it was blown off, but never searches for a lost one
+            if self._unseen > LOST_LAMP:
                 self._change_phase(Phase.HOLD, now)
             return
         if sees:
             task.unseen_ns = 0
         unseen = task.unseen_ns * 1e-9
-        if self._has_stayed(task, now, arrived=arrived):
+        # An arrival outlasts a gust; the goal does not grow by it. NaN is no distance.
+        beyond = now.strategy.distance(self.mission.memory) > now.settings.homing.arrival
+        if self._has_stayed(task, arrived and not beyond):
             self._end_task(TaskOutcome.SUCCEEDED, 'the lamp is reached')
-            self.mission = self.mission._replace(phase=Phase.ARRIVED)
+            if now.located is not None and now.located.tracked:
+                self._change_phase(Phase.HOLD, now)
+            else:
+                self.mission = self.mission._replace(phase=Phase.ARRIVED)
         elif unseen > self.limits.unseen:
             self._end_task(
                 TaskOutcome.NOT_SEEN, f'no light from the lamp for {unseen:.0f} s; holding'
@@ -413,11 +516,9 @@ class CommandedFlight:
             self._end_task(TaskOutcome.TIMEOUT, f'not at the lamp after {seconds:.0f} s; holding')
             self._change_phase(Phase.HOLD, now)
 
-    def _has_stayed(self, task: FlightTask, now: GuidanceInputs, *, arrived: bool) -> bool:
-        """Return whether the drone has been at the lamp for `STAYED`, within the goal."""
-        # An arrival outlasts a gust; the goal does not grow by it. NaN is no distance.
-        beyond = now.strategy.distance(self.mission.memory) > now.settings.homing.arrival
-        if not arrived or beyond:
+    def _has_stayed(self, task: FlightTask, is_there: bool) -> bool:
+        """Return whether the drone has been at its lamp or place for `STAYED`."""
+        if not is_there:
             task.arrived_ns = None
             return False
         if task.arrived_ns is None:

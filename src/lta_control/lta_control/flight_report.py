@@ -63,6 +63,13 @@ def describe_airspeed(is_lost: bool) -> HealthFact:
     return HealthFact('airspeed', HealthLevel.OK, 'received again')
 
 
+def describe_tracking(is_tracked: bool) -> HealthFact:
+    """Return whether the tracker is lost that the drone had."""
+    if is_tracked:
+        return HealthFact('tracker', HealthLevel.OK, 'the drone holds places')
+    return HealthFact('tracker', HealthLevel.ERROR, 'lost: holding height and heading only')
+
+
 def describe_commanders(is_contested: bool) -> HealthFact:
     """Return whether several nodes have sent setpoints since arming."""
     if is_contested:

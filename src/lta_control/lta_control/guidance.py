@@ -12,6 +12,7 @@ from typing import final, NamedTuple, TypeVar
 from lta_config.course import Course
 from lta_control.cascade import CascadeMeasurement, Setpoint
 from lta_control.mission import course_step, mission_step, MissionSettings
+from lta_control.odometry.tracked_motion import LocatedMotion
 from lta_control.phases import Mission
 from lta_control.reserve import (
     decide_permission,
@@ -37,6 +38,7 @@ class GuidanceInputs(NamedTuple):
     sight: LightMeasurement  # the light of the block
     measured: CascadeMeasurement | None  # the drone's motion; None while the estimator calibrates
     report: ReserveReport | None  # the latest report of the energy monitor
+    located: LocatedMotion | None = None  # for places that are held; None where it is unknown
 
     def explain_restriction(self) -> str:
         """Return why the energy restricts the flight, in words."""

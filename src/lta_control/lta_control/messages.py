@@ -4,7 +4,6 @@ import array
 from collections.abc import Iterable
 from itertools import chain
 import math
-from typing import Final
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import (
@@ -23,7 +22,6 @@ from lta_control.attitude import (
     yaw_from_quaternion,
 )
 from lta_control.cascade import CascadeMeasurement, FLOOR, Setpoint
-from lta_control.commanded_flight import CommandedFlight, FlightTask, TaskKind, TaskOutcome
 from lta_control.estimator import (
     air_relative_velocity,
     EstimatorInputs,
@@ -35,6 +33,7 @@ from lta_control.laws.protocol import ControlMotion
 from lta_control.odometry.ground_motion import ground_velocity
 from lta_control.odometry.ground_state import GroundMotion, rotate_covariance
 from lta_control.odometry.lamp_sighting import build_sighting, LampSighting
+from lta_control.odometry.tracked_motion import OdomMotion, rotate, TrackedMotion
 from lta_control.per_rotor import pad_to_slots, PerRotor
 from lta_control.reserve import ReserveReport
 from lta_control.sighting import LampPosition
@@ -42,18 +41,12 @@ from lta_graph.blank_message import create_message
 from lta_graph.health import HealthLevel, stamp_age
 from lta_graph.inbox import InboxStep
 from lta_graph.ros.stamps import from_stamp
-from lta_msgs.action import GoToLamp, Land, TakeOff
 from lta_msgs.msg import ActuatorDuty, LampPeaks
 from nav_msgs.msg import Odometry
 import numpy as np
 from numpy.typing import NDArray
 from sensor_msgs.msg import FluidPressure, Imu, Range
 
-ACTION_TYPES: Final = {
-    TaskKind.TAKE_OFF: TakeOff,
-    TaskKind.GO_TO_LAMP: GoToLamp,
-    TaskKind.LAND: Land,
-}
 DiodeReadings = tuple[tuple[tuple[float, float], ...], tuple[float, ...]]
 
 MOST_VARIANCE = 0.5 * UNKNOWN_VARIANCE  # of an estimate that is there
@@ -372,36 +365,29 @@ def to_frequencies(message: LampPeaks) -> tuple[float, ...]:
     return tuple(message.beacon[0].frequency) if message.beacon else ()
 
 
-def to_task(goal: TakeOff.Goal | GoToLamp.Goal | Land.Goal) -> tuple[TaskKind, float]:
-    """Return the task of a goal, with a height [m], the frequency of a lamp [Hz], or 0."""
-    if isinstance(goal, TakeOff.Goal):
-        return TaskKind.TAKE_OFF, float(goal.height)
-    if isinstance(goal, GoToLamp.Goal):
-        return TaskKind.GO_TO_LAMP, float(goal.frequency)
-    return TaskKind.LAND, 0.0
-
-
-def from_task_progress(kind: TaskKind, flight: CommandedFlight) -> dict[str, float | bool]:
-    """Return the fields of an action's feedback."""
-    now = flight.progress
-    if kind is TaskKind.GO_TO_LAMP:
-        return {'seen': now.seen, 'distance': now.distance, 'bearing': now.bearing}
-    if kind is TaskKind.TAKE_OFF:
-        return {'height': now.height, 'climb_rate': now.climb}
-    return {'height': now.height, 'sink_rate': -now.climb}
-
-
-def from_task_result(
-    flight: CommandedFlight, task: FlightTask
-) -> tuple[bool, dict[str, int | str | float]] | None:
-    """Return whether a task succeeded and the fields of its result; None while it is flown."""
-    if task.result is None:
+def to_tracked(message: Odometry) -> TrackedMotion | None:
+    """Return the motion by a tracker, or None where a number of it is not finite."""
+    p, v, yaw = message.pose.pose.position, message.twist.twist.linear, _to_yaw(message)
+    stamp_ns = from_stamp(message.header.stamp)
+    if not math.isfinite(p.x + p.y + v.x + v.y + yaw):
         return None
-    fields: dict[str, int | str | float] = {
-        'outcome': int(task.result.outcome), 'message': task.result.message
-    }  # fmt: skip
-    if task.kind is TaskKind.TAKE_OFF:
-        fields['height'] = flight.progress.height
-    elif task.kind is TaskKind.GO_TO_LAMP:
-        fields['distance'] = flight.progress.distance
-    return task.result.outcome is TaskOutcome.SUCCEEDED, fields
+    # The drone is level but for a few degrees
+    return TrackedMotion(stamp_ns, (p.x, p.y), yaw, rotate((v.x, v.y), yaw))
+
+
+def to_odom_motion(odom: Odometry, airspeed: TwistWithCovarianceStamped | None) -> OdomMotion:
+    """Return the motion by the estimator."""
+    p, v, yaw = odom.pose.pose.position, odom.twist.twist.linear, _to_yaw(odom)
+    u = to_air_velocity(odom, airspeed)
+    return OdomMotion(
+        from_stamp(odom.header.stamp),
+        (p.x, p.y),
+        yaw,
+        odom.twist.twist.angular.z,
+        rotate((v.x, v.y), yaw),
+        rotate((u[0], u[1]), yaw),
+    )
+
+
+def _to_yaw(message: Odometry) -> float:
+    return yaw_from_quaternion(to_attitude(message))

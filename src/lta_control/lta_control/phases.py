@@ -17,7 +17,7 @@ class Phase(IntEnum):
     ARRIVED = 3
     HOME = 4
     LAND = 5
-    HOLD = 6  # between two commands
+    HOLD = 6  # between two commands, or at a place
 
     def __str__(self) -> str:
         """Return the name as diagnostics report it."""

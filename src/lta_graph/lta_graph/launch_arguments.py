@@ -52,8 +52,8 @@ class DroneArguments(GraphArguments):
     )
     commanded: bool = setting(
         False,
-        'Whether the drone waits on the ground for the actions take_off, go_to_lamp and land; '
-        'needs strategy:=homing. The flight ends by Ctrl-C.',
+        'Whether the drone waits on the ground for the actions take_off, go_to_lamp, '
+        'go_to_pose, follow_path and land; needs strategy:=homing. The flight ends by Ctrl-C.',
     )
     seed: int = setting(1, 'Random seed.')
     command: str = setting(
@@ -166,11 +166,18 @@ class FlyArguments(DroneArguments, PacedArguments):
     )
     tracker: bool = setting(
         False,
-        'Whether an external tracking system provides ground_truth/odom and map -> odom; not with '
-        'source:=sim.',
+        'Whether an external tracking system provides tracker/odom, by which the drone holds '
+        'places, and map -> odom; of a real drone also ground_truth/odom.',
     )
     tracker_pose: str = setting(
-        'tracker/pose', 'With tracker:=true, the topic with its poses (PoseStamped).'
+        '',
+        'With tracker:=true, the topic with its poses. Empty: tracker/pose, or in simulation a '
+        'perfect tracker.',
+    )
+    tracker_type: Literal['pose', 'odometry', 'named_poses'] = setting(
+        'pose',
+        'With tracker:=true, the type of that topic: PoseStamped, Odometry, or the NamedPoseArray '
+        'of motion_capture_tracking, in which the drone is named as its namespace.',
     )
     simulator: bool = setting(True, 'With source:=sim, whether to start the simulator.')
     estimator: bool = setting(True, 'Whether to start the estimator; false for one of your own.')
@@ -206,6 +213,22 @@ class FlyArguments(DroneArguments, PacedArguments):
     def use_sim_time(self) -> bool:
         """A real drone flies by the time of day; whoever else plays the vehicle tells /clock."""
         return self.source != 'crazyflie'
+
+    @property
+    def is_tracked_perfectly(self) -> bool:
+        """Whether the simulator plays the tracker."""
+        return self.is_simulated and not self.tracker_pose
+
+    @property
+    def tracked_topic(self) -> str:
+        """The topic with the poses of the drone."""
+        played = 'ground_truth/odom' if self.is_tracked_perfectly else 'tracker/pose'
+        return self.tracker_pose or played
+
+    @property
+    def tracked_type(self) -> str:
+        """The type of that topic."""
+        return 'odometry' if self.is_tracked_perfectly else self.tracker_type
 
     @property
     def armed(self) -> bool:

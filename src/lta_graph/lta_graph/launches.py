@@ -173,8 +173,13 @@ DRONE_NODES = (
         'lta_bridge',
         'tracker',
         lambda a: a.tracker,
-        'time frame_prefix',
-        lambda a: {'pose': a.tracker_pose},
+        'use_sim_time time frame_prefix',
+        lambda a: {
+            'pose': a.tracked_topic,
+            'type': a.tracked_type,
+            'body_name': a.robot,
+            'truth': not a.is_simulated,
+        },
         apart=True,
     ),
     NodeEntry(

@@ -30,6 +30,7 @@ from lta_model.scenario_light import (
     LampScene,
     OutsideScene,
     RoomShape,
+    to_triple,
 )
 from pydantic import Field, model_validator, ValidationError
 
@@ -273,6 +274,11 @@ def load_course(name: str) -> Course | None:
 def load_route(name: str) -> tuple[tuple[str, float], ...]:
     """Return the route of a scenario as lamp and frequency [Hz]; empty without one or a name."""
     return load_scenario(name).route_beacons if name else ()
+
+
+def load_room_size(name: str) -> tuple[float, float, float] | None:
+    """Return length, width and height of a scenario's room [m]; None without a name."""
+    return to_triple(load_scenario(name).room.size) if name else None
 
 
 def resolve_wind_file(content: Any, folder: Path) -> Any:  # noqa: ANN401 - what YAML holds

@@ -1,10 +1,15 @@
 """The tracker's core: poses chained, sieved, dated, and their motion, against hand calculation."""
 
 import math
+import sys
+from types import ModuleType
+from typing import NamedTuple
 
+from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_bridge.tracking.map_correction import MapCorrection
+from lta_bridge.tracking.messages import find_pose_type, to_stamped_pose
 from lta_bridge.tracking.motion import estimate_motion, GAP_NS, MotionWindow
 from lta_bridge.tracking.pose import (
     angle_between,
@@ -16,6 +21,7 @@ from lta_bridge.tracking.pose import (
 )
 from lta_bridge.tracking.pose_filter import FOUND_NS, FROZEN_NS, PoseFault, PoseFilter
 from lta_bridge.tracking.tracked_drone import SILENT_NS, TrackedDrone
+from lta_config.errors import BadInput
 from lta_graph.health import HealthLevel
 import numpy as np
 import pytest
@@ -31,6 +37,19 @@ turns = st.integers(0, 2**32 - 1).map(
     lambda seed: tuple(Rotation.random(rng=np.random.default_rng(seed)).as_quat().tolist())
 )
 poses = st.builds(TrackerPose, places, turns)
+
+
+class NamedPose(NamedTuple):
+    """A message of `motion_capture_tracking_interfaces`, which no wheel has."""
+
+    name: str
+    pose: Pose
+
+
+class NamedPoses(NamedTuple):
+    """The same of several bodies."""
+
+    poses: list[NamedPose]
 
 
 @given(poses, poses, places)
@@ -270,3 +289,28 @@ def test_an_estimate_of_nonsense_or_of_a_clock_that_was_set_back_leaves_the_rest
     correction.add_estimate(S, NOWHERE)
     assert correction.locate_odom(5 * S, NOWHERE) is None
     assert correction.locate_odom(S, NOWHERE) == NOWHERE
+
+
+def test_a_computed_motion_may_stand_still():
+    sieve, pose = PoseFilter(noisy=False), build_level_pose(1.0, 2.0, 0.5, 0.3)
+    assert all(sieve.accept_pose(S + k * FROZEN_NS // 2, pose) for k in range(6))
+
+
+def test_a_body_is_found_by_its_name_among_those_of_motion_capture():
+    there = Pose(position=Point(x=1.0, y=2.0, z=0.5), orientation=Quaternion(z=0.6, w=0.8))
+    message = NamedPoses([NamedPose('lta2', Pose()), NamedPose('lta1', there)])
+    assert to_stamped_pose(message, 'lta1') == TrackerPose((1.0, 2.0, 0.5), (0.0, 0.0, 0.6, 0.8))
+    assert to_stamped_pose(message, 'lta3') is None
+
+
+def test_the_messages_of_motion_capture_need_their_package(monkeypatch):
+    package = 'motion_capture_tracking_interfaces'
+    monkeypatch.setitem(sys.modules, f'{package}.msg', None)
+    with pytest.raises(BadInput, match=f'needs the messages of {package}'):
+        find_pose_type('named_poses')
+    there = ModuleType(f'{package}.msg')
+    there.NamedPoseArray = NamedPoses
+    monkeypatch.setitem(sys.modules, package, ModuleType(package))
+    monkeypatch.setitem(sys.modules, f'{package}.msg', there)
+    assert find_pose_type('named_poses') is NamedPoses
+    assert find_pose_type('pose') is PoseStamped

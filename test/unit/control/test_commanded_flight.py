@@ -17,7 +17,9 @@ from lta_control.commanded_flight import (
 )
 from lta_control.guidance import GuidanceInputs
 from lta_control.mission import MissionSettings
+from lta_control.odometry.tracked_motion import LocatedMotion
 from lta_control.phases import Phase
+from lta_control.place_hold import Place, Route
 from lta_control.reserve import ReserveReport, ReserveResponseSettings
 from lta_control.strategies import find_navigation_strategy
 from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy, SteeringCommand
@@ -28,10 +30,12 @@ STANDING = 0.4  # m
 GROUND = 0.42  # m, within the tolerance of standing
 BLOCK_NS = 100_000_000
 SETTINGS = MissionSettings()  # flown at 0.5 m, reached 0.04 m below, landing to 0.3 m
-LIMITS = TaskLimits(take_off=10.0, go_to_lamp=20.0, unseen=5.0, land=10.0)
+LIMITS = TaskLimits(take_off=10.0, go_to_lamp=20.0, place=20.0, unseen=5.0, land=10.0)
 BLIND = LightMeasurement(seen=False, bearing=0.0, heading=1.0, amplitudes=(0.0,) * 8, interval=0.1)
 SEEN = BLIND._replace(seen=True, bearing=0.4, strength=10.0)
 NEAR = SEEN._replace(strength=200.0)
+
+THERE = Route((Place(3.0, 0.0, 0.7),), 0.5)
 
 
 def steer(_settings, memory, sight):
@@ -52,11 +56,12 @@ class Drone:
     """A flight with the inputs that it gets; each step is one light block."""
 
     def __init__(self, action='land'):
-        self.flight = CommandedFlight(LIMITS, STANDING)
+        self.flight = CommandedFlight(LIMITS, STANDING, (10.0, 8.0, 3.0))
         self.reserve = ReserveResponseSettings(action=action)
         self.blocks = 0
         self.altitude, self.climb, self.sight = GROUND, 0.0, BLIND
         self.measured, self.report = True, ReserveReport(0, False, False)
+        self.located = None
 
     def step(self, seconds=0.1):
         """Fly light blocks for a time, and return the last setpoint."""
@@ -68,7 +73,7 @@ class Drone:
             at = CascadeMeasurement(self.altitude, self.climb, 1.0, 0.0, 0.0, 0.0, 0.0)
             inputs = GuidanceInputs(
                 SETTINGS, self.reserve, STRATEGY, stamp_ns, self.sight,
-                at if self.measured else None, self.report,
+                at if self.measured else None, self.report, self.located,
             )  # fmt: skip
             setpoint = self.flight.choose_setpoint(inputs)
         return setpoint
@@ -97,6 +102,18 @@ def fly(drone):
 
 @pytest.fixture
 def holds(rests):
+    return fly(rests)
+
+
+def place_at(drone, x, y):
+    """Let a tracker see the drone at rest with its nose along map x, which is 1 rad in odom."""
+    drone.located = LocatedMotion((x, y), (0.0, 0.0), (0.0, 0.0), 0.0, 1.0, True)
+
+
+@pytest.fixture
+def tracked(rests):
+    """Return a drone that holds its place in the origin of the map."""
+    place_at(rests, 0.0, 0.0)
     return fly(rests)
 
 
@@ -163,6 +180,84 @@ def test_a_drone_that_passes_the_lamp_has_not_reached_it(holds, away):
     assert outcome(task) is TaskOutcome.SUCCEEDED
 
 
+def test_a_flight_to_a_place_succeeds_after_3_s_there(tracked):
+    task = tracked.flight.request(TaskKind.GO_TO_POSE, 0.0, THERE)
+    setpoint = tracked.step()
+    assert setpoint[:2] == pytest.approx((0.7, 1.0))  # along map x
+    # T = pi / 0.48 = 6.545 s: 0.12 (sqrt(T^2 + 2 * 3 / 0.12) - T) = 0.369 m/s, but no more than
+    assert setpoint.speed == pytest.approx(0.3)
+    # 3 m away, and 0.2 m below
+    assert tracked.flight.progress.distance == pytest.approx(math.hypot(3.0, 0.2))
+    tracked.altitude = 0.7
+    place_at(tracked, 2.6, 0.0)
+    tracked.step(2.9)
+    place_at(tracked, 2.4, 0.0)  # it passes
+    tracked.step()
+    place_at(tracked, 3.1, 0.0)
+    tracked.step(3.0)
+    assert task.result is None
+    tracked.step()
+    assert task.result == TaskResult(TaskOutcome.SUCCEEDED, 'the place is reached')
+    # And it returns whenever it has drifted off
+    place_at(tracked, 1.0, 0.0)
+    assert tracked.step(5.0).speed > 0.2
+
+
+def test_a_path_is_flown_place_by_place(tracked):
+    path = Route((Place(0.2, 0.0, 0.0), Place(0.2, 3.0, 0.0)))
+    task = tracked.flight.request(TaskKind.FOLLOW_PATH, 0.0, path)
+    tracked.step()
+    assert task.place == 1  # the first was within the 1 m of the settings
+    # To the left of the nose, 0.5 rad at a time in calm air
+    assert tracked.step().heading == pytest.approx(1.5)
+    assert tracked.flight.progress.place == 1
+    place_at(tracked, 0.2, 2.5)
+    tracked.step(3.1)
+    assert outcome(task) is TaskOutcome.SUCCEEDED
+
+
+def test_a_place_that_is_not_reached_in_time_ends_in_a_hold_where_the_drone_is(tracked):
+    task = tracked.flight.request(TaskKind.GO_TO_POSE, 0.0, THERE)
+    tracked.altitude = 0.7
+    place_at(tracked, 1.0, 0.0)
+    tracked.step(20.2)
+    assert task.result == TaskResult(
+        TaskOutcome.TIMEOUT, '2.00 m from the place after 20 s; holding'
+    )
+    assert tracked.step().speed == 0.0
+
+
+def test_a_lost_tracker_ends_a_flight_to_a_place_and_every_thrust_for_it(tracked):
+    task = tracked.flight.request(TaskKind.GO_TO_POSE, 0.0, THERE)
+    assert tracked.step().speed > 0.0
+    before = tracked.located
+    tracked.located = before._replace(tracked=False)
+    assert tracked.step() == Setpoint(0.7, 1.0, 0.0)
+    assert task.result == TaskResult(
+        TaskOutcome.FAULT, 'the tracker is lost; holding height and heading'
+    )
+    assert refuse(tracked, TaskKind.GO_TO_POSE) == 'no tracker sees the drone'
+    tracked.located = before
+    assert tracked.step(5.0) == Setpoint(0.7, 1.0, 0.0)
+    assert tracked.flight.find_obstacle(TaskKind.GO_TO_POSE, 0.0, THERE) == ''
+
+
+def test_a_place_outside_the_room_is_refused(tracked):
+    outside = Route((Place(6.0, 0.0, 0.0),))
+    assert 'outside the room' in refuse(tracked, TaskKind.GO_TO_POSE, 0.0, outside)
+
+
+def test_a_tracked_drone_holds_its_place_after_each_command(tracked):
+    place_at(tracked, -2.0, 0.0)  # blown off after the take-off
+    assert tracked.step().speed > 0.1
+    task = tracked.flight.request(TaskKind.GO_TO_POSE, 0.0, THERE)
+    tracked.step()
+    assert tracked.flight.cancel(task)
+    assert tracked.step().speed == 0.0
+    place_at(tracked, -4.0, 0.0)  # 2 m from where it was canceled
+    assert tracked.step().speed > 0.1
+
+
 def test_a_landing_ends_on_the_ground_and_the_drone_can_take_off_again(holds):
     task = holds.flight.request(TaskKind.LAND)
     assert holds.step() == Setpoint(0.3, 1.0, 0.0)
@@ -175,12 +270,12 @@ def test_a_landing_ends_on_the_ground_and_the_drone_can_take_off_again(holds):
     fly(holds)
 
 
-def refuse(drone, kind, value=0.0):
+def refuse(drone, kind, value=0.0, route=THERE):
     """Request a task that is refused, and return why; nothing changes."""
     before = drone.flight.mission
-    why = drone.flight.find_obstacle(kind, value)
+    why = drone.flight.find_obstacle(kind, value, route)
     with pytest.raises(BadInput, match=re.escape(why)):
-        drone.flight.request(kind, value)
+        drone.flight.request(kind, value, route)
     assert drone.flight.mission == before
     return why
 
@@ -419,8 +514,9 @@ def test_a_commanded_landing_goes_on_through_the_reserve(holds):
 
 @pytest.mark.parametrize('kind', list(TaskKind))
 def test_a_fault_ends_each_task_and_lands(rests, kind):
+    place_at(rests, 0.0, 0.0)
     drone = rests if kind is TaskKind.TAKE_OFF else fly(rests)
-    task = drone.flight.request(kind)
+    task = drone.flight.request(kind, 0.0, THERE)
     drone.step()
     drone.flight.fail('the drone turned over')
     assert task.result == TaskResult(TaskOutcome.FAULT, 'the drone turned over')

@@ -11,7 +11,12 @@ from lta_control.odometry.ground_motion import (
     ModelledMotion,
     read_modelled_motion,
 )
-from lta_control.odometry.ground_state import GroundMotion, GroundSettings, rotate_covariance
+from lta_control.odometry.ground_state import (
+    GroundMotion,
+    GroundSettings,
+    rotate_covariance,
+    start_ground_motion,
+)
 from lta_control.odometry.lamp_sighting import build_sighting, LampSighting, TRUSTED
 from lta_control.sighting import LampPosition
 import numpy as np
@@ -34,6 +39,26 @@ def fly(seconds, motion, state=None, settings=SETTINGS, sighting=lambda _: None)
 
 def resting(ready=True):
     return ModelledMotion(ready, 0.0, 0.0, 0.0, 0.0)
+
+
+def test_a_tracked_position_counts_by_its_variance():
+    """The origin has 1 cm, as the tracker does: half way to it, and 1 / sqrt(2) cm."""
+    state = ground_filter.correct_place(start_ground_motion(SETTINGS), (0.04, -0.02), 0.01)
+    assert state.position == pytest.approx((0.02, -0.01))
+    assert state.position_covariance == pytest.approx((0.5e-4, 0.0, 0.5e-4))
+
+
+def test_a_tracker_shows_the_wind_that_no_sensor_on_board_does():
+    """A drone without thrust that is carried along at 0.2 m/s, seen at 10 Hz."""
+    state = GroundMotion()
+    for k in range(2000):
+        place = (0.2 * DT * (k + 1), 0.0)
+        state = ground_step(SETTINGS, HULL, state, resting(), None, DT, place)
+    assert state.velocity == pytest.approx((0.2, 0.0), abs=0.02)
+    assert state.position == pytest.approx((4.0, 0.0), abs=0.01)
+    assert math.sqrt(state.position_covariance[0]) < 0.01
+    still = fly(20.0, resting())
+    assert still.velocity == (0.0, 0.0)
 
 
 def test_a_calm_air_that_is_certain_gives_dead_reckoning():

@@ -1,14 +1,22 @@
 """
-The tracker node: it publishes `ground_truth/odom` from an external tracker, and map -> odom.
+The tracker node: it publishes `tracker/odom` from an external tracker, and map -> odom.
 
-Poses come as PoseStamped (motion capture, libsurvive's Lighthouse) or as a frame on /tf. With the
-estimate on `odom`, the node publishes on /tf where `odom` is in `map`, so that base_link is at the
-tracked pose there (REP-105). Both are for evaluation and viewers only; no node flies by them.
+Poses come as PoseStamped (vrpn, libsurvive's Lighthouse), Odometry or NamedPoseArray (the motion
+capture of Crazyswarm2), or as a frame on /tf. With the estimate on `odom`, the node publishes on
+/tf where `odom` is in `map`, so that base_link is at the tracked pose there (REP-105). Of a real
+drone it also publishes `ground_truth/odom`, for evaluation and viewers.
 """
 
-from geometry_msgs.msg import PoseStamped
+from typing import Any, Literal
+
 from lta_bridge.tracking.map_correction import MapCorrection
-from lta_bridge.tracking.messages import from_odometry, from_pose, from_transform, to_odometry
+from lta_bridge.tracking.messages import (
+    find_pose_type,
+    from_odometry,
+    from_transform,
+    to_odometry,
+    to_stamped_pose,
+)
 from lta_bridge.tracking.pose import build_level_pose, TrackerPose
 from lta_bridge.tracking.tracked_drone import TrackedDrone
 from lta_config.errors import BadInput
@@ -32,7 +40,19 @@ class TrackerSettings(Settings):
 
     pose: str = setting(
         'tracker/pose',
-        'Topic with the PoseStamped messages of the motion-capture tracker.',
+        'Topic with the poses of the motion-capture tracker.',
+        fixed=True,
+    )
+    type: Literal['pose', 'odometry', 'named_poses'] = setting(
+        'pose',
+        'Type of that topic: PoseStamped, Odometry, or NamedPoseArray of '
+        'motion_capture_tracking_interfaces.',
+        fixed=True,
+    )
+    body_name: str = setting('lta1', 'Name of the drone in a NamedPoseArray.', fixed=True)
+    truth: bool = setting(
+        True,
+        'Whether to publish ground_truth/odom; not beside a simulator, which does.',
         fixed=True,
     )
     frame: str = setting(
@@ -68,26 +88,30 @@ class TrackerNode(GraphNode):
         super().__init__('tracker', role='vehicle')
         if self.lockstep:
             raise BadInput('A real tracker works only in real time; remove time:=lockstep.')
-        self._truth = self.create_output('ground_truth/odom')
+        self._motion = self.create_output('tracker/odom')
         self._tf = self.create_output('/tf')
         settings = NodeParameters(self, TrackerSettings).value
         self._tracked = TrackedDrone(
             build_level_pose(*settings.origin),
             build_level_pose(*settings.body),
             round(1e9 * settings.delay),
+            # A computed motion may stand still
+            noisy=settings.type != 'odometry',
         )
         self._correction = MapCorrection()
         self.subscribe_topic('odom', self._on_estimate)
-        self._frame = settings.frame
+        self._truth = self.create_output('ground_truth/odom') if settings.truth else None
+        self._frame, self._body_name = settings.frame, settings.body_name
         if not settings.frame:
-            self.create_subscription(
-                PoseStamped, settings.pose, self._on_pose, qos_profile_sensor_data
-            )
+            kind = find_pose_type(settings.type)
+            self.create_subscription(kind, settings.pose, self._on_pose, qos_profile_sensor_data)
         else:
             self.create_subscription(TFMessage, '/tf', self._on_frames, DEPTH)
 
-    def _on_pose(self, message: PoseStamped) -> None:
-        self._publish_motion(from_stamp(message.header.stamp), from_pose(message))
+    def _on_pose(self, message: Any) -> None:  # noqa: ANN401 - of the type in the settings
+        pose = to_stamped_pose(message, self._body_name)
+        if pose is not None:
+            self._publish_motion(from_stamp(message.header.stamp), pose)
 
     def _on_frames(self, message: TFMessage) -> None:
         for each in message.transforms:
@@ -96,9 +120,12 @@ class TrackerNode(GraphNode):
 
     def _publish_motion(self, stamp_ns: int, pose: TrackerPose) -> None:
         for motion in self._tracked.receive_pose(stamp_ns, pose, self.graph_time_ns()):
-            frame = self.table['ground_truth/odom'].frame
+            frame = self.table['tracker/odom'].frame
             stamp = to_stamp(motion.stamp_ns)
-            self._truth.publish(to_odometry(stamp, frame, motion))
+            message = to_odometry(stamp, frame, motion)
+            self._motion.publish(message)
+            if self._truth is not None:
+                self._truth.publish(message)
             odom = self._correction.locate_odom(motion.stamp_ns, motion.pose)
             if odom is not None:
                 moved = build_transform(stamp, (frame, 'odom'), *odom)

@@ -1,6 +1,8 @@
 """Convert a tracker's messages to poses, and motion to Odometry."""
 
+from importlib import import_module
 import math
+from typing import Any
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import (
@@ -13,9 +15,34 @@ from geometry_msgs.msg import (
 )
 from lta_bridge.tracking.motion import TrackerMotion
 from lta_bridge.tracking.pose import TrackerPose
+from lta_config.errors import BadInput
 from nav_msgs.msg import Odometry
 import numpy as np
 from numpy.typing import NDArray
+
+NAMED_POSES = 'motion_capture_tracking_interfaces'  # the package of NamedPoseArray
+
+
+def find_pose_type(name: str) -> Any:  # noqa: ANN401 - a generated type
+    """Return the type of a topic with poses; raise `BadInput` if its package is missing."""
+    if name != 'named_poses':
+        return {'pose': PoseStamped, 'odometry': Odometry}[name]
+    try:
+        return import_module(f'{NAMED_POSES}.msg').NamedPoseArray
+    except ModuleNotFoundError:
+        raise BadInput(
+            f'The type named_poses needs the messages of {NAMED_POSES}, which are not installed; '
+            'build the package in your workspace, or use the type pose.'
+        ) from None
+
+
+def to_stamped_pose(message: Any, name: str) -> TrackerPose | None:  # noqa: ANN401 - as above
+    """Return the pose in a message; of the body of that name, or None, in a NamedPoseArray."""
+    if isinstance(message, Odometry):
+        return from_odometry(message)
+    if isinstance(message, PoseStamped):
+        return from_pose(message)
+    return next((from_pose(each) for each in message.poses if each.name == name), None)
 
 
 def from_pose(message: PoseStamped | PoseWithCovariance) -> TrackerPose:

@@ -40,6 +40,8 @@ class PoseFilter:
     """
     Accept or reject poses as they arrive.
 
+    `noisy`: whether they have noise, so that one that repeats exactly is an old one.
+
     Attributes
     ----------
     faults : Counter
@@ -53,7 +55,8 @@ class PoseFilter:
 
     """
 
-    def __init__(self) -> None:
+    def __init__(self, *, noisy: bool = True) -> None:
+        self._noisy = noisy
         self.faults: Counter[PoseFault] = Counter()
         self.newest: PoseFault | None = None
         self.found = self.set_back = 0
@@ -88,7 +91,7 @@ class PoseFilter:
         last = self._last
         if last is None or pose != last[1]:
             self._since = stamp_ns
-        elif stamp_ns - self._since > FROZEN_NS:
+        elif self._noisy and stamp_ns - self._since > FROZEN_NS:
             # Its stamp is valid, so that older poses stay rejected
             self._last = (stamp_ns, pose)
             return PoseFault.FROZEN

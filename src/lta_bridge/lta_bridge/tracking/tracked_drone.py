@@ -20,12 +20,16 @@ class TrackedDrone:
     Convert a tracker's poses to the vehicle's motion in the map.
 
     `origin`: the tracker's frame in the map. `body`: the vehicle's frame in that of the tracked
-    body. `delay_ns`: shortest delay from exposure to arrival of a pose [ns].
+    body. `delay_ns`: shortest delay from exposure to arrival of a pose [ns]. `noisy`: as in
+    `PoseFilter`.
     """
 
-    def __init__(self, origin: TrackerPose, body: TrackerPose, delay_ns: int) -> None:
+    def __init__(
+        self, origin: TrackerPose, body: TrackerPose, delay_ns: int, *, noisy: bool = True
+    ) -> None:
         self._origin, self._body = origin, body
-        self.clock, self.sieve, self.window = OneWayClock(), PoseFilter(), MotionWindow()
+        self.clock, self.sieve = OneWayClock(), PoseFilter(noisy=noisy)
+        self.window = MotionWindow()
         self.clock.one_way_ns = delay_ns
         self._arrival_ns = self._refused = self._stamp_ns = 0
         self._offset_ns = 0

@@ -17,11 +17,17 @@ from lta_control.messages import (
     to_duties,
     to_inputs,
     to_sighting,
+    to_tracked,
 )
 from lta_control.odometry.air_reckoning import step_duration
-from lta_control.odometry.ground_motion import ground_step, read_modelled_motion
+from lta_control.odometry.ground_motion import (
+    build_odom_motion,
+    ground_step,
+    read_modelled_motion,
+)
 from lta_control.odometry.ground_state import GroundMotion
 from lta_control.odometry.lamp_sighting import LampSighting
+from lta_control.odometry.tracked_motion import TrackedMotion, TrackedPath
 from lta_control.vehicle_parameters import build_estimator_model
 from lta_graph.health import HealthLevel
 from lta_graph.inbox import InboxStep
@@ -32,6 +38,7 @@ from lta_graph.ros.stamps import from_stamp
 from lta_graph.ros.transforms import from_odometry
 from lta_model.vehicle import load_vehicle
 from lta_msgs.msg import LampPeaks
+from nav_msgs.msg import Odometry
 
 
 class EstimatorParameters(EstimatorSettings):
@@ -54,6 +61,8 @@ class Estimator(GraphNode):
         self._body = build_estimator_model(vehicle)
         self._estimate = MotionEstimate()
         self._ground = GroundMotion()
+        self._path = TrackedPath()
+        self._tracked: TrackedMotion | None = None  # newest pose that the filter has not used
         self._restarts = 0
         self._peaks: LampPeaks | None = None
         self._half_block_ns = self.table['photodiodes'].period_ns // 2
@@ -63,6 +72,8 @@ class Estimator(GraphNode):
         self.subscribe_inputs(
             self.table.read_by('estimator'), trigger='imu', on_step=self._on_step
         )
+        if not self.lockstep:  # in which no tracker works
+            self.subscribe_topic('tracker/odom', self._on_tracked)
 
     def _on_step(self, step: InboxStep) -> None:
         learning = not self._estimate.ready
@@ -85,7 +96,10 @@ class Estimator(GraphNode):
                 read_modelled_motion(self._estimate, self._body.standing_height),
                 self._read_sighting(step),
                 dt,
+                self._read_tracked(step),
             )
+            if self._ground.elapsed == 0.0:
+                self._tracked = None
             if self._ground.restarts > self._restarts:
                 self._restarts = self._ground.restarts
                 text = 'the motion over ground could not be computed and began again'
@@ -103,6 +117,16 @@ class Estimator(GraphNode):
         self._tf.publish(from_odometry(odom))
         if learning:
             self.health.report('estimate', *describe_calibration(self._estimate, self._body))
+
+    def _on_tracked(self, message: Odometry) -> None:
+        self._tracked = to_tracked(message)
+
+    def _read_tracked(self, step: InboxStep) -> tuple[float, float] | None:
+        """Return the position by the tracker at this step, if there is a new one. [m, odom]"""
+        if self._tracked is None:
+            return None
+        motion = build_odom_motion(step.stamp_ns, self._estimate, self._ground)
+        return self._path.follow(self._tracked, motion, self._estimate.ready)
 
     def _read_sighting(self, step: InboxStep) -> LampSighting | None:
         """Return the lamp in the light block that has come, if any."""

@@ -6,6 +6,13 @@ import time
 
 from lta_config.errors import BadInput
 from lta_config.settings import setting
+from lta_control.actions.messages import (
+    ACTION_TYPES,
+    find_goal_obstacle,
+    from_task_progress,
+    from_task_result,
+    to_task,
+)
 from lta_control.cascade import CascadeMeasurement, Setpoint
 from lta_control.commanded_flight import (
     check_commanded,
@@ -13,24 +20,23 @@ from lta_control.commanded_flight import (
     FlightTask,
     TaskLimits,
 )
-from lta_control.flight_report import describe_leg, describe_mission
+from lta_control.flight_report import describe_leg, describe_mission, describe_tracking
 from lta_control.flight_step import has_overturned, TILT_LIMIT
 from lta_control.guidance import Guidance, GuidanceInputs
 from lta_control.messages import (
-    ACTION_TYPES,
     from_setpoint,
-    from_task_progress,
-    from_task_result,
     to_air_motions,
     to_attitude,
     to_cascade_measurement,
     to_diodes,
     to_lamp,
-    to_task,
+    to_odom_motion,
+    to_tracked,
     update_reserve_report,
 )
 from lta_control.mission import MissionSettings
 from lta_control.odometry.air_reckoning import AirReckoning
+from lta_control.odometry.tracked_motion import LocatedMotion, Locator, OdomMotion, TrackedMotion
 from lta_control.reserve import FlightPermission, ReserveReport, ReserveResponseSettings
 from lta_control.reserve_policy import check_reserve
 from lta_control.sighting import build_sight
@@ -43,9 +49,10 @@ from lta_graph.ros.message_pairing import MessagePairing
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
-from lta_model.scenario import load_course, load_route
+from lta_model.scenario import load_course, load_room_size, load_route
 from lta_model.vehicle import load_vehicle
 from lta_msgs.msg import ActuatorDuty
+from nav_msgs.msg import Odometry
 from std_msgs.msg import Bool, Float64
 
 SILENCE = 10.0  # wall seconds without a step after which a task ends
@@ -61,11 +68,11 @@ class NavigatorParameters(MissionSettings):
     )
     commanded: bool = setting(
         False,
-        'Whether the drone waits on the ground for the actions take_off, go_to_lamp and land. '
-        'Needs the strategy homing.',
+        'Whether the drone waits on the ground for the actions take_off, go_to_lamp, go_to_pose, '
+        'follow_path and land. Needs the strategy homing.',
         fixed=True,
     )
-    limits: TaskLimits = setting(TaskLimits(), 'Time limits of the actions.')
+    limits: TaskLimits = setting(TaskLimits(), 'Limits of the actions.')
     reserve: ReserveResponseSettings = setting(
         ReserveResponseSettings(), 'What to do when the charge falls to the energy reserve.'
     )
@@ -91,6 +98,9 @@ class Navigator(GraphNode):
         self._word: ReserveReport | None = None  # latest energy report; None: stay on the ground
         self._block_ns = self.table['photodiodes'].period_ns
         self._measured: CascadeMeasurement | None = None
+        self._locator = Locator()
+        self._located: LocatedMotion | None = None
+        self._tracked: TrackedMotion | None = None  # since the last step
         self._overturned = False
         # Three blocks of estimates: the light of a block arrives after its end
         control_ns = self.table.control_ns
@@ -105,7 +115,8 @@ class Navigator(GraphNode):
         self._stepped = time.monotonic()
         if settings.commanded:
             check_commanded(self._strategy, self._course is not None)
-            self._guidance = CommandedFlight(settings.limits, vehicle.hull_height_on_floor)
+            room = load_room_size(settings.scenario)
+            self._guidance = CommandedFlight(settings.limits, vehicle.hull_height_on_floor, room)
             self._serve_tasks(self._guidance)
 
     def _serve_tasks(self, flight: CommandedFlight) -> None:
@@ -113,12 +124,13 @@ class Navigator(GraphNode):
         if not self.lockstep:
             self.subscribe_topic('teleop/held', self._on_takeover)
             self.subscribe_topic('motors', self._on_motors)
+            self.subscribe_topic('tracker/odom', self._on_tracked)
         self._servers = [
             GoalServer(
                 self,
                 action,
                 kind.value,
-                lambda goal: flight.find_obstacle(*to_task(goal)),
+                partial(find_goal_obstacle, flight),
                 lambda goal: flight.request(*to_task(goal)),
                 flight.cancel,
                 partial(from_task_result, flight),
@@ -133,6 +145,7 @@ class Navigator(GraphNode):
         if stamped:
             _, odom, airspeed = stamped[-1]
             self._measured = to_cascade_measurement(odom, airspeed)
+            self._locate(to_odom_motion(odom, airspeed))
             self._overturned = has_overturned(to_attitude(odom), math.cos(TILT_LIMIT))
         self._word = update_reserve_report(self._word, step)
         if not self._reckoning.history and not self.lockstep:
@@ -145,13 +158,25 @@ class Navigator(GraphNode):
         self._beacon.publish(Float64(data=self._guidance.beacon))
         self._update_tasks('the drone turned over' if self._overturned else '')
 
+    def _on_tracked(self, message: Odometry) -> None:
+        self._tracked = to_tracked(message)
+
+    def _locate(self, motion: OdomMotion) -> None:
+        """Locate the drone for the places that it holds, and report a tracker that is lost."""
+        was_tracked = self._located is not None and self._located.tracked
+        self._located = self._locator.locate(motion, self._tracked)
+        self._tracked = None
+        if self._located.tracked or was_tracked:
+            self.health.set_fact(describe_tracking(self._located.tracked))
+
     def _choose_setpoint(self, step: InboxStep) -> Setpoint:
         """Return the setpoint, and report the mission's state."""
         settings, guidance = self._settings.value, self._guidance
         sight, measured = self._build_sight(step), self._measured
         inputs = GuidanceInputs(
-            settings, settings.reserve, self._strategy, step.stamp_ns, sight, measured, self._word
-        )
+            settings, settings.reserve, self._strategy, step.stamp_ns, sight, measured,
+            self._word, self._located,
+        )  # fmt: skip
         if isinstance(guidance, CommandedFlight):
             guidance.limits = settings.limits
         try:

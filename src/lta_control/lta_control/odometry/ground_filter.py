@@ -233,6 +233,17 @@ def correct_motion(
     return state._replace(mean=mean, rows=rows, doubted=0.0, innovation=innovation)
 
 
+def correct_place(
+    state: GroundMotion, place: tuple[float, float], deviation: float
+) -> GroundMotion:
+    """Return the state after a position that a tracker has measured. [m, odom]"""
+    mean, rows = state.mean, state.rows
+    for axis, value in zip((X, Y), place, strict=True):
+        size = rows[axis][axis] + deviation * deviation
+        mean, rows = _update(mean, rows, rows[axis], (value - mean[axis]) / size, size)
+    return state._replace(mean=mean, rows=rows)
+
+
 def _expect_log_strength(mean: Row) -> float:
     return mean[BRIGHTNESS] - 2.0 * mean[LOG_DISTANCE]
 

@@ -11,7 +11,12 @@ from typing import NamedTuple, TYPE_CHECKING
 
 from lta_control.attitude import Vector, yaw_from_quaternion
 from lta_control.odometry.airspeed import HullDragModel
-from lta_control.odometry.ground_filter import correct_motion, hold_still, predict_motion
+from lta_control.odometry.ground_filter import (
+    correct_motion,
+    correct_place,
+    hold_still,
+    predict_motion,
+)
 from lta_control.odometry.ground_state import (
     DRIFT_X,
     DRIFT_Y,
@@ -25,6 +30,7 @@ from lta_control.odometry.ground_state import (
     Y,
 )
 from lta_control.odometry.lamp_sighting import LampSighting
+from lta_control.odometry.tracked_motion import OdomMotion
 
 if TYPE_CHECKING:
     from lta_control.estimator import MotionEstimate
@@ -35,6 +41,7 @@ NEAR_GROUND = 0.03  # m above the height on the floor, up to which the drone may
 STILL_RATE = 0.03  # rad/s, 15 times the noise; wind that could move it makes it sway faster
 STILL_CLIMB = 0.05  # m/s
 STILL_DUTY = 0.01  # with which no motor moves a drone
+TRACKER_SIGMA = 0.01  # m: of a tracked position, with the error of its time
 
 
 class ModelledMotion(NamedTuple):
@@ -80,6 +87,15 @@ def read_modelled_motion(estimate: 'MotionEstimate', standing_height: float) -> 
     )
 
 
+def build_odom_motion(
+    stamp_ns: int, estimate: 'MotionEstimate', ground: GroundMotion
+) -> OdomMotion:
+    """Return the motion to which tracked poses are related."""
+    yaw = yaw_from_quaternion(estimate.attitude)
+    rate, velocity = estimate.rates[2], ground.velocity
+    return OdomMotion(stamp_ns, ground.position, yaw, rate, velocity, ground.airspeed)
+
+
 def ground_velocity(estimate: 'MotionEstimate', ground: GroundMotion) -> Vector:
     """Return the velocity over ground in the body frame. [m/s]"""
     x, y, z, w = estimate.attitude
@@ -106,8 +122,14 @@ def ground_step(
     motion: ModelledMotion,
     sighting: LampSighting | None,
     dt: float,
+    tracked: tuple[float, float] | None = None,
 ) -> GroundMotion:
-    """Return the motion over ground one step later, from the newest modelled motion."""
+    """
+    Return the motion over ground one step later, from the newest modelled motion.
+
+    `tracked` is the position by a tracker at this step [m, odom], if there is one. It is used
+    where the covariance is advanced, which sets `elapsed` to 0.
+    """
     if not state.rows:
         state = start_ground_motion(settings)
     ready, yaw, yaw_rate, surge, sway, on_ground, stands = motion
@@ -139,6 +161,8 @@ def ground_step(
         after = predict_motion(settings, hull, state, (cos, sin))
         if stands:
             after = hold_still(state, after)
+        if tracked is not None and ready:
+            after = correct_place(after, tracked, TRACKER_SIGMA)
         if sighting is not None:
             after = correct_motion(
                 settings, after, sighting, bearing, state.doubted + state.elapsed
