@@ -5,16 +5,15 @@ from pathlib import Path
 import re
 
 from lta_config.errors import BadInput
-from lta_control.cascade import CascadeMeasurement, Setpoint
-from lta_control.commanded_flight import (
-    check_commanded,
-    CommandedFlight,
+from lta_control.actions.tasks import (
     TaskKind,
     TaskLimits,
     TaskOutcome,
     TaskProgress,
     TaskResult,
 )
+from lta_control.cascade import CascadeMeasurement, Setpoint
+from lta_control.commanded_flight import check_commanded, CommandedFlight
 from lta_control.guidance import GuidanceInputs
 from lta_control.mission import MissionSettings
 from lta_control.odometry.tracked_motion import LocatedMotion

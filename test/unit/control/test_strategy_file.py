@@ -4,8 +4,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from lta_config.errors import BadInput
+from lta_control.actions.tasks import TaskLimits
 from lta_control.cascade import CascadeMeasurement
-from lta_control.commanded_flight import CommandedFlight, TaskLimits
+from lta_control.commanded_flight import CommandedFlight
 from lta_control.guidance import Guidance, GuidanceInputs
 from lta_control.mission import MissionSettings
 from lta_control.phases import Mission, Phase

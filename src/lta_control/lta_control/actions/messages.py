@@ -3,7 +3,8 @@
 from typing import Any, Final
 
 from lta_config.errors import BadInput
-from lta_control.commanded_flight import CommandedFlight, FlightTask, TaskKind, TaskOutcome
+from lta_control.actions.tasks import FlightTask, TaskKind, TaskOutcome
+from lta_control.commanded_flight import CommandedFlight
 from lta_control.place_hold import Place, Route
 from lta_msgs.action import FollowPath, GoToLamp, GoToPose, Land, TakeOff
 

@@ -13,13 +13,9 @@ from lta_control.actions.messages import (
     from_task_result,
     to_task,
 )
+from lta_control.actions.tasks import FlightTask, TaskLimits
 from lta_control.cascade import CascadeMeasurement, Setpoint
-from lta_control.commanded_flight import (
-    check_commanded,
-    CommandedFlight,
-    FlightTask,
-    TaskLimits,
-)
+from lta_control.commanded_flight import check_commanded, CommandedFlight
 from lta_control.flight_report import describe_leg, describe_mission, describe_tracking
 from lta_control.flight_step import has_overturned, TILT_LIMIT
 from lta_control.guidance import Guidance, GuidanceInputs
