@@ -56,6 +56,7 @@ def good(name: str, stamp_ns: int) -> Any:
         'odom': lambda: odom(stamp),
         'airspeed': lambda: from_airspeed(stamp, HOVER, STANDING),
         'ground_truth/odom': lambda: odom(stamp),
+        'tracker/odom': lambda: odom(stamp),
         'motors': lambda: from_duties(stamp, ROTORS, (0.1, 0.1, 0.1, 0.1)),
         'light/peaks': lambda: from_peaks(header, (PEAKS,), AXES),
         'light/bearing': lambda: from_bearing(header, None),

@@ -50,6 +50,7 @@ NODES: dict[str, type[GraphNode]] = {
     'live': LiveViewNode,
 }
 BESIDE = {  # topics that a node hears as they come, beside what the table says that it answers
+    'estimator': ['tracker/odom'],
     'controller': ['teleop/held', 'teleop/pose', 'teleop/velocity'],
     'crazyflie_bridge': ['/diagnostics', 'ground_truth/odom', 'odom', 'setpoint/pose',
                          'setpoint/velocity', 'teleop/held', 'teleop/pose', 'teleop/velocity'],

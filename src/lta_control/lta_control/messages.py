@@ -54,6 +54,7 @@ BAROMETER = 30e3, 125e3  # Pa, the range of the BMP388
 FARTHEST = (
     100.0  # m; upper bound for the range finder of a small drone, whatever the message declares
 )
+FARTHEST_PLACE = 1e4  # m from the origin, and m/s: beyond any hall
 YAW_DRIFT = 1e-3  # of the heading after the calibration [rad/s]: as measured in simulated flights
 # Of the first heading [rad]: the gyroscope's noise turns it by 3e-4 rad within a second
 YAW_START = 1e-3
@@ -366,10 +367,12 @@ def to_frequencies(message: LampPeaks) -> tuple[float, ...]:
 
 
 def to_tracked(message: Odometry) -> TrackedMotion | None:
-    """Return the motion by a tracker, or None where a number of it is not finite."""
+    """Return the motion by a tracker, or None where a number of it cannot be meant."""
     p, v, yaw = message.pose.pose.position, message.twist.twist.linear, _to_yaw(message)
     stamp_ns = from_stamp(message.header.stamp)
-    if not math.isfinite(p.x + p.y + v.x + v.y + yaw):
+    # NaN compares false
+    is_meant = all(abs(each) < FARTHEST_PLACE for each in (p.x, p.y, v.x, v.y))
+    if not (is_meant and math.isfinite(yaw)):
         return None
     # The drone is level but for a few degrees
     return TrackedMotion(stamp_ns, (p.x, p.y), yaw, rotate((v.x, v.y), yaw))
