@@ -204,7 +204,7 @@ def study_closed_loop(seed: int, number: int) -> Row:
         usable = select_usable_flights(read_bags(bags), vehicle)
         found = calibrate_flights(vehicle, str(path), usable.flights, lambda _what, _part: None)
         study = study_usable_flights(
-            DiscoveryRequest(str(path), bags), vehicle, usable, lambda _what, _part: None
+            DiscoveryRequest.of_bags(str(path), bags), vehicle, usable, lambda _what, _part: None
         )[0]
         return {
             'course': course,
@@ -267,7 +267,7 @@ def study_case(seed: int, number: int) -> Row:
             _, path, bags = record_case(seed, number, Path(place), hidden, is_right)
             vehicle = load_vehicle(str(path))
             usable = select_usable_flights(read_bags(bags), vehicle)
-            request = DiscoveryRequest(str(path), bags)
+            request = DiscoveryRequest.of_bags(str(path), bags)
             began = time.process_time()
             study = study_usable_flights(request, vehicle, usable, lambda _what, _part: None)[0]
             conclusion = draw_conclusion(study)

@@ -65,7 +65,9 @@ def run_study(study: RealStudy) -> Iterator[str]:
     """Yield the Markdown of a study of real flights."""
     held_out = [bag for group in study.held_out.values() for bag in group]
     begin = time.process_time()
-    request = DiscoveryRequest(study.vehicle, {'train': list(study.train), 'holdout': held_out})
+    request = DiscoveryRequest(
+        vehicle=study.vehicle, train=tuple(study.train), holdout=tuple(held_out)
+    )
     report = discover_effects(request, lambda _what, _part: None)
     title = f'{" and ".join(study.held_out)}: {len(study.train)} flights teach'
     yield from format_study(title, report, time.process_time() - begin)

@@ -4,17 +4,10 @@ set -eu
 cd "$(dirname "$0")/.."
 new=$(mktemp)
 trap 'rm -f "$new"' EXIT
-write() {
-    page=$1
-    shift
-    echo "docs/$page"
-    "$@" >"$new"
-    cat "$new" >"docs/$page"
-}
-write topics.md python -P -m lta_cli.reference topics
-write effects.md ./lta effects --markdown
-write verbs.md python -P -m lta_cli.reference verbs
-write parameters.md python -P -m lta_cli.reference parameters
-write vehicles.md python -P -m lta_cli.reference vehicles
-write vehicle_keys.md python -P -m lta_cli.reference vehicle_keys
-write images/graph.svg python -P -m lta_cli.reference graph
+export PYTHONPATH="$PWD:$PYTHONPATH"
+for page in topics effects verbs parameters vehicles vehicle_keys graph; do
+    echo "$page"
+    python -P -m tools.reference "$page" >"$new"
+    case $page in graph) file=docs/images/graph.svg ;; *) file=docs/$page.md ;; esac
+    cat "$new" >"$file"
+done

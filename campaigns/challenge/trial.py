@@ -83,7 +83,7 @@ def _study(case: ChallengeCase) -> Discovery:
             write_bag(bag, flight.streams, vehicle.rotor_names, {'case': str(case.number)})
             bags.setdefault(flight.role, []).append(bag)
         usable = select_usable_flights(read_bags(bags), vehicle)
-    request = DiscoveryRequest(VEHICLE, bags)
+    request = DiscoveryRequest.of_bags(VEHICLE, bags)
     return study_usable_flights(request, vehicle, usable, lambda _what, _part: None)[0]
 
 

@@ -5,7 +5,6 @@ from pkgutil import resolve_name
 import re
 
 import lta_analysis
-from lta_cli.reference.effects_page import render_page
 from lta_data.bag import RecordedFlight
 from lta_graph.ros.node import REPORT_PERIOD, REPORTED_WAIT
 from pandas import DataFrame
@@ -69,10 +68,6 @@ def test_rates_of_health_are_those_of_the_nodes():
     text = ' '.join((ROOT / 'docs/inside.md').read_text(encoding='utf-8').split())
     assert f'reports in `/diagnostics` every {REPORT_PERIOD} s of wall time' in text
     assert f'one that waits longer than {REPORTED_WAIT} s names its missing inputs' in text
-
-
-def test_the_page_of_the_effects_is_that_of_the_registry():
-    assert (ROOT / 'docs/effects.md').read_text(encoding='utf-8') == render_page()
 
 
 def test_every_picture_has_the_command_that_draws_it():

@@ -2,13 +2,13 @@
 
 from importlib import import_module
 
-from lta_cli.reference.parameters import iterate_settings_models
 from lta_config.topics import load_topic_table
 from lta_control.nodes.controller import Controller
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.node_help import asks_for_help, describe_node, find_topics, parse_module
 from lta_graph.ros.parameters import iterate_fields
 import pytest
+from tools.reference.parameters import iterate_settings_models
 
 NODES = {(package, name) for package, name, _ in iterate_settings_models()}
 ROLES = ('controller', 'demodulator', 'energy_monitor', 'estimator', 'navigator')

@@ -88,7 +88,7 @@ for height in (-1.0, 0.5, 9.0):
     assert np.allclose(wrench, told, rtol=1e-12, atol=0.0), height
 """
 PAGE = """
-from lta_cli.reference.effects_page import render_page
+from tools.reference.effects import render_page
 
 print(render_page())
 """

@@ -82,7 +82,6 @@ CONDUCTORS = {  # start a graph and listen to it, record a flight as one, or ask
     'src/lta_discovery/lta_discovery/demo/hidden_effect.py',
     'src/lta_flight/lta_flight/flight.py',
     'src/lta_flight/lta_flight/graph.py',
-    'src/lta_cli/lta_cli/reference/parameters.py',
     'src/lta_flight/lta_flight/replay/node_settings.py',
     'src/lta_flight/lta_flight/replay/run.py',
     'src/lta_flight/lta_flight/simulate.py',
@@ -98,7 +97,7 @@ STARTED = {entry.package for entry in DRONE_NODES} | {
     'ros2launch',
 }
 OPTIONAL = {'mavsdk', 'pvlib', 'pybamm'}  # what a test skips without
-FOLDERS_OF_TESTS = {'campaigns', 'oracle', 'vlc'}
+FOLDERS_OF_TESTS = {'campaigns', 'oracle', 'tools', 'vlc'}
 HELPERS = {path.stem for path in (ROOT / 'test').rglob('*.py')} | FOLDERS_OF_TESTS | OPTIONAL
 MODULES = 25  # of one folder
 CODE = re.compile(r'(from [\w.]+ )?import [\w., ]+\n')  # a line of code that is written to a file

@@ -3,10 +3,10 @@
 from pathlib import Path
 
 from lta_cli.app import VERBS
-from lta_cli.reference.__main__ import PAGES, render_page
 from lta_config.errors import BadInput
 from lta_config.files import list_shipped_names
 import pytest
+from tools.reference.__main__ import PAGES, render_page
 
 ROOT = Path(__file__).resolve().parents[2]
 

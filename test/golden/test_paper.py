@@ -15,6 +15,7 @@ from pathlib import Path
 
 from kept_figures import kepts_in
 from lta_report.report_page import render_report
+from lta_report.request import StudyRun
 from lta_report.study import StudyOptions
 from lta_studies.reproduce.paper_pages import build_pages
 from lta_studies.reproduce.report import build_report, IMAGES
@@ -48,11 +49,9 @@ def studied(tmp_path_factory):
         todo = [row for row in rows if row.name not in kept]
         kept.update(
             reproduce_rows(
-                ReproductionRequest(
-                    tuple(row.name for row in todo), True, folder, StudyOptions(workers=1)
-                ),
+                ReproductionRequest(quick=True),
                 todo,
-                Console(quiet=True),
+                StudyRun(Console(quiet=True), folder, options=StudyOptions(workers=1)),
             )
         )
         return {row.name: kept[row.name] for row in rows}

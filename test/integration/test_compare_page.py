@@ -3,7 +3,7 @@
 from lta_data.bag import open_flight
 from lta_data.compare.comparison import compare_flights, ComparisonRequest
 from lta_data.compare.report import build_report
-from lta_report.report_output import write_report
+from lta_report.report_page import write_report
 from lta_report.screenshots import (
     open_page,
 )

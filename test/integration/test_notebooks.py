@@ -80,7 +80,7 @@ def test_a_sweep_in_python():
     import lta_analysis
 
     values = {'scenario.goal.time_limit': ['1 s', '2 s']}
-    rows = lta_analysis.sweep(values, seeds=1)
+    rows = lta_analysis.fly_grid(values, seeds=1)
     assert [row['scenario.goal.time_limit'] for row in rows] == ['1 s', '2 s']
     assert [row['success'] for row in rows] == [False, False]
 

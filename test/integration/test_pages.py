@@ -14,7 +14,7 @@ from lta_flight.replay.report import build_report
 from lta_flight.replay.run import ReplayRun
 from lta_flight.replay.verdict import compare_with_recording
 from lta_flight.report import write_page
-from lta_report.report_output import write_report
+from lta_report.report_page import write_report
 from lta_report.screenshots import (
     capture_part,
     collect_errors,

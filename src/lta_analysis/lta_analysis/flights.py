@@ -1,71 +1,70 @@
-"""Simulate, vary and discover in a notebook: the commands of `lta` as functions."""
+"""Simulate, import, check and vary flights in a notebook; they return the data themselves."""
 
 from collections.abc import Mapping, Sequence
 from itertools import product
-import operator
 from pathlib import Path
-from typing import Any
+from typing import Any, TYPE_CHECKING
 
 from lta_config.errors import BadInput
-from lta_config.parameter_override import parse_assignment
 from lta_data.bag.recorded_flight import open_flight, RecordedFlight
-from lta_discovery.discovery.run import discover_effects, DiscoveryRequest
-from lta_discovery.forecast_study import build_report, study_forecasts
 from lta_flight.flight_run import SilentObserver
-from lta_flight.flight_spec import build_loop, load_spec
-from lta_flight.report.results import compute_results
-from lta_flight.simulate import simulate_closed_loop, simulate_once, SimulationRequest
-from lta_report.report_output import PAGE, write_report
-from lta_report.results_folder import stage_results
+from lta_report.request import build_request, Changes, option, Request
+from lta_report.results_folder import resolve_folder
+from rich.console import Console
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+Name = Path | str  # a shipped name or a file
+
+
+class NotebookFlight(Request):
+    """Numbers and values of a flight that a notebook gives, checked."""
+
+    seed: int = option('Random seed.', default=1, low=0, high=2**31 - 1)
+    seeds: int = option('Number of flights of each combination.', default=1, low=0)
+    changes: Changes = option('New values by path.', default={})
 
 
 def simulate(
-    vehicle: Path | str = 'gtmab',
-    scenario: Path | str = 'lamp_room',
-    strategy: Path | str = 'homing',
+    vehicle: Name = 'gtmab',
+    scenario: Name = 'lamp_room',
+    strategy: Name = 'homing',
     seed: int = 1,
     changes: Mapping[str, object] | None = None,
-    out: Path | str | None = None,
+    out: Name | None = None,
+    gains: Name = '',
 ) -> RecordedFlight:
     """
     Fly once in one process, as `lta simulate`, and return the recording.
 
-    `vehicle`, `scenario`, `strategy`: names or files. `changes`: replaced parameters by path:
-    {'vehicle.trim.heaviness': '4 g'}. `out`: folder of the results, empty or new;
+    `vehicle`, `scenario`, `strategy`, `gains`: names or files. `changes`: replaced parameters by
+    path: {'vehicle.trim.heaviness': '4 g'}. `out`: folder of the results, empty or new;
     runs/<time>-<name> by default. Raise `BadInput` if the request is invalid; nothing has been
     flown then.
     """
-    words = tuple(f'{path}={value}' for path, value in (changes or {}).items())
-    folder = None if out is None else Path(out)
-    number = read_count('seed', seed)
+    from lta_flight.simulate import simulate_once, SimulationRequest
+
+    own = build_request(NotebookFlight, {'seed': seed, 'changes': changes or {}})
     request = SimulationRequest(
-        str(vehicle), str(scenario), str(strategy), '', number, words, folder
-    )
+        str(vehicle), str(scenario), str(strategy), str(gains), own.seed,
+        tuple(f'{path}={value}' for path, value in (changes or {}).items()),
+        None if out is None else Path(out),
+    )  # fmt: skip
     return open_flight(simulate_once(request, SilentObserver())[0].bag)
 
 
-def read_count(name: str, value: Any) -> int:  # noqa: ANN401 - what a notebook gives
-    """Return a whole number of 0 or more, also of numpy; raise `BadInput` for others."""
-    try:
-        number = operator.index(value)
-    except TypeError:
-        number = -1
-    if number < 0:
-        raise BadInput(f'{name} is {value!r}, but must be a whole number, 0 or more.')
-    return number
-
-
-def sweep(
+def fly_grid(
     values: Mapping[str, Sequence[object]],
     seeds: int = 1,
-    vehicle: Path | str = 'gtmab',
-    scenario: Path | str = 'lamp_room',
-    strategy: Path | str = 'homing',
+    vehicle: Name = 'gtmab',
+    scenario: Name = 'lamp_room',
+    strategy: Name = 'homing',
 ) -> list[dict[str, Any]]:
     """
     Fly every combination of some values, one after the other, without recording.
 
-    For many flights use `lta sweep`, which flies on all cores and resumes.
+    For many flights use `sweep`, which flies on all cores and resumes.
 
     Parameters
     ----------
@@ -80,58 +79,88 @@ def sweep(
         One for each flight: the values, `seed`, and the results as `lta simulate --json` has them.
 
     """
+    from lta_flight.flight_spec import build_loop, load_spec
+    from lta_flight.report.results import compute_results
+    from lta_flight.simulate import simulate_closed_loop
+
+    count = build_request(NotebookFlight, {'seeds': seeds}).seeds
     base = load_spec(str(vehicle), str(scenario), str(strategy), '')
-    count = read_count('seeds', seeds)
     rows = []
     for chosen in product(*values.values()):
         row = dict(zip(values, chosen, strict=True))
-        spec = base.with_values(
-            dict(parse_assignment(f'{path}={value}') for path, value in row.items())
-        )
+        spec = base.with_values(build_request(NotebookFlight, {'changes': row}).changes)
         for seed in range(1, count + 1):
             view, _ = simulate_closed_loop(build_loop(spec, seed), None, SilentObserver())
             rows.append({**row, 'seed': seed, **compute_results(view).to_dict()})
     return rows
 
 
-def discover(
-    vehicle: Path | str,
-    train: Sequence[Path | str],
-    confirm: Sequence[Path | str] = (),
-    holdout: Sequence[Path | str] = (),
-    out: Path | str = 'runs/discover',
-) -> dict[str, Any]:
+def import_log(
+    source: Name,
+    mapping: Name | None = None,
+    format: str | None = None,
+    out: Name | None = None,
+    robot: str = 'lta1',
+    vehicle: Name | None = None,
+) -> RecordedFlight:
     """
-    Find what a vehicle file lacks, as `lta discover`.
+    Convert a log to a bag, as `lta import`, and return the recording.
 
-    Returns
-    -------
-    dict
-        The content of discovery.json; the folder `out` also has the page and the corrected file.
+    Parameters
+    ----------
+    source : path
+        Log file or bag folder.
+    mapping : path or str, optional
+        Mapping that defines meaning, unit and axes of each column: a file or a shipped name; by
+        default the shipped one that fits the columns, if only one does.
+    format : str, optional
+        File format; detected by default.
+    out : path, optional
+        New folder of the bag; runs/<time>-<name> by default.
+    robot : str
+        Namespace of the topics in the bag.
+    vehicle : path or str, optional
+        Flown vehicle, name or file; stored in the bag.
 
-    """
-    bags = {
-        role: [Path(bag) for bag in paths]
-        for role, paths in (('train', train), ('confirm', confirm), ('holdout', holdout))
-    }
-    request = DiscoveryRequest(str(vehicle), bags)  # type: ignore[arg-type]
-    report = discover_effects(request, lambda _words, _share: None)
-    with stage_results(Path(out), PAGE) as folder:
-        write_report(report, folder)
-    return dict(report.data)
-
-
-def forecast(
-    vehicle: Path | str, flights: Sequence[Path | str], robot: str | None = None
-) -> dict[str, Any]:
-    """
-    Judge a vehicle file by forecasts of recorded flights, as `lta simulate --forecasts`.
-
-    Returns
-    -------
-    dict
-        The content of forecasts.json: `pandas.DataFrame(result['rows'])` is a table.
+    Raises
+    ------
+    BadInput
+        If the log cannot be imported; nothing is written then.
 
     """
-    result = build_report(study_forecasts(str(vehicle), [Path(bag) for bag in flights], robot))
-    return dict(result.data)
+    from lta_data.importers.progress import ImportProgress
+    from lta_data.importers.run import import_logs, ImportRequest
+
+    path = Path(source)
+    request = ImportRequest(
+        [path], None if mapping is None else str(mapping), format, robot,
+        None if vehicle is None else str(vehicle),
+    )  # fmt: skip
+    folder = resolve_folder(None if out is None else Path(out), path.name.split('.')[0] or 'log')
+    with ImportProgress(Console(stderr=True), 1) as progress:
+        (log,) = import_logs(request, folder, progress)
+    return open_flight(log.bag)
+
+
+def check(*bags: Name, robot: str | None = None) -> 'DataFrame':
+    """
+    Check the data quality of recordings, as `lta bag check`.
+
+    `bags`: bag folders, results folders or .mcap files; several are also compared in pairs.
+    `robot`: robot to check; by default every robot in a bag. Return a row for each finding: bag,
+    robot, severity, kind, channel, interval [s] and evidence. Raise `BadInput` for what is no bag.
+    """
+    from dataclasses import asdict
+
+    from lta_data.data_quality.check_report import check_bags
+    import pandas as pd
+
+    if not bags:
+        raise BadInput('There is nothing to check; name one recording or more.')
+    checked = check_bags([Path(bag) for bag in bags], robot, Console(stderr=True))
+    rows = [
+        {'bag': one.path, 'robot': one.robot, **asdict(finding)}
+        for one in checked
+        for finding in one.report.findings
+    ]
+    return pd.DataFrame(rows)

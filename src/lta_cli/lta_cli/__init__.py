@@ -1,1 +1,1 @@
-"""The `lta` command line: its verbs, the machine checks and the reference pages."""
+"""The `lta` command line: its verbs and the checks of the machine."""

@@ -10,12 +10,14 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 import errno
 from importlib import import_module
+from importlib.util import find_spec
 import inspect
 import os
 from pathlib import Path
 import sys
 from typing import Annotated, Any, Final, final
 
+from lta_analysis import FUNCTIONS
 from lta_cli.without_ros import (
     ANYTHING,
     is_graph_installed,
@@ -32,7 +34,6 @@ import typer
 from typer.core import TyperGroup
 
 FOLDER: Final = Path(__file__).parent / 'verbs'
-WORDS: Final = 'lta.words'  # where the context of a command has the words of the command line
 NEAR: Final = 40  # characters around bytes that are not UTF-8, to find them
 STOPPED = 130  # exit status after Ctrl-C, as in shells and Typer: 128 + SIGINT
 # Errors of a path or disk that the user can fix; they are reported in one sentence, not as a
@@ -60,17 +61,29 @@ class Verb:
 
     def load(self) -> Callable[..., None]:
         """Import the verb and return its function."""
-        verb: Callable[..., None] = getattr(import_module(f'lta_cli.verbs.{self.file}'), self.name)
-        return verb
+        verb: Any = getattr(import_module(self.module), self.name)
+        if not isinstance(verb, type):
+            function: Callable[..., None] = verb
+            return function
+        from lta_cli.options.request_command import build_command  # imports what pages need
+
+        command: Callable[..., None] = build_command(verb)
+        return command
+
+    @property
+    def module(self) -> str:
+        """The module of a function of `verbs/`, or of the request of a study."""
+        return self.file if self.file.startswith('lta_') else f'lta_cli.verbs.{self.file}'
 
     def read_docstring(self) -> str:
         """Return the verb's docstring without importing it."""
-        path = FOLDER / f'{self.file.replace(".", "/")}.py'
+        spec = find_spec(self.module)
+        text = Path(spec.origin if spec and spec.origin else '').read_text(encoding='utf-8')
         # Parsing takes a millisecond; importing the verb may take a second
-        for node in ast.parse(path.read_text(encoding='utf-8')).body:
-            if isinstance(node, ast.FunctionDef) and node.name == self.name:
+        for node in ast.parse(text).body:
+            if isinstance(node, ast.FunctionDef | ast.ClassDef) and node.name == self.name:
                 return ast.get_docstring(node) or ''
-        raise LookupError(f'{path} has no {self.name}')
+        raise LookupError(f'{self.module} has no {self.name}')
 
 
 @final
@@ -80,6 +93,12 @@ class VerbGroup:
 
     about: str
     verbs: Mapping[str, Verb]
+
+
+def study(name: str, **settings: Any) -> Verb:  # noqa: ANN401 - of a verb
+    """Return the verb of a request, by the name of its Python function."""
+    module, _, request = FUNCTIONS[name].partition(':')
+    return Verb(module, request, **settings)
 
 
 VEHICLE: Final = VerbGroup(
@@ -108,36 +127,36 @@ BAG: Final = VerbGroup(
 LIGHT: Final = VerbGroup(
     'Plan lamps and study navigation by light.',
     {
-        'link': Verb('light.link', 'link'),
-        'plan': Verb('light.plan', 'plan'),
-        'evaluate': Verb('light.evaluate', 'evaluate', several=('--sets',)),
-        'bearing': Verb('light.bearing', 'bearing'),
-        'calibrate': Verb('light.calibrate', 'calibrate'),
-        'study': Verb('light.study', 'light_study'),
+        'link': study('light_link'),
+        'plan': study('light_plan'),
+        'evaluate': study('light_evaluate', several=('--sets',)),
+        'bearing': study('light_bearing'),
+        'calibrate': study('light_calibrate'),
+        'study': study('light_study'),
     },
 )
 ENERGY: Final = VerbGroup(
     'Simulate energy use and solar charging; compare with published values and a multirotor.',
     {
-        'budget': Verb('energy.budget', 'budget'),
-        'hover': Verb('energy.hover', 'hover'),
-        'mounting': Verb('energy.mounting', 'mounting'),
-        'breakeven': Verb('energy.breakeven', 'breakeven'),
+        'budget': study('energy_budget'),
+        'hover': study('energy_hover'),
+        'mounting': study('energy_mounting'),
+        'breakeven': study('energy_breakeven'),
     },
 )
 TESTS: Final = VerbGroup(
     'Plan the tests that calibrate a vehicle, read their logs, and tell two effects apart.',
     {
-        'plan': Verb('tests.plan', 'plan'),
-        'read': Verb('tests.read', 'read'),
-        'between': Verb('tests.between', 'between'),
+        'plan': study('tests_plan'),
+        'read': study('tests_read'),
+        'between': study('tests_between'),
     },
 )
 CFD: Final = VerbGroup(
     'Compute drag and rotor slipstreams from the shape of a vehicle (virtual wind tunnel).',
     {
-        'run': Verb('cfd.run', 'run'),
-        'validate': Verb('cfd.validate', 'validate'),
+        'run': study('cfd_run'),
+        'validate': study('cfd_validate'),
         'refit': Verb('cfd.refit', 'refit'),
     },
 )
@@ -154,7 +173,7 @@ HARDWARE: Final = VerbGroup(
     {
         'check': Verb('hardware.check', 'check'),
         'bench': Verb('hardware.bench', 'bench'),
-        'light': Verb('hardware.light', 'light'),
+        'light': study('hardware_light'),
         'wiring': Verb('hardware.wiring', 'wiring'),
     },
 )
@@ -163,45 +182,45 @@ FAMILIES: Final[Mapping[str, Mapping[str, Verb | VerbGroup]]] = {
     'Fly': {
         'fly': Verb('fly', 'fly', needs_graph=True),
         'simulate': Verb('simulate', 'simulate', several=('--commands',)),
-        'replay': Verb('replay', 'replay', needs_graph=True),
+        'replay': study('replay', needs_graph=True),
         'launch': Verb('launch', 'launch', {'allow_interspersed_args': True}, needs_graph=True),
         'call': Verb('call', 'call', needs_graph=True),
         'run': Verb(
             'run', 'run', {'ignore_unknown_options': True, 'allow_interspersed_args': False}
         ),
-        'mission': Verb('mission', 'mission'),
-        'sweep': Verb('sweep', 'sweep'),
+        'mission': study('mission'),
+        'sweep': study('sweep'),
     },
     'Analyse': {
         'import': Verb('import_', 'import_'),
         'bag': BAG,
         'report': Verb('report', 'report'),
-        'compare': Verb('compare', 'compare'),
+        'compare': study('compare'),
     },
     'Learn': {
         'tests': TESTS,
-        'calibrate': Verb('calibrate', 'calibrate', several=('--train', '--confirm')),
-        'discover': Verb('discover', 'discover', several=('--train', '--confirm', '--holdout')),
+        'calibrate': study('calibrate', several=('--train', '--confirm')),
+        'discover': study('discover', several=('--train', '--confirm', '--holdout')),
         'effects': Verb('effects', 'effects'),
         # Not a group: `lta effects NAME` shows an effect
-        'effects try': Verb('effects_try', 'try_'),
+        'effects try': study('effects_try'),
         'effects new': Verb('effects_new', 'new'),
     },
     'Design': {
         'vehicle': VEHICLE,
-        'tune': Verb('tune', 'tune'),
-        'wind': Verb('wind', 'wind'),
-        'platforms': Verb('platforms', 'platforms'),
+        'tune': study('tune'),
+        'wind': study('wind'),
+        'platforms': study('platforms'),
         'light': LIGHT,
         'energy': ENERGY,
-        'cells': Verb('cells', 'cells'),
+        'cells': study('cells'),
         'cfd': CFD,
     },
     'Hardware': {'hardware': HARDWARE},
     'Tools': {
         'doctor': Verb('doctor', 'doctor'),
         'cluster': CLUSTER,
-        'reproduce': Verb('reproduce', 'reproduce'),
+        'reproduce': study('reproduce'),
     },
 }
 FAMILY: Final = {name: family for family, verbs in FAMILIES.items() for name in verbs}
@@ -219,11 +238,6 @@ class OrderedGroup(TyperGroup):
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:  # noqa: ANN401 - as in Click
         """Return name and command of the first words, and the other words."""
         return super().resolve_command(ctx, join_verb(args))
-
-    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:  # noqa: ANN401 - as in Click
-        """Parse the command line, and keep its words for the page of a study."""
-        ctx.meta[WORDS] = tuple(args)
-        return super().parse_args(ctx, args)
 
 
 def build_app(words: Sequence[str] | None = None) -> typer.Typer:

@@ -17,6 +17,9 @@ from pathlib import Path
 from typing import Any, Final, final
 
 from lta_config.errors import BadInput
+from lta_data.bag.bag_folder import find_bag
+from lta_data.bag.recorded_flight import open_flight
+from lta_data.recorded_choices import find_recorded_name
 from lta_discovery.calibration.prepared_flights import prepare_calibration, PreparedCalibration
 from lta_discovery.calibration.result import find_main_score, ForecastRms, ForecastScore
 from lta_discovery.calibration.scores import score_forecasts
@@ -26,6 +29,7 @@ from lta_discovery.flights.bags import read_bags
 from lta_discovery.flights.role_assignment import Role
 from lta_discovery.flights.usable_flights import CALIBRATED, select_usable_flights
 from lta_discovery.formatting import DEGREES, format_number
+from lta_discovery.progress import DiscoverProgress
 from lta_discovery.state_filter.forecasts import (
     APART,
     FlightForecasts,
@@ -40,11 +44,45 @@ from lta_report.drawing import add_legend, create_figure
 from lta_report.formatting import Tile
 from lta_report.json_value import to_json_value
 from lta_report.report import Picture, Report, TextSection, TextTable
+from lta_report.request import option, ReportRequest, ROBOT, StudyRun
 import numpy as np
 
 Tell = Callable[[str, float | None], None]
 
 KINDS: Final = {'vehicle file': 'errors', 'coasting': 'coasting'}  # fields of FlightForecasts
+
+
+@final
+class ForecastRequest(ReportRequest, command='simulate --forecasts', folder='forecasts'):
+    """
+    Judge a vehicle file by forecasts of recorded flights, beside coasting.
+
+    A forecast begins every 1.5 s from past readings only, and its errors 1, 3 and 8 s ahead stand
+    beside those of coasting (constant body velocity and rates). It needs measured poses. The
+    entry `rows` of the results has a row for each forecast.
+    """
+
+    vehicle: str = option(
+        "Vehicle name or file; the recorded one by default, or 'gtmab'.", default='',
+        complete='vehicle',
+    )  # fmt: skip
+    flights: tuple[Path, ...] = option(
+        'Recorded flights: bag folders, results folders or .mcap files.', default=(),
+        name='commands', metavar='BAG...',
+    )  # fmt: skip
+    robot: str | None = ROBOT
+
+    def run(self, run: StudyRun) -> Report:
+        """Return the report of the forecasts."""
+        if not self.flights:
+            raise BadInput('--forecasts judges recorded flights; add --commands BAG.')
+        vehicle = self.vehicle
+        if not vehicle:
+            recorded = open_flight(find_bag(self.flights[0]), self.robot).provenance
+            vehicle = find_recorded_name(recorded, 'vehicle') or 'gtmab'
+        with DiscoverProgress(run.console) as progress:
+            study = study_forecasts(vehicle, self.flights, self.robot, progress.show_stage)
+        return build_report(study)
 
 
 @final

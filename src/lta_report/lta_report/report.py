@@ -1,8 +1,8 @@
 """
 Declare the report of a study once; it renders to a page, a terminal, JSON and pictures.
 
-A study returns a `Report`. `report_page` renders it as HTML, `report_terminal` prints it, and
-`report_output` writes the files of the results folder.
+A study returns a `Report`. `report_page` renders it as HTML and writes the files of the results
+folder, `report_terminal` prints it.
 """
 
 from collections.abc import Mapping, Sequence

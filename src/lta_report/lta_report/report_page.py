@@ -1,14 +1,15 @@
-"""Render a report as one self-contained HTML page."""
+"""Render a report as one self-contained HTML page, and write all files of its folder."""
 
 from collections.abc import Mapping, Sequence
 from html import escape
+from pathlib import Path
 import re
 from string import Template
 from typing import Final
 
 from lta_report.formatting import MISSING, Tile
 from lta_report.html_elements import embed_data, render_footer, render_section, render_tile
-from lta_report.page_frame import read_asset, split_template
+from lta_report.page_frame import read_asset, split_template, write_file
 from lta_report.palette import DARK
 from lta_report.report import (
     Block,
@@ -22,8 +23,11 @@ from lta_report.report import (
     TextSection,
     TextTable,
 )
+from lta_report.results_folder import write_json
+from lta_report.screenshots import write_pictures
 from lta_report.script_libraries import embed_plotly, embed_three
 
+PAGE: Final = 'report.html'
 # A cell that starts like a number (but not like a heading, '1. Title'), or is a dash or empty
 NUMBER: Final = re.compile(
     rf'(?!\d+\. )[-+\N{{MINUS SIGN}}<>≤≥±~]?\s?(?:\.?\d|[∞{MISSING}])|-?$|none$|never\b'
@@ -197,3 +201,24 @@ def render_markup(text: str) -> str:
         return f'<{tag}>{match[match.lastindex or 0]}</{tag}>'
 
     return MARKS.sub(replace, escape(text))
+
+
+def write_report(
+    report: Report, folder: Path, *, page: bool = True, pictures: Path | None = None
+) -> Path | None:
+    """
+    Write the results of a study, and return the path of its page.
+
+    `folder`: results folder, which exists. `page`: whether to write the page. `pictures`: folder
+    for a PNG of each figure; needs Chromium, and the page. Raise `BadInput` if writing fails.
+    """
+    name = report.json_name or f'{report.command.split()[-1]}.json'
+    write_json(report.data, folder / name)
+    for other, text in report.outputs.items():
+        write_file(text, folder / other)
+    if not page:
+        return None
+    written = write_file(render_report(report), folder / PAGE)
+    if pictures is not None:
+        write_pictures(written, pictures)
+    return written

@@ -8,8 +8,8 @@ import pytest
 
 
 def test_a_path_and_a_numpy_number_are_as_good_as_a_name_and_an_int():
-    named = lta_analysis.sweep({'scenario.goal.time_limit': ['1 s']}, seeds=1)
-    by_path = lta_analysis.sweep(
+    named = lta_analysis.fly_grid({'scenario.goal.time_limit': ['1 s']}, seeds=1)
+    by_path = lta_analysis.fly_grid(
         {'scenario.goal.time_limit': ['1 s']},
         seeds=np.int64(1),
         vehicle=find_file('vehicle', 'gtmab'),
@@ -19,10 +19,10 @@ def test_a_path_and_a_numpy_number_are_as_good_as_a_name_and_an_int():
     assert [row['seed'] for row in named] == [1]
 
 
-@pytest.mark.parametrize('seed', ['x', '1', 1.5, -1, None])
+@pytest.mark.parametrize('seed', ['x', 1.5, -1, None])
 def test_a_seed_that_is_no_whole_number_is_refused(seed, tmp_path):
-    with pytest.raises(BadInput, match=f'seed is {seed!r}, but must be a whole number'):
+    with pytest.raises(BadInput, match=f'seed is {seed!r}, but must be '):
         lta_analysis.simulate(seed=seed, out=tmp_path / 'out')
-    with pytest.raises(BadInput, match=f'seeds is {seed!r}, but must be a whole number'):
-        lta_analysis.sweep({}, seeds=seed)
+    with pytest.raises(BadInput, match=f'seeds is {seed!r}, but must be '):
+        lta_analysis.fly_grid({}, seeds=seed)
     assert not (tmp_path / 'out').exists()

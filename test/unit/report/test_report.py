@@ -15,8 +15,7 @@ from lta_report.report import (
     transpose_table,
 )
 from lta_report.report_markdown import render_markdown
-from lta_report.report_output import write_report
-from lta_report.report_page import choose_tile_width, is_numeric, render_report
+from lta_report.report_page import choose_tile_width, is_numeric, render_report, write_report
 from lta_report.report_terminal import merge_groups, print_report, print_table
 from plotly.graph_objects import Figure
 import pytest

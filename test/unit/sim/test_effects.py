@@ -1,12 +1,12 @@
 """Values of single effects by hand, and what may be an effect."""
 
-from lta_cli.reference.effects_page import render_page
 from lta_config.errors import BadInput
 from lta_model import effects
 from lta_model.effects.protocol import EffectParameter, VehicleMotion, WrenchEffect
 from lta_model.effects.weight import WEIGHT_AND_BUOYANCY
 from lta_model.state import BODY, COMMAND, DISPLACED, MASS, MASS_MOMENT, SURROUNDINGS
 import pytest
+from tools.reference.effects import render_page
 
 LEVEL = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 NO = (0.0, 0.0, 0.0)

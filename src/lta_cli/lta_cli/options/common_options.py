@@ -9,8 +9,6 @@ from typing import Annotated, Any, final
 
 from lta_config.errors import strip_control_codes
 from lta_config.files import FOLDERS, list_shipped_names
-from lta_report.browser import find_chromium
-from lta_report.results_folder import check_creatable
 from rich.console import Console, ConsoleOptions, RenderableType
 from rich.segment import Segment
 import typer
@@ -76,24 +74,6 @@ WorkerCount = Annotated[
         '--workers', help='Number of worker processes; one per processor by default.', min=1
     ),
 ]
-Scheduler = Annotated[
-    str | None,
-    typer.Option(
-        metavar='ADDRESS',
-        help='Use a Dask cluster; address of its scheduler, such as tcp://127.0.0.1:8786.',
-    ),
-]
-RetryFailed = Annotated[
-    bool, typer.Option('--retry-failed', help='Repeat what failed in an earlier run.')
-]
-
-
-def check_picture_output(folder: Path | None) -> None:
-    """Check, before any work, that pictures can be taken and written."""
-    if folder is not None:
-        find_chromium()  # raises BadInput if there is none
-        # Not created yet: nothing is left behind if the work fails
-        check_creatable(folder.absolute())
 
 
 @final

@@ -1,6 +1,6 @@
 """Run `lta import --draft`: propose a mapping, ask where two readings fit, and write it."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 import sys
 
@@ -17,7 +17,7 @@ from lta_data.importers.draft.draft_report import (
     MAPPING,
 )
 from lta_data.plot.terminal import draw_curves
-from lta_report.report_output import PAGE, write_report
+from lta_report.report_page import PAGE, write_report
 from lta_report.report_terminal import print_report, print_table
 from lta_report.results_folder import (
     check_creatable,
@@ -31,7 +31,7 @@ import typer
 
 def run_draft(
     sources: Sequence[Path],
-    settings: Sequence[str],
+    settings: Mapping[str, str],
     vehicle: str | None,
     out: Path | None,
     console: Console,
@@ -50,7 +50,7 @@ def run_draft(
     source = sources[0]
     folder = resolve_folder(out, f'{source.name.split(".")[0] or "log"}-draft')
     check_creatable(folder)
-    answers = parse_settings(settings)
+    answers = dict(settings)
     draft_vehicle = None if vehicle is None else DraftVehicle.load(vehicle)
     draft = draft_mapping(source, answers, draft_vehicle)
     while draft.choices.questions:
@@ -85,17 +85,6 @@ def run_draft(
     )
     for line in lines:
         console.print(line, highlight=False, markup=False, soft_wrap=True)
-
-
-def parse_settings(settings: Sequence[str]) -> dict[str, str]:
-    """Return the answers of --set by key; raise `BadInput` for one without '='."""
-    answers = {}
-    for setting in settings:
-        key, sign, value = setting.partition('=')
-        if not sign or not key or not value:
-            raise BadInput(f"--set '{setting}' is not KEY=VALUE, as in time.rate=60.")
-        answers[key] = value
-    return answers
 
 
 def print_questions(draft: MappingDraft, console: Console) -> None:

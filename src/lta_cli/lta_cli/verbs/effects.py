@@ -1,24 +1,39 @@
 """lta effects: list the effects of the model."""
 
-import sys
 from typing import Annotated
 
 from lta_cli.options.common_options import plain_console
-from lta_cli.reference.effects_page import KINDS, render_page
 from lta_model.effects import EFFECTS, get_effect
-from lta_model.effects.protocol import describe_effect, WrenchEffect
+from lta_model.effects.protocol import (
+    ActuatorEffect,
+    AirEffect,
+    BodyEffect,
+    describe_effect,
+    InertiaEffect,
+    MeasurementEffect,
+    WrenchEffect,
+)
 from rich.table import Table
 import typer
+
+KINDS: dict[type, tuple[str, str]] = {
+    AirEffect: ('Air', 'Wind at the hull. All other effects use the sum of these winds.'),
+    ActuatorEffect: (
+        'Actuators',
+        'How a duty becomes the thrust of a rotor; applied in this order.',
+    ),
+    WrenchEffect: ('Force and moment', 'Forces and moments on the hull, which are summed.'),
+    InertiaEffect: ('Added mass', 'Terms that are added to the mass matrix.'),
+    BodyEffect: (
+        'Mass and balance',
+        'Changes of the mass and the displaced volume; applied before all others.',
+    ),
+    MeasurementEffect: ('Measurement', 'Errors of sensors, motion tracker and clocks.'),
+}
 
 
 def effects(
     name: Annotated[str, typer.Argument(help='Effect to show; all by default.')] = '',
-    markdown: Annotated[
-        bool,
-        typer.Option(
-            '--markdown', help='Print a Markdown page (docs/effects.md) instead of a table.'
-        ),
-    ] = False,
 ) -> None:
     """
     List the effects of the model: unit, bounds and source of every parameter.
@@ -28,9 +43,7 @@ def effects(
 
     Example: lta effects ground_effect
     """
-    if markdown:
-        sys.stdout.write(render_page())
-    elif name:
+    if name:
         print_effect(name)
     else:
         print_all_effects()

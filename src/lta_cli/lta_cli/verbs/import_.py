@@ -90,8 +90,13 @@ def import_(
     if draft:
         # Import here: drafting needs the whole importer and the report.
         from lta_cli.options.draft_command import run_draft
+        from lta_data.importers.draft.choices import parse_answers
 
-        run_draft(sources, set or [], vehicle, out, console, json)
+        try:
+            answers = parse_answers(set or [])
+        except ValueError as error:
+            raise BadInput(f'--set {error}.') from None
+        run_draft(sources, answers, vehicle, out, console, json)
         return
     if set:
         raise BadInput('--set decides a question of --draft; add --draft, or remove --set.')

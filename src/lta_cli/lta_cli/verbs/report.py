@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Annotated
 
+from lta_analysis.door import check_picture_output
 from lta_cli.options.common_options import (
-    check_picture_output,
     folder_option,
     Pictures,
     plain_console,

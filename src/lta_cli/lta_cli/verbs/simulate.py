@@ -1,10 +1,8 @@
 """lta simulate: fly once in one process, without DDS, or judge a vehicle file by forecasts."""
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
-from lta_cli.app import WORDS
 from lta_cli.options.common_options import (
     complete_names,
     Json,
@@ -13,7 +11,7 @@ from lta_cli.options.common_options import (
     print_json,
 )
 from lta_cli.options.flight_output import flight_to_dict, format_outcome, print_files
-from lta_cli.options.study_command import is_unset, publish_report, StudyRun
+from lta_cli.options.request_command import is_unset, run_request
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
 from lta_control.strategies import STRATEGIES
@@ -24,7 +22,7 @@ from lta_flight.flight_run import EXIT_STATUSES, ROBOT
 from lta_flight.progress import FlightProgress
 from lta_flight.report.page import write_page
 from lta_flight.simulate import CommandRequest, simulate_once, SimulationRequest
-from lta_report.results_folder import check_creatable, resolve_folder
+from lta_report.request import build_request
 import typer
 
 VEHICLE, SCENARIO = 'gtmab', 'lamp_room'
@@ -129,8 +127,22 @@ def simulate(
     console = plain_console(stderr=json)
 
     if forecasts:
-        run = StudyRun(console, resolve_folder(out, 'forecasts'), out, page=True)
-        judge_by_forecasts(context, run, vehicle, commands or [], robot, json)
+        # A flight does not wait for these imports, which take as long as all others
+        from lta_discovery.forecast_study import ForecastRequest
+
+        if useless := [word for name, word in OF_FLIGHT.items() if not is_unset(context, name)]:
+            raise BadInput(
+                f'{" and ".join(useless)} cannot be used with --forecasts, which flies nothing '
+                'new; leave it out.'
+            )
+        options = {
+            'vehicle': vehicle,
+            'flights': tuple(commands or ()),
+            'robot': robot,
+            'out': out,
+        }
+        used = {name: value for name, value in options.items() if value}
+        run_request(build_request(ForecastRequest, used), json)
         return
     if len(commands or []) > 1:
         raise BadInput(
@@ -172,32 +184,3 @@ def simulate(
             console.print(f'Compare them: {line}', highlight=False, soft_wrap=True)
     if status := EXIT_STATUSES[flight.outcome]:
         raise typer.Exit(status)
-
-
-def judge_by_forecasts(
-    context: typer.Context,
-    run: StudyRun,
-    vehicle: str | None,
-    bags: Sequence[Path],
-    robot: str | None,
-    json: bool,
-) -> None:
-    """Forecast recordings, and print and write the report."""
-    # A flight does not wait for these imports, which take as long as all others
-    from lta_discovery.forecast_study import build_report, study_forecasts
-    from lta_discovery.progress import DiscoverProgress
-
-    if not bags:
-        raise BadInput('--forecasts judges recorded flights; add --commands BAG.')
-    if useless := [option for name, option in OF_FLIGHT.items() if not is_unset(context, name)]:
-        raise BadInput(
-            f'{" and ".join(useless)} cannot be used with --forecasts, which flies nothing new; '
-            'leave it out.'
-        )
-    check_creatable(run.folder)
-    if vehicle is None:
-        recorded = open_flight(find_bag(bags[0]), robot).provenance
-        vehicle = find_recorded_name(recorded, 'vehicle') or VEHICLE
-    with DiscoverProgress(run.console) as progress:
-        report = build_report(study_forecasts(vehicle, bags, robot, progress.show_stage))
-    publish_report(report, run, context.meta.get(WORDS, ()), json=json)

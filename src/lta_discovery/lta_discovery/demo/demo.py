@@ -47,7 +47,7 @@ def discover_hidden_effect(hidden: DemoEffect, seed: int, folder: Path, tell: Te
 
 def _discover(hidden: DemoEffect, bags: Mapping[Role, Sequence[Path]], tell: Tell) -> Report:
     """Return the report of a discovery that says what was hidden, too."""
-    report = discover_effects(DiscoveryRequest(VEHICLE, bags), tell)
+    report = discover_effects(DiscoveryRequest.of_bags(VEHICLE, bags), tell)
     assert isinstance(report.data, dict)
     truth = {'name': hidden.name, 'value': hidden.value, 'unit': hidden.unit}
     return replace(

@@ -1,6 +1,6 @@
 """Choose what `lta effects try` hides: a parameter of an effect at a clearly visible size."""
 
-from typing import Final
+from typing import Final, final
 
 from lta_config.errors import BadInput
 from lta_discovery.demo.hidden_effect import (
@@ -13,8 +13,11 @@ from lta_discovery.model.candidates import DESIGN
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.planning.equivalence_classes import find_kind_classes
+from lta_discovery.progress import DiscoverProgress
 from lta_model.effects import get_effect
 from lta_model.vehicle import load_vehicle
+from lta_report.report import Report
+from lta_report.request import argument, option, ReportRequest, StudyRun
 
 STRENGTH: Final = 40.0  # sigma in the flights of `make campaign classes`, which are longer
 FAINT: Final = 3.0  # sigma; discovery names nothing below it
@@ -43,6 +46,30 @@ CAPS: Final[dict[str, tuple[float, float]]] = {
     'tracker_misalignment': (-0.4, 0.4),
     'motor_deadband': (0.0, 0.2),
 }
+
+
+@final
+class TrialRequest(ReportRequest, command='effects try', folder='effects-try'):
+    """
+    Hide an effect in simulated flights that excite it, and discover it.
+
+    Three flights with changing height, heading and speed and shaken motors. Of an effect with
+    several parameters, one that such flights show well is hidden, at a size that they show. Page,
+    files and terminal are those of "lta discover". Says why if an effect cannot be tried.
+
+    Example: lta effects try motor_deadband
+    """
+
+    name: str = argument('Effect, or one of its parameters, such as cg_offset.x.')
+    seed: int = option('Random seed.', default=1, low=0, high=2**20)
+
+    def run(self, run: StudyRun) -> Report:
+        """Return the report of the discovery."""
+        from lta_discovery.demo.demo import discover_hidden_effect
+
+        hidden = choose_trial_effect(self.name)
+        with DiscoverProgress(run.console) as progress:
+            return discover_hidden_effect(hidden, self.seed, run.folder, progress.show_stage)
 
 
 def choose_trial_effect(name: str) -> DemoEffect:

@@ -1,9 +1,9 @@
 """Run a discovery: read the bags, calibrate where needed, study the flights, report."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Final, final
+from typing import Final, final, Self
 
 from lta_bridge.provenance import describe_environment, read_commit
 from lta_config.errors import BadInput
@@ -30,25 +30,102 @@ from lta_discovery.formatting import format_with_interval, join_words
 from lta_discovery.planning.equivalence_classes import classify_data_kind
 from lta_discovery.planning.next_flight import FILE as NEXT_FLIGHT
 from lta_discovery.planning.next_flight import plan_next_flight
+from lta_discovery.progress import DiscoverProgress
 from lta_model.vehicle import load_vehicle, parse_vehicle, Vehicle
 from lta_report.report import Report
+from lta_report.request import option, ReportRequest, ROBOT, StudyRun
 import numpy as np
 
+BAGS: Final = 'Bag folders, results folders or .mcap files'
 VEHICLE: Final = 'vehicle.yaml'
 CALIBRATION: Final = 0.2  # share of the calibration in the progress of a study
 Tell = Callable[[str, float | None], None]
 
 
 @final
-@dataclass(frozen=True, slots=True)
-class DiscoveryRequest:
-    """Inputs of a discovery."""
+class DiscoveryRequest(ReportRequest, command='discover'):
+    """
+    Find where a vehicle's model disagrees with its flights, and name what is missing.
 
-    vehicle: str  # name or file
-    bags: Mapping[Role, Sequence[Path]]  # 'train', 'confirm', 'holdout'
-    robot: str | None = None  # robot to read, where a bag holds several
-    plan: bool = False  # whether to plan the next flight
-    calibrate: bool = True  # whether to calibrate the vehicle first, where the flights call for it
+    Where the flights call for it, the vehicle is calibrated first ("lta calibrate"): gains, delay,
+    lift, marker frame. The search goes on from the calibrated values, and calibrated.yaml is the
+    vehicle file with them.
+
+    Effects of the library, numbers of the file that are wrong, and forces of other forms are
+    compared by one posterior. A name is given if its probability is 95 % or more, with all names
+    that these flights cannot tell from it. The result may also be that nothing is missing, or that
+    the flights do not decide.
+
+    Writes report.html, vehicle.yaml (the vehicle file with what is named), overlay.mcap (measured
+    and forecast, for Foxglove) and discovery.json. With --plan, also next_flight.yaml, a scenario
+    for "lta fly", where a flight tells alternatives apart.
+
+    A single flight is split in time, which gives weaker evidence. Method and accuracy:
+    docs/discovery.md.
+
+    Exit status 0: done, whatever the result. 2: bad input, or flights too poor to analyse.
+
+    Example: lta discover --vehicle gtmab --train A B --holdout C
+
+    Example: lta discover --demo
+    """
+
+    vehicle: str = option(
+        'Vehicle whose model is compared with the flights, name or file.', default='',
+        complete='vehicle',
+    )  # fmt: skip
+    train: tuple[Path, ...] = option(
+        f'Flights to learn from. {BAGS}.', default=(), metavar='BAG...'
+    )
+    confirm: tuple[Path, ...] = option(
+        'Other flights of the same vehicle to learn from.', default=(), metavar='BAG...'
+    )
+    holdout: tuple[Path, ...] = option(
+        'Flights whose forecasts judge the result; nothing is fitted.', default=(),
+        metavar='BAG...',
+    )  # fmt: skip
+    robot: str | None = ROBOT
+    demo: bool = option(
+        'Demonstration: simulate flights with a hidden effect and discover it.', default=False
+    )
+    plan: bool = option('Also plan the next flight that tells alternatives apart.', default=False)
+    calibration: bool = option(
+        'Calibrate the vehicle first, where the flights call for it.', default=True
+    )
+    seed: int = option('Random seed of --demo.', default=1, low=0, high=2**31 - 1)
+
+    def run(self, run: StudyRun) -> Report:
+        """Return the report with all files."""
+        # Refuse contradictory options before any work
+        if self.demo and (any(self.bags.values()) or self.vehicle):
+            raise BadInput(
+                '--demo simulates its own flights; remove --vehicle, --train, --confirm and '
+                '--holdout.'
+            )
+        if not self.demo and not self.vehicle:
+            raise BadInput(
+                'A vehicle file to compare the flights with is missing; name one with --vehicle, '
+                'or try --demo.'
+            )
+        with DiscoverProgress(run.console) as progress:
+            if self.demo:
+                from lta_discovery.demo.demo import run_discovery_demo
+
+                return run_discovery_demo(self.seed, run.folder, progress.show_stage)
+            return discover_effects(self, progress.show_stage)
+
+    @classmethod
+    def of_bags(cls, vehicle: str, bags: Mapping[Role, Sequence[Path]]) -> Self:
+        """Return the request to study flights, by what they are for, with a vehicle."""
+        train, confirm, holdout = (
+            tuple(bags.get(role, ())) for role in ('train', 'confirm', 'holdout')
+        )
+        return cls(vehicle=vehicle, train=train, confirm=confirm, holdout=holdout)
+
+    @property
+    def bags(self) -> dict[Role, Sequence[Path]]:
+        """The flights by what they are for."""
+        return {'train': self.train, 'confirm': self.confirm, 'holdout': self.holdout}
 
 
 def discover_effects(request: DiscoveryRequest, tell: Tell) -> Report:
@@ -98,7 +175,7 @@ def study_usable_flights(
     text = find_file('vehicle', request.vehicle).read_text(encoding='utf-8')
     calibrated, first, remarks = '', FirstStep(), tuple[str, ...]()
     try:
-        if request.calibrate:
+        if request.calibration:
             part = _tell_part(tell, 0.0, CALIBRATION)
             first = calibrate_first(vehicle, request.vehicle, usable.flights, part)
         if first.lifts:

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final, final, NamedTuple
 
+from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
 from lta_config.files import find_file, parse_yaml
 from lta_discovery.planning.equivalence_classes import is_equivalent, Kind
@@ -18,7 +19,10 @@ from lta_discovery.planning.flight_choice import (
     Tell,
 )
 from lta_discovery.planning.rehearsal import Sensors
+from lta_discovery.progress import DiscoverProgress
 from lta_flight.flight_spec import load_spec
+from lta_report.report import Report
+from lta_report.request import argument, option, ReportRequest, StudyRun
 import yaml
 
 FILE: Final = 'next_flight.yaml'
@@ -88,6 +92,47 @@ class NextFlightPlan:
         return head + yaml.safe_dump(
             self.scenario, sort_keys=False, default_flow_style=None, width=110
         )
+
+
+@final
+class SeparatingFlightRequest(ReportRequest, command='tests between', folder='tests-between'):
+    """
+    Plan the flight that tells two effects of a vehicle apart.
+
+    Simulates manoeuvres with the vehicle file, the cheapest first, and with each effect. Writes
+    next_flight.yaml, a scenario for "lta fly", or says why no flight tells them apart and what to
+    measure instead.
+
+    Exit status 0: done. 2: bad input.
+
+    Example: lta tests between linear_drag.surge quadratic_drag.surge --vehicle gtmab
+    """
+
+    first: str = argument('Effect, such as linear_drag.surge.')
+    second: str = argument('Another effect.')
+    vehicle: str = option('Vehicle name or file.', complete='vehicle')
+    scenario: str = option('Scenario to fly in, name or file.', default=SCENE)
+
+    def run(self, run: StudyRun) -> Report:
+        """Return the report with the scenario to fly."""
+        with DiscoverProgress(run.console) as progress:
+            plan = plan_separating_flight(
+                self.vehicle, self.first, self.second, self.scenario, tell=progress.show_stage
+            )
+        path, flies = relative_path(run.folder / FILE), plan.scenario is not None
+        fly = format_lta_command('fly', '--vehicle', self.vehicle, '--scenario', path)
+        return Report(
+            command='tests between',
+            subject=f'{self.first}, {self.second}',
+            headline=plan.text,
+            introduction='Each effect was simulated at a size of two typical sizes.',
+            tiles=[],
+            blocks=(),
+            data={'next_flight': plan.text, 'expected_nats': plan.nats,
+                  'scenario': str(path) if flies else None},
+            commands={'fly it': fly} if flies else {},
+            outputs={FILE: plan.format_scenario()} if flies else {},
+        )  # fmt: skip
 
 
 def plan_separating_flight(

@@ -209,7 +209,7 @@ def describe_provenance(done: SweepRun) -> dict[str, str]:
 
 def suggest_commands(done: SweepRun) -> dict[str, str]:
     """Return commands for the next steps."""
-    options = done.order.options
+    options = done.order.flight_options
     # The path is typed in the folder where the command was run
     table = relative_path(done.table)
     commands = {

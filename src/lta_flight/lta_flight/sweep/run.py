@@ -1,11 +1,13 @@
 """Run a sweep: check it, fly it, and write its table."""
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import partial
 import hashlib
+import math
 from pathlib import Path
 import time
-from typing import final
+from typing import Annotated, cast, final
 
 from lta_bridge.provenance import read_commit
 from lta_config.errors import BadInput
@@ -16,36 +18,100 @@ from lta_flight.sweep import table
 from lta_flight.sweep.batch_workers import BatchWorkers
 from lta_flight.sweep.job_runner import fly_job, STORE, store_row, SweepRow
 from lta_flight.sweep.plan import SweepJob, SweepPlan
-from lta_report.study import run_items, StudyOptions
+from lta_report.report import Report
+from lta_report.request import argument, option, StudyRequest, StudyRun
+from lta_report.study import run_items
 from lta_report.study_progress import StudyProgress
 from lta_report.study_store import StudyStore
 from lta_report.workers import Workers
+from pydantic import BeforeValidator, PlainSerializer
 from rich.console import Console
 
 
-@final
-@dataclass(frozen=True, slots=True)
-class SweepRequest:
-    """What to sweep, and how."""
+def _parse_duties(value: object) -> object:
+    """Return rotor duties, also of a text in which commas separate them."""
+    try:
+        duties = [float(word) for word in value.split(',')] if isinstance(value, str) else value
+    except ValueError:
+        # NaN fails the range check below, which has the error message
+        duties = [math.nan]
+    if not all(-1.0 <= duty <= 1.0 for duty in cast('Sequence[float]', duties)):
+        raise ValueError(f"'{value}' is invalid; give numbers from -1 to 1, such as 0.2,0.2")
+    return duties
 
-    file: str
-    out: Path | None = None
-    computing: StudyOptions = field(default_factory=StudyOptions)
-    device: Device | None = None
-    duties: tuple[float, ...] = ()
-    quick: bool = False
+
+Duties = Annotated[
+    tuple[float, ...],
+    BeforeValidator(_parse_duties),
+    PlainSerializer(lambda duties: ','.join(map(str, duties))),
+]
+
+
+@final
+class SweepRequest(
+    StudyRequest, command='sweep', quick='Fly only the first seed or sample of each case.'
+):
+    """
+    Fly a parameter grid or a Monte Carlo study in parallel; write one table and a page.
+
+    A sweep file names vehicle, scenario, strategy, gains, seeds and the parameters to vary, by
+    path (see "lta simulate --help"): each a list of values or a distribution (normal, uniform,
+    loguniform, choice) sampled "samples" times. Lists form a full grid, and every grid point gets
+    the same samples and seeds. The drone's own model uses the varied values, too. Everything is
+    checked before the first flight.
+
+    Finished flights are stored in the results folder, by default runs/sweep-<name>-<hash>. A
+    stopped sweep reports its finished flights, and repeating the command resumes it. Failed
+    flights are stored with their seed and the reason. flights.parquet has one row per flight, with
+    SI units and descriptions in the column metadata.
+
+    --device flies thousands of closed loops at once, after one compilation of a minute or two for
+    each strategy. It models the received lamp signal by geometry and noise instead of ADC blocks,
+    so flights agree in distribution, not seed by seed. A batch reports no cruise data and no
+    estimator errors. It supports every strategy, routes and several lamps, but no courses, only
+    the control law cascade, and no effects on measurements.
+
+    Exit status 0: all flights were flown. 1: some failed. 2: bad input, nothing was flown; or the
+    workers failed. 130: Ctrl-C.
+
+    Example: lta sweep heaviness --workers 2
+    """
+
+    file: str = argument('Sweep file, or the name of a shipped one, such as heaviness.')
+    device: Device | None = option(
+        'Simulate all flights as one batch: on all cores (cpu-batch) or on a GPU (gpu).',
+        default=None,
+    )
+    duties: Duties | None = option(
+        'With --device: fly open loop with a constant duty from -1 to 1 for each rotor.',
+        default=None, metavar='A,B,...',
+    )  # fmt: skip
+
+    def run(self, run: StudyRun) -> Report:
+        """Return the report of all flights that are stored."""
+        from lta_flight.sweep.report import build_report
+
+        if self.duties and self.device is None:
+            raise BadInput('--duties needs batch mode; add --device cpu-batch or --device gpu.')
+        if self.device is not None and (self.workers, self.scheduler) != (None, None):
+            raise BadInput(
+                '--device cannot be combined with --workers or --scheduler; remove one of them.'
+            )
+        done = sweep_once(self, run.console)
+        run.open_folder(done.folder)
+        return build_report(done)
 
     @property
-    def options(self) -> tuple[str, ...]:
+    def flight_options(self) -> tuple[str, ...]:
         """Command-line options that determine the flights in addition to the file."""
         device = ('--device', self.device) if self.device else ()
         return device + (('--duties', ','.join(map(str, self.duties))) if self.duties else ())
 
     def compute_sweep_hash(self, plan: SweepPlan) -> str:
         """Return the hash of everything that determines the flights."""
-        if not self.options:
+        if not self.flight_options:
             return plan.identity
-        return hashlib.sha256(' '.join((plan.identity, *self.options)).encode()).hexdigest()
+        return hashlib.sha256(' '.join((plan.identity, *self.flight_options)).encode()).hexdigest()
 
 
 @final
@@ -84,7 +150,7 @@ def sweep_once(order: SweepRequest, console: Console) -> SweepRun:
     folder = (order.out or Path('runs') / f'sweep-{file.name}-{identity[:8]}').absolute()
     # Before the folder is created: a batch or a cluster may not be usable
     workers = create_workers(order, plan)
-    with StudyStore(folder, STORE, identity, order.computing.retry_failed) as store:
+    with StudyStore(folder, STORE, identity, order.retry_failed) as store:
         done = set(store.results)
         progress = StudyProgress(console, plan.count, len(done), 'flights')
         begun, failure = time.monotonic(), None
@@ -104,8 +170,8 @@ def sweep_once(order: SweepRequest, console: Console) -> SweepRun:
 def create_workers(order: SweepRequest, plan: SweepPlan) -> Workers[SweepJob, SweepRow]:
     """Return the workers that fly a sweep; a batch checks all values of the sweep."""
     if order.device is None:
-        return order.computing.open_workers(partial(fly_job, plan.base))
-    batch = BatchWorkers(plan.base, order.device, order.duties)
+        return order.options.open_workers(partial(fly_job, plan.base))
+    batch = BatchWorkers(plan.base, order.device, order.duties or ())
     # Before the first flight: a batch supports fewer features than a single flight
     batch.check(plan)
     return batch
@@ -134,5 +200,5 @@ def describe_origin(plan: SweepPlan, order: SweepRequest) -> dict[str, str]:
         'strategy': plan.file.strategy,
         'gains': plan.file.gains,
         'commit': read_commit(),
-        **({'flown as': ' '.join(order.options)} if order.options else {}),
+        **({'flown as': ' '.join(order.flight_options)} if order.flight_options else {}),
     }

@@ -3,10 +3,11 @@
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import Any
 
 from lta_config.errors import BadInput
 from lta_config.machine import count_cores
+from lta_report.request import option
 from lta_report.study import StudyOptions
 from lta_studies.cfd.cluster import DaskFlowSolver
 from lta_studies.cfd.progress import TunnelProgress
@@ -15,17 +16,12 @@ from lta_windtunnel.flow_solvers import FlowSolver, ThreadedFlowSolver
 from lta_windtunnel.openfoam.case import cache_folder, CaseRunner
 from lta_windtunnel.openfoam.programs import FoamPrograms, require_openfoam
 from lta_windtunnel.solve import check_memory, machine_memory
-import typer
 
-Cache = Annotated[
-    Path | None,
-    typer.Option(
-        help=(
-            'Folder that stores solved flows, so that later runs reuse them; with '
-            '--scheduler, a folder on each worker machine.'
-        )
-    ),
-]
+CACHE: Any = option(
+    'Folder that stores solved flows, so that later runs reuse them; with --scheduler, a folder '
+    'on each worker machine.',
+    default=None,
+)
 
 
 def refuse_solver_options(options: StudyOptions) -> None:

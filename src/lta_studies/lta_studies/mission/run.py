@@ -4,14 +4,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 import hashlib
 from operator import attrgetter
-from pathlib import Path
-from typing import Final, final, NamedTuple
+from typing import Final, final, Literal, NamedTuple
 
 from lta_config.schema.mission_file import DAY, LightDay, load_light_day, load_mission, MissionFile
 from lta_energy.irradiance import IrradianceSeries, simulate_irradiance
 from lta_energy.mission import MissionLog
 from lta_report.line_log import LogKind
-from lta_report.study import Study, StudyOptions
+from lta_report.report import Report
+from lta_report.request import argument, option, StudyRequest, StudyRun
+from lta_report.results_folder import resolve_folder
+from lta_report.study import Study
 from lta_report.study_store import StoreFormat
 from lta_report.workers import report_progress
 from lta_studies.light.evaluation.intervals import bootstrap_mean, bootstrap_ratio, BootstrapMean
@@ -19,7 +21,6 @@ from lta_studies.mission.figures import MissionFigures, summarize_mission
 from lta_studies.mission.scene import MissionScene
 from lta_studies.mission.simulate_mission import AWARE, build_simulation, DOZING, NAIVE
 from pydantic import TypeAdapter
-from rich.console import Console
 
 SCHEDULES: Final = (AWARE, NAIVE, DOZING)
 STORE: Final = StoreFormat(
@@ -46,6 +47,52 @@ class MissionResult(NamedTuple):
     seed: int
     diary: MissionLog
     figures: MissionFigures
+
+
+@final
+class MissionStudyRequest(
+    StudyRequest, command='mission', quick={'days': 1, 'seeds': 1, 'schedule': 'by light'}
+):
+    """
+    Simulate a solar-powered mission: perch and charge, fly if energy allows, return before dark.
+
+    A mission file defines the beacons to visit, the light in which to charge, and the reserve.
+    Flights use the compiled model and controller, which a first run compiles for some minutes;
+    perching is simulated in steps of 30 s. Three schedules run on the same days: ours, which uses
+    the light forecast and the estimated charge, and a fixed duty cycle that either stays awake or
+    sleeps between flights.
+
+    Writes a page, mission.json (SI units), and missions.jsonl with the log of each run. To resume
+    a stopped run, repeat the command with the same --out.
+
+    Exit status 0: done. 2: bad input. 130: Ctrl-C.
+
+    Example: lta mission greenhouse --days 2 --seeds 5
+    """
+
+    name: str = argument('Mission: a shipped name or a file.', default='greenhouse')
+    days: int = option('Days to simulate.', default=1, low=1, high=365)
+    seeds: int = option(
+        'Number of runs, each with different weather.', default=1, low=1, high=1000
+    )
+    seed: int = option('Random seed.', default=1, low=0)
+    schedule: Literal['all', 'by light', 'duty cycle', 'duty cycle, asleep'] = option(
+        'Flight schedule. by light: fly when light and battery charge allow. duty cycle: fly at '
+        'fixed times (baseline). duty cycle, asleep: the same, with sleep between flights. all: '
+        'simulate all three.',
+        default='all',
+    )
+
+    def run(self, run: StudyRun) -> Report:
+        """Return the report of all schedules and seeds."""
+        from lta_studies.mission.report import build_report
+
+        schedules = SCHEDULES if self.schedule == 'all' else (self.schedule,)
+        # Consecutive seeds, each with its own clouds
+        seeds = range(self.seed, self.seed + self.seeds)
+        request = load_request(self.name, self.days, seeds, schedules)
+        run.open_folder(resolve_folder(None, f'mission-{request.mission.name}'))
+        return build_report(request, run_missions(request, run))
 
 
 @final
@@ -92,19 +139,16 @@ def load_request(
     )
 
 
-def run_missions(
-    request: MissionRequest, folder: Path, options: StudyOptions, console: Console
-) -> list[MissionResult]:
+def run_missions(request: MissionRequest, run: StudyRun) -> list[MissionResult]:
     """
     Simulate the missions that are not stored in the folder; return the results of all.
 
-    `folder`: folder for the results; each is stored when it is complete. `options`: workers or
-    scheduler. `console`: terminal of the progress bar. Raise `BadInput` if the folder belongs to
-    something else, or a simulation failed.
+    Each is stored when it is complete. Raise `BadInput` if the folder belongs to something else,
+    or a simulation failed.
     """
     jobs = [MissionJob(schedule, seed) for seed in request.seeds for schedule in request.schedules]
     study = Study(request.simulate, attrgetter('key'), STORE, 'missions')
-    logs = study.run(jobs, folder, request.digest, options, console).require_all()
+    logs = run.run_study(study, request.digest, jobs)
     beacons = len(request.mission.round)
     return [
         MissionResult(*job, log, summarize_mission(log, beacons))

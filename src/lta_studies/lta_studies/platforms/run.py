@@ -6,10 +6,10 @@ The flights are independent and seeded, so their order does not matter.
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from datetime import datetime
 from functools import cache
 import hashlib
 from operator import attrgetter
-from pathlib import Path
 from typing import Any, Final, final, NamedTuple
 
 from lta_config.schema.comparison_file import (
@@ -22,14 +22,16 @@ from lta_flight.closed_loop import ClosedLoop
 from lta_model.scenario import load_scenario, Scenario
 from lta_report.json_value import StoredArray
 from lta_report.line_log import LogKind
-from lta_report.study import Study, StudyOptions
+from lta_report.report import Report
+from lta_report.request import argument, option, StudyRequest, StudyRun
+from lta_report.results_folder import resolve_folder
+from lta_report.study import Study
 from lta_report.study_store import StoreFormat
 from lta_studies.platforms.entrants import build_entrant
 from lta_studies.platforms.flight import Entrant, fly_maneuver, ManeuverFlight, prepare_flight
 from lta_studies.platforms.metrics import TrackingMetrics
 import numpy as np
 from pydantic import TypeAdapter
-from rich.console import Console
 
 CONTESTANT, ABLATION, LIMIT = 'contestant', 'ablation', 'limit'
 SHOWN = 10  # decimation of the traces for plots
@@ -74,6 +76,53 @@ class PlatformResult:
 STORE: Final = StoreFormat(
     LogKind('flights.jsonl', 'comparison', 'comparison', '--out'), TypeAdapter(PlatformResult)
 )
+
+
+@final
+class PlatformsRequest(StudyRequest, command='platforms', quick={'seeds': 1}):
+    """
+    Compare platforms in climb, turn, heading and cruise, each with its own control law.
+
+    A comparison file names contestants (vehicle, control law, gains, changed parameters),
+    ablations (one change to a contestant, with its reason) and speed-limit tests. A manoeuvre is a
+    file of setpoints over time with a tolerance band. Everything is checked before the first
+    flight.
+
+    Finished flights are stored, and repeating the command with the same --out resumes.
+
+    Writes flights.json (SI units) and a page: plots, metrics with their spread over the seeds,
+    the effect of each ablation, and each platform's static margin.
+
+    Exit status 0: all flown, whatever the results. 2: bad input, nothing flown. 130: Ctrl-C.
+
+    Example: lta platforms --seeds 3
+    """
+
+    file: str = argument(
+        'Comparison file, or the name platforms for the shipped file.', default='platforms'
+    )
+    seeds: int | None = option(
+        'Number of flights of each platform; by default as in the comparison file.',
+        default=None, low=1,
+    )  # fmt: skip
+
+    def run(self, run: StudyRun) -> Report:
+        """Return the report of all flights."""
+        from lta_studies.platforms.report import build_report
+
+        comparison = load_comparison(self.file)
+        # Every vehicle, gains file and manoeuvre is loaded before the first flight
+        entries = build_entries(self.file, comparison)
+        count = self.seeds or comparison.seeds
+        todo = list_jobs(self.file, comparison, count)
+        created = datetime.now().astimezone().isoformat(timespec='seconds')
+        run.open_folder(resolve_folder(None, comparison.name))
+        rows = fly_jobs(entries, todo, run)
+        facts = {
+            'comparison': self.file, 'seeds': str(count), 'flights': str(len(rows)),
+            'created': created,
+        }  # fmt: skip
+        return build_report(comparison, rows, facts)
 
 
 class ComparisonEntries(NamedTuple):
@@ -204,19 +253,12 @@ def summarize_flight(job: PlatformJob, flight: ManeuverFlight) -> PlatformResult
 
 
 def fly_jobs(
-    entries: ComparisonEntries,
-    jobs: list[PlatformJob],
-    folder: Path,
-    options: StudyOptions,
-    console: Console,
+    entries: ComparisonEntries, jobs: list[PlatformJob], run: StudyRun
 ) -> list[PlatformResult]:
-    """
-    Fly the jobs that are not stored in the folder and return the results of all, in order.
-
-    Raise `BadInput` if the folder belongs to something else, or a flight failed.
-    """
-    study = Study(entries.fly, attrgetter('key'), STORE, 'flights')
-    return study.run(jobs, folder, entries.identity, options, console).require_all()
+    """Fly the jobs that are not stored in the folder, and return the results of all."""
+    return run.run_study(
+        Study(entries.fly, attrgetter('key'), STORE, 'flights'), entries.identity, jobs
+    )
 
 
 def result_to_json(row: PlatformResult) -> dict[str, Any]:

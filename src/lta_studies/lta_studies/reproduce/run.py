@@ -1,7 +1,6 @@
 """Run the studies of the rows; store each result so that a later run can resume."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 import shutil
@@ -11,14 +10,15 @@ from typing import Final, final
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.schema.paper_file import DrawCounts, load_paper_row, load_paper_rows, PaperRow
 from lta_report.line_log import LogKind
-from lta_report.study import Study, StudyOptions
+from lta_report.report import Report, TextTable
+from lta_report.request import argument, Folder, option, StudyRequest, StudyRun
+from lta_report.study import Study
 from lta_report.study_store import StoreFormat
 from lta_studies.reproduce.registry import STUDIES
 from lta_studies.reproduce.sources import hash_sources
 from lta_studies.reproduce.stored_row import build_stored_row, hash_row, StoredRow
 from lta_studies.reproduce.study_result import RowStudyRequest
 from pydantic import TypeAdapter
-from rich.console import Console
 
 BAGS = 'bags'
 STORE: Final = StoreFormat(
@@ -27,19 +27,75 @@ STORE: Final = StoreFormat(
 
 
 @final
-@dataclass(frozen=True, slots=True)
-class ReproductionRequest:
+class ReproductionRequest(
+    StudyRequest, command='reproduce', folder='paper',
+    quick='Use few seeds and skip long experiments; takes under 3 minutes.',
+):  # fmt: skip
     """
-    Options of a reproduction.
+    Repeat every experiment of the seed paper; report what agrees, what differs, and why.
 
-    `draws` replaces the number of draws of the rows' files.
+    A row is a file in config/paper with the paper's claims, their location in the paper, the
+    measured quantities, and the acceptance rule. All rows use the same vehicle, gains, lamp and
+    room; exceptions are listed. What is assumed is drawn from the ranges in the files of vehicle,
+    cells, lights and rows: a claim agrees or differs if surely 95 % of the draws do.
+
+    Finished rows are stored in the folder of the results, runs/paper (with --quick
+    runs/paper-quick) by default, and repeating the command resumes. A change of the code or of a
+    row's file reruns the rows that it affects. With --scheduler, the workers write the bags of
+    the plotted flights into this folder, so all machines must share it.
+
+    Writes a page, paper.json (SI units) and bags of the plotted flights.
+
+    Exit status 0: done, whatever agrees. 2: bad input. 130: Ctrl-C.
+
+    Example: lta reproduce --quick
     """
 
-    names: tuple[str, ...]
-    quick: bool
-    folder: Path
-    options: StudyOptions = field(default_factory=StudyOptions)
-    draws: int | None = None
+    names: tuple[str, ...] = argument(
+        'Names of the experiments to reproduce, as shown by --list; all by default.', default=()
+    )
+    listed: bool = option('List the experiments and exit.', default=False, name='list')
+    draws: int | None = option(
+        'Number of draws of what is assumed; by default as in the files of the rows.',
+        default=None, low=0, high=10_000,
+    )  # fmt: skip
+    markdown: Folder | None = option(
+        'Write paper.md, paper_rows.md and paper_inconsistencies.md into this folder.',
+        default=None, metavar='FOLDER',
+    )  # fmt: skip
+
+    def run(self, run: StudyRun) -> Report:
+        """Return the report of the rows, or their list."""
+        from lta_studies.reproduce.paper_pages import write_pages
+        from lta_studies.reproduce.report import build_report
+
+        rows = select_rows(self.names)
+        if self.markdown is not None and not self.markdown.is_dir():
+            raise BadInput(f'There is no folder {self.markdown} for the pages; check the path.')
+        if self.listed:
+            run.writes = False
+            return list_rows(rows)
+        # No time in the name, so that repeating the command resumes
+        run.open_folder(Path('runs') / ('paper-quick' if self.quick else 'paper'))
+        stored = reproduce_rows(self, rows, run)
+        if self.markdown is not None:
+            write_pages(self.markdown, rows, stored)
+        return build_report(rows, stored)
+
+
+def list_rows(rows: Sequence[PaperRow]) -> Report:
+    """Return the table of the available rows."""
+    heads = ('name', 'row', 'seeds', 'quick', 'claims', 'defects')
+    cells = [
+        (
+            row.name, f'{row.number}. {row.title}', seed_count(row, False), seed_count(row, True),
+            len(row.claims), len(row.defects),
+        )
+        for row in rows
+    ]  # fmt: skip
+    table = TextTable('Rows of the paper', heads, [[*map(str, row)] for row in cells])
+    data = {'rows': [dict(zip(heads, row, strict=True)) for row in cells]}
+    return Report('reproduce', '', f'{len(rows)} rows.', '', [], [table], data)
 
 
 def select_rows(names: Sequence[str]) -> list[PaperRow]:
@@ -91,7 +147,7 @@ def study_row(quick: bool, folder: Path, draws: int | None, name: str) -> Stored
 
 
 def reproduce_rows(
-    order: ReproductionRequest, rows: Sequence[PaperRow], console: Console
+    order: ReproductionRequest, rows: Sequence[PaperRow], run: StudyRun
 ) -> dict[str, StoredRow]:
     """
     Study the rows whose current results are not stored; return the results of all.
@@ -104,9 +160,8 @@ def reproduce_rows(
     }
     names = list(keys)
     study = Study(
-        partial(study_row, order.quick, order.folder, order.draws), keys.__getitem__, STORE,
+        partial(study_row, order.quick, run.folder, order.draws), keys.__getitem__, STORE,
         'rows', lambda name, row: f'{name}: {row.seconds:.0f} s',
     )  # fmt: skip
     # The keys contain the hash of everything that determines a row.
-    outcome = study.run(names, order.folder, 'rows', order.options, console)
-    return dict(zip(names, outcome.require_all(), strict=True))
+    return dict(zip(names, run.run_study(study, 'rows', names), strict=True))

@@ -1,7 +1,7 @@
 """Run a tuning: search, comparison, stability margins, helium limits and gains file."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 from typing import final
@@ -13,7 +13,8 @@ from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_control.cascade import CascadeGains
 from lta_control.gains_file import load_gains
 from lta_report.formatting import format_count
-from lta_report.study import StudyOptions
+from lta_report.report import Report
+from lta_report.request import argument, Mass, option, StudyRequest, StudyRun
 from lta_report.study_progress import StudyProgress
 from lta_report.study_store import StudyStore
 from lta_report.workers import ItemFailure, Workers
@@ -44,24 +45,73 @@ GAINS_NAME = 'gains.yaml'
 
 
 @final
-@dataclass(frozen=True, slots=True)
-class TuningRequest:
-    """Options of a tuning; losses in kg."""
+class TuningRequest(StudyRequest, command='tune', quick={'cases': 2, 'budget': 20, 'draws': 4}):
+    """
+    Tune controller gains that stay stable over a range of helium losses.
 
-    vehicle: str
-    gains: str | None = None
-    least: float = 0.0
-    # kg, that is 0 to 6 g of lost lift
-    most: float = 6e-3
-    cases: int = 4
-    # Candidates, including the start gains
-    budget: int = 101
-    draws: int = 20
-    seed: int = 1
-    numbers: tuple[str, ...] = ()
-    options: StudyOptions = field(default_factory=StudyOptions)
-    folder: Path | None = None
-    command: str = 'lta tune'
+    For each loss, a candidate flies a step-response test (take-off, then steps of altitude,
+    heading and forward speed, and a turn at speed) and one mission to the lamp, with sensor noise.
+    The controller does not know the loss. The cost combines settling time, overshoot, steady-state
+    error, oscillation (measured, or predicted by the linearised loop), rotor effort and mission
+    time; half its mean and half its maximum over the losses count. CMA-ES searches the logarithms
+    of the gains, within a factor of 6 and their declared bounds. Limits stay fixed unless --number
+    names them.
+
+    Old and new gains are then compared on new random cases that the search did not use. Stability
+    margins of altitude, heading and speed come from the linearised loop, in hover and at 0.4 m/s.
+    Flights determine the helium loss at which the gains fail.
+
+    The results folder, by default runs/tune-<name>-<hash>, gets the new gains as gains.yaml. Every
+    candidate is stored there, and repeating the command resumes. Ctrl-C stops at once and writes
+    the best gains so far. The vehicle's own gains are not replaced: copy the new file if it is
+    better.
+
+    Exit status 0: done. 2: bad input, nothing was flown. 130: Ctrl-C.
+
+    Example: lta tune gtmab --most '6 g' --budget 121 --out runs/tuned
+    """
+
+    vehicle: str = argument('Vehicle name or file.', default='gtmab', complete='vehicle')
+    gains: str | None = option(
+        "Initial gains, name or file; the vehicle's by default.", default=None
+    )
+    least: Mass = option(
+        'Smallest loss of lift that the gains must handle, in g or kg.', default='0 g',
+        metavar='MASS',
+    )  # fmt: skip
+    most: Mass = option(
+        'Largest loss of lift that the gains must handle, in g or kg.', default='6 g',
+        metavar='MASS',
+    )  # fmt: skip
+    cases: int = option(
+        'Number of lift losses, evenly spaced from --least to --most; each candidate set of gains '
+        'is flown once with each loss.',
+        default=4, low=1,
+    )  # fmt: skip
+    budget: int = option('Number of candidate sets of gains to fly.', default=121, low=1)
+    draws: int = option(
+        'Number of flights with random losses of lift on which old and new gains are compared.',
+        default=20, low=2,
+    )  # fmt: skip
+    numbers: tuple[str, ...] = option(
+        'Gain to tune, such as climb.kp; repeat to tune several. By default, all gains above 0.',
+        default=(), name='number', metavar='PATH',
+    )  # fmt: skip
+    seed: int = option('Random seed.', default=1, low=0, high=2**31 - 1)
+
+    def run(self, run: StudyRun) -> Report:
+        """Return the report of old and new gains."""
+        from lta_studies.tune.report import build_report
+
+        done = tune_once(self, run.console)
+        run.open_folder(done.folder)
+        if not self.page:
+            return build_report(done, None)
+        # Fly old and new gains once more, to plot their step responses
+        scene = TuningScene(self.vehicle)
+        cases = [TuningCase(loss, self.seed + k) for k, loss in enumerate(done.losses)]
+        old, new = (fly_responses(scene, side.gains, cases) for side in (done.old, done.new))
+        return build_report(done, (old, new))
 
 
 @final
@@ -152,7 +202,7 @@ def tune_once(order: TuningRequest, console: Console) -> TuningResult:
     # The hash of all inputs names the folder, so the same command resumes its search.
     about = describe_search(order, old, numbers)
     folder = (
-        order.folder or Path('runs') / f'tune-{vehicle_name(order)}-{hash_search(about)[:8]}'
+        order.out or Path('runs') / f'tune-{vehicle_name(order)}-{hash_search(about)[:8]}'
     ).absolute()
     flights = order.budget * len(cases)
     console.print(
@@ -253,7 +303,7 @@ def format_gains_comment(
     count = len(result.history)
     ended = ', stopped early' if result.stopped else ''
     return [
-        f'Gains for {vehicle_name(order)}, found by: {order.command}',
+        f'Gains for {vehicle_name(order)}, found by: {order.format_command()}',
         f'{format_count(count, "candidate")} with {format_count(cases, "test flight")} '
         f'each{ended}, starting from the gains {start}; search seed {order.seed}.',
         f'Lift lost: {1e3 * order.least:g} to {1e3 * order.most:g} g relative to the trim of '

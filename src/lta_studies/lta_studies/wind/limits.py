@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 import math
-from pathlib import Path
 from typing import Any, Final, final
 
 from lta_config.errors import BadInput
@@ -17,35 +16,83 @@ from lta_model.scenario import load_scenario, VERTICAL_TOLERANCE
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_report.json_value import replace_nonfinite
 from lta_report.line_log import LogKind
-from lta_report.study import hash_inputs, Study, StudyOptions
+from lta_report.report import Report
+from lta_report.request import argument, Names, option, StudyRequest, StudyRun
+from lta_report.study import hash_inputs, Study
 from lta_report.study_store import StoreFormat
 from lta_report.workers import report_progress
 from lta_sim import wind_limits
 from lta_studies.wind.flyable_wind import find_flyable_wind, FlyableWind, GroundWind, SHARES
 import numpy as np
 from pydantic import TypeAdapter
-from rich.console import Console
 
 STRATEGY = 'bag'
 FASTEST = 3.0  # m/s; upper limit of the parameter mission.speed
+ROUGHNESS = (0.03, 0.1, 0.3)  # m: grass, crops, bushes and low houses (unverified, from memory)
 CLEARANCE = 0.05  # m between a large vehicle in flight and its position on the floor
 DRAWS = 100  # of a vehicle with ranges
 HELD = 0.5  # m; half a hull: how exactly the height is held, with room to spare
 
 
 @final
-@dataclass(frozen=True, slots=True)
-class WindStudyRequest:
-    """Options of a wind study."""
+class WindStudyRequest(
+    StudyRequest, command='wind', quick='One seed, three airspeeds, coarse steps of the wind.'
+):
+    """
+    Report each platform's wind limit: uniform wind, and reference wind over rough ground.
 
-    vehicles: tuple[str, ...]
-    roughness: tuple[float, ...]  # m
-    height: float  # of the hull centre [m]
-    reference: float  # height of the reference wind [m]
-    scenario: str
-    seeds: int
-    quick: bool
-    fly: bool
+    Static limits: the airspeed that the rotors can hold at constant height and heading, and the
+    airspeeds above which the hull tumbles or rises nose-up regardless of its rotors. Flown limit:
+    the strongest headwind in which the drone still approaches the lamp with every seed, at the
+    best of several commanded airspeeds. Only platforms with a control law are flown.
+
+    Wind over rough ground is given at the reference height, as a weather service measures it; the
+    log law yields the wind at the height of the hull. The log law is not accurate close to the
+    roughness length, so compare several.
+
+    Ctrl-C reports the platforms that are finished.
+
+    Exit status 0: done. 2: bad input. 130: Ctrl-C.
+
+    Example: lta wind gtmab skye --roughness 0.03 --roughness 0.3
+    """
+
+    vehicles: Names = argument(
+        'Vehicle names or files; all shipped vehicles by default.', default=()
+    )
+    roughness: tuple[float, ...] = option(
+        'Roughness length of the ground in metres; repeat to compare several.',
+        default=ROUGHNESS, low=1e-5, high=5.0,
+    )  # fmt: skip
+    height: float = option(
+        'Height of the hull centre above ground in metres.', default=0.5, low=0.1, high=100.0
+    )
+    reference: float = option(
+        'Height above rough ground, in metres, for which the wind limits are given.',
+        default=10.0, low=0.5, high=300.0,
+    )  # fmt: skip
+    scenario: str = option(
+        'Scenario to fly in. The study sets the mean wind; the turbulence is that of the '
+        'scenario.',
+        default='windy_field', complete='scenario',
+    )  # fmt: skip
+    seeds: int = option(
+        'Number of flights at each wind speed; the drone can fly in this wind if all of them make '
+        'headway.',
+        default=3, low=1, high=1000,
+    )  # fmt: skip
+    fly: bool = option('Simulate flights; --no-fly computes only the static limits.', default=True)
+
+    def run(self, run: StudyRun) -> Report:
+        """Return the report of all platforms."""
+        from lta_studies.wind.report import build_report
+
+        request = self.replace(
+            vehicles=self.vehicles or tuple(list_shipped_names('vehicles')),
+            roughness=tuple(sorted(set(self.roughness))),
+            seeds=1 if self.quick else self.seeds,
+        )
+        return build_report(find_limits(request, run), request)
 
 
 @final
@@ -98,13 +145,11 @@ STORE: Final = StoreFormat(
 )
 
 
-def find_limits(
-    request: WindStudyRequest, folder: Path, options: StudyOptions, console: Console
-) -> list[PlatformWindLimits]:
+def find_limits(request: WindStudyRequest, run: StudyRun) -> list[PlatformWindLimits]:
     """
     Return the limits of all platforms; after Ctrl-C those of the finished ones.
 
-    `folder`: where each is stored. Raise `BadInput` if a file is invalid, KeyboardInterrupt if
+    Raise `BadInput` if a file is invalid, KeyboardInterrupt if
     none was finished.
     """
     scene = load_scenario(request.scenario)
@@ -114,15 +159,14 @@ def find_limits(
         height = _flight_height(request, vehicle)
         for z in request.roughness:
             _hull_wind_share(vehicle, height, request, z)
-    # Which vehicles are compared does not change the limits of one
-    shared_request = replace(request, vehicles=())
     keys = {
         name: f'{name} {hash_inputs(vehicle.file.model_dump_json())}'
         for name, vehicle in zip(request.vehicles, vehicles, strict=True)
     }
     study = Study(partial(measure_limits, request), keys.__getitem__, STORE, 'platforms')
-    identity = hash_inputs(shared_request, scene.model_dump_json())
-    outcome = study.run(list(keys), folder, identity, options, console)
+    # Which vehicles are compared does not change the limits of one
+    identity = hash_inputs(request.identify('vehicles'), scene.model_dump_json())
+    outcome = study.run(list(keys), run.folder, identity, run.options, run.console)
     return list(outcome.results.values()) if outcome.stopped else outcome.require_all()
 
 

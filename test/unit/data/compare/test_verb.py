@@ -49,7 +49,7 @@ def test_the_pictures_of_the_page_are_taken_if_asked_for(tmp_path, monkeypatch, 
     taken = []
     monkeypatch.setattr('lta_cli.options.common_options.find_chromium', lambda: 'chromium')
     monkeypatch.setattr(
-        'lta_report.report_output.write_pictures', lambda *given: taken.append(given)
+        'lta_report.report_page.write_pictures', lambda *given: taken.append(given)
     )
     bag, out, pictures = write_motion(tmp_path / 'a', until=5.0), tmp_path / 'out', tmp_path / 'p'
     assert run(monkeypatch, bag, bag, '--out', out, '--pictures', pictures) == 0

@@ -293,7 +293,7 @@ def study_case(case: CalibrationCase, folder: Path) -> Discovery:
     for flight in case.flights:
         bags['train' if flight.role == 'train' else 'confirm'].append(folder / flight.name)
     usable = select_usable_flights(read_bags(bags), vehicle)
-    request = DiscoveryRequest('gtmab', bags)
+    request = DiscoveryRequest.of_bags('gtmab', bags)
     return study_usable_flights(request, vehicle, usable, lambda _what, _part: None)[0]
 
 

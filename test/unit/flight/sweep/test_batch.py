@@ -3,7 +3,7 @@
 from collections import Counter
 import io
 
-from lta_cli.verbs.sweep import check_exclusive_options, parse_duties
+import lta_analysis
 from lta_config.errors import BadInput
 from lta_config.files import list_shipped_names
 from lta_config.schema.sweep_file import load_sweep
@@ -18,7 +18,6 @@ from lta_flight.sweep.plan import SweepPlan
 from lta_flight.sweep.report import build_report, format_headline
 from lta_flight.sweep.run import sweep_once, SweepRequest
 from lta_flight.sweep.statistics import group_by_parameter, reached_share
-from lta_report.study import StudyOptions
 from pyarrow import parquet
 import pytest
 from rich.console import Console
@@ -48,7 +47,9 @@ def sweep(tmp_path, batches):
 
 
 def run(file, folder, **options):
-    return sweep_once(SweepRequest(file, folder, **{'device': 'cpu-batch', **options}), QUIET)
+    return sweep_once(
+        SweepRequest(file=file, out=folder, **{'device': 'cpu-batch', **options}), QUIET
+    )
 
 
 def test_it_is_flown_once_and_has_table_and_report(sweep, tmp_path):
@@ -161,16 +162,28 @@ def test_a_sweep_over_few_values_is_no_map(sweep):
     )
 
 
-def test_options_that_exclude_each_other_are_refused():
-    with pytest.raises(BadInput, match='--duties needs batch mode'):
-        check_exclusive_options(None, (0.1,), StudyOptions())
-    with pytest.raises(
-        BadInput, match=r'--device cannot be combined with --workers or --scheduler'
-    ):
-        check_exclusive_options('gpu', (), StudyOptions(2))
-    with pytest.raises(BadInput, match=r"--duties '1,x' is invalid; give numbers from -1 to 1"):
-        parse_duties('1,x')
-    assert parse_duties('0.1,-0.5') == (0.1, -0.5)
+@pytest.mark.parametrize(
+    ('options', 'message'),
+    [
+        ({'duties': [0.1]}, '--duties needs batch mode'),
+        (
+            {'device': 'gpu', 'workers': 2},
+            '--device cannot be combined with --workers or --scheduler',
+        ),
+        ({'duties': '1,x'}, "duties '1,x' is invalid; give numbers from -1 to 1"),
+        ({'duties': [2.0]}, r"duties '\[2\.0\]' is invalid"),
+    ],
+)
+def test_options_that_exclude_each_other_are_refused(options, message, tmp_path):
+    with pytest.raises(BadInput, match=message):
+        lta_analysis.sweep('heaviness', out=tmp_path / 'out', **options)
+    assert not (tmp_path / 'out').exists()
+
+
+def test_duties_are_numbers_or_a_text_with_commas():
+    texts = [SweepRequest(file='x', duties=given) for given in ('0.1,-0.5', (0.1, -0.5))]
+    assert [each.duties for each in texts] == [(0.1, -0.5)] * 2
+    assert texts[0].format_command() == 'lta sweep x --duties 0.1,-0.5'
 
 
 def test_values_of_a_grid_are_not_cut_in_two():

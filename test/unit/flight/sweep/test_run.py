@@ -20,7 +20,6 @@ from lta_flight.sweep.report import build_report
 from lta_flight.sweep.run import sweep_once, SweepRequest
 from lta_flight.sweep.statistics import group_by_parameter, wilson_interval
 from lta_report.report import Picture
-from lta_report.study import StudyOptions
 from lta_report.study_store import StudyStore
 from lta_report.workers import DaskWorkers, ItemFailure
 from pyarrow import parquet
@@ -52,9 +51,7 @@ def sweep(tmp_path):
 
 
 def run(file, folder, **options):
-    return sweep_once(
-        SweepRequest(file, folder, **{'computing': StudyOptions(1), **options}), QUIET
-    )
+    return sweep_once(SweepRequest(file=file, out=folder, **{'workers': 1, **options}), QUIET)
 
 
 def test_a_sweep_is_flown_kept_and_not_flown_again(sweep, tmp_path):
@@ -89,7 +86,7 @@ def test_a_flight_that_cannot_be_flown_is_kept_with_its_reason(sweep, tmp_path):
     assert [row.outcome for row in done.rows] == ['timeout'] * 3 + ['failed']
     assert 'outside the room' in done.rows[3].sentence
     assert run(file, folder).new_flights == 0
-    assert run(file, folder, computing=StudyOptions(1, retry_failed=True)).new_flights == 1
+    assert run(file, folder, retry_failed=True).new_flights == 1
     report = build_report(done)
     first, *others = report.blocks[-1].rows
     assert (first[0], first[-2]) == ('3', 'failed')
@@ -132,7 +129,7 @@ from lta_flight.sweep.run import sweep_once, SweepRequest
 from lta_report.study import StudyOptions
 from rich.console import Console
 if __name__ == '__main__':
-    order = SweepRequest(sys.argv[1], Path(sys.argv[2]), StudyOptions(2))
+    order = SweepRequest(file=sys.argv[1], out=Path(sys.argv[2]), workers=2)
     sys.exit(find_status(sweep_once(order, Console())))
 """
 

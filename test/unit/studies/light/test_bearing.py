@@ -105,8 +105,12 @@ def test_the_study_turns_the_ring_and_not_the_lamp(bench, direction):
     assert math.hypot(LAMP[0] - pose[0], LAMP[1] - pose[1]) == pytest.approx(DISTANCE)
 
 
+def ask(**options):
+    return BearingTrialRequest(place='indoor', **options)
+
+
 def test_the_fit_is_better_than_the_papers_mean_where_walls_reflect_and_knows_how_good_it_is():
-    asked = BearingTrialRequest('gtmab', ('indoor',), (8,), (3.0,), 150, 5)
+    asked = ask(diodes=8, range=3.0, poses=150, seed=5)
     (found,) = map(asked.evaluate, asked.list_cases())
     assert found.score.ours < math.radians(1.0)
     assert found.score.ours < 0.7 * found.score.paper
@@ -127,7 +131,10 @@ def test_the_fit_is_better_than_the_papers_mean_where_walls_reflect_and_knows_ho
     ],
 )
 def test_the_fit_is_no_worse_than_the_mean_with_diodes_other_than_the_file_says(diodes, share):
-    asked = BearingTrialRequest('gtmab', ('indoor',), (8,), (None,), 200, 6, (diodes,))
+    asked = ask(
+        diodes=8, range='any', poses=200, seed=6, response=diodes.response,
+        gain_spread=100.0 * diodes.gain_spread,
+    )  # fmt: skip
     (found,) = map(asked.evaluate, asked.list_cases())
     assert found.score.ours < share * found.score.paper
     assert found.score.ours_most < share * found.score.paper_most
@@ -171,7 +178,7 @@ def test_headline_tile_and_tables_of_a_score():
         0.2, 0.1, 1.0, 0.005,
     )  # fmt: skip
     result = BearingTrialResult('indoor', 8, 3.0, TrueDiodes(None, 0.05), (), score)
-    request = BearingTrialRequest('gtmab', ('indoor',), (8,), (3.0,), 9, 1)
+    request = ask(diodes=8, range=3.0, poses=9)
     report = build_report([replace(result, count=4, range=None), result], request)
     assert report.headline.startswith(
         'Indoor, 8 diodes, at 3 m: the median bearing error is 0.57°'
@@ -188,7 +195,7 @@ def test_headline_tile_and_tables_of_a_score():
 
 
 def test_one_seed_is_one_result(bench):
-    asked = BearingTrialRequest('gtmab', ('indoor',), (4,), (None,), 3, 2)
+    asked = ask(diodes=4, range='any', poses=3, seed=2)
     (case,) = asked.list_cases()
     assert asked.evaluate(case) == asked.evaluate(case)
 

@@ -18,6 +18,7 @@ from lta_flight.flight_spec import load_spec
 from lta_flight.sweep.job_runner import SweepRow
 from lta_flight.sweep.plan import SweepPlan
 from lta_report.report import TextTable
+from lta_report.request import StudyRun
 from lta_report.study import StudyOptions
 from lta_sim.readings import FlightOutcome
 from lta_sim.termination import OUTCOMES
@@ -188,7 +189,7 @@ def test_the_pilot_keeps_its_track_straight():
 def shipped(tmp_path_factory):
     """Take a small sweep for two of the sets, whoever asks."""
     # Its help names the sets when it is first imported, for every later test of this process.
-    import_module('lta_cli.verbs.light.evaluate')
+    import_module('lta_studies.light.evaluation.run')
     path = tmp_path_factory.mktemp('sweep') / 'near.yaml'
     path.write_text(yaml.safe_dump(NEAR))
     small = {
@@ -205,13 +206,19 @@ def shipped(tmp_path_factory):
 
 
 @pytest.fixture(scope='module')
-def done(shipped, tmp_path_factory):
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp('evaluation') / 'out'
+
+
+@pytest.fixture(scope='module')
+def done(shipped, folder):
     """An evaluation of two seeds, flown once by one process."""
-    folder = tmp_path_factory.mktemp('evaluation') / 'out'
-    return run_evaluation(
-        EvaluationRequest((sets.INDOORS, sets.ABLATIONS), 2, folder, ONE),
-        QUIET,
-    )
+    order = EvaluationRequest(sets=(sets.INDOORS, sets.ABLATIONS), seeds=2)
+    return run_evaluation(order, run_in(folder))
+
+
+def run_in(folder):
+    return StudyRun(QUIET, folder, options=ONE)
 
 
 def test_two_seeds_are_flown_from_end_to_end(done):
@@ -241,8 +248,8 @@ def test_batches_fly_all_strategies_and_leave_the_pilot_alone(done, tmp_path, mo
         return out
 
     monkeypatch.setattr('lta_flight.sweep.batch_workers.fly_many', fly_many)
-    order = replace(done.order, folder=tmp_path / 'out', device='cpu-batch')
-    batched = run_evaluation(order, QUIET)
+    order, run = done.order.replace(device='cpu-batch'), run_in(tmp_path / 'out')
+    batched = run_evaluation(order, run)
     assert (batched.new_flights, batched.total) == (12, 12)
     # Two sets of two cases with two seeds each
     assert batches == [(2, [1, 1, 1, 1, 2, 2, 2, 2], 'cpu-batch', True)]
@@ -257,12 +264,12 @@ def test_batches_fly_all_strategies_and_leave_the_pilot_alone(done, tmp_path, mo
                 assert each.arrival_values('path_length') == {1: begin + 1.0, 2: begin + 2.0}
     # Flights of another kind are not taken for these
     with pytest.raises(BadInput, match='other'):
-        run_evaluation(replace(order, device=None), QUIET)
+        run_evaluation(order.replace(device=None), run)
     assert '--device cpu-batch' in scores_page.format_scores_page(batched)
 
 
-def test_what_was_flown_is_not_flown_again_and_more_seeds_only_add(done, monkeypatch):
-    again = run_evaluation(done.order, QUIET)
+def test_what_was_flown_is_not_flown_again_and_more_seeds_only_add(done, folder, monkeypatch):
+    again = run_evaluation(done.order, run_in(folder))
     assert again.new_flights == 0
     assert again.cells == done.cells
     flown = []
@@ -287,8 +294,7 @@ def test_what_was_flown_is_not_flown_again_and_more_seeds_only_add(done, monkeyp
                     raise KeyboardInterrupt
 
     monkeypatch.setattr('lta_report.study.open_workers', lambda *_: Here())
-    more = EvaluationRequest(done.order.sets, 3, done.order.folder, ONE)
-    stopped = run_evaluation(more, QUIET)
+    stopped = run_evaluation(done.order.replace(seeds=3), run_in(folder))
     assert stopped.stopped
     assert {job.seed for job in flown} == {3}
     assert Counter(job.values['strategy'] for job in flown)['pilot'] == 2
@@ -298,7 +304,7 @@ def test_what_was_flown_is_not_flown_again_and_more_seeds_only_add(done, monkeyp
         for each in own:
             rows = kept[each.case, each.strategy].rows
             assert {seed: rows[seed] for seed in (1, 2)} == each.rows
-    assert run_evaluation(done.order, QUIET).cells == done.cells
+    assert run_evaluation(done.order, run_in(folder)).cells == done.cells
 
 
 def test_all_sets_fly_a_seed_before_any_flies_the_next():
@@ -339,12 +345,13 @@ def test_failed_flights_count_in_headline_and_status(done):
     assert (report.status, stopped.status) == (1, 130)
 
 
-def test_the_command_takes_sets_without_repeating_the_option(done, capsys, monkeypatch):
+def test_the_command_takes_sets_without_repeating_the_option(done, folder, capsys, monkeypatch):
     words = ['light', 'evaluate', '--sets', 'indoors', 'ablations', '--seeds', '2', '--markdown']
-    monkeypatch.setattr(sys, 'argv', ['lta', *words, '--out', str(done.order.folder)])
+    monkeypatch.setattr(sys, 'argv', ['lta', *words, '--out', str(folder)])
     assert app.run_command_line() == 0
     said = capsys.readouterr()
-    assert said.out.startswith('# Scores of navigation')
+    page = (folder / 'navigation_scores.md').read_text()
+    assert page.startswith('# Scores of navigation')
     assert 'All flights were already stored; nothing was flown.' in said.err
     monkeypatch.setattr(sys, 'argv', ['lta', 'light', 'evaluate', '--sets', 'indoor'])
     assert app.run_command_line() == 2

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 from lta_config.errors import BadInput
 from lta_energy.circuit import EnergyTotals
 from lta_energy.mission import MissionFlight, MissionLog
+from lta_report.request import StudyRun
 from lta_report.study import StudyOptions
 from lta_report.study_store import StudyStore
 from lta_studies.mission import run as running
@@ -51,7 +52,7 @@ def simulated(monkeypatch):
 
 def run(folder, seeds, days=1):
     request = load_request('greenhouse', days, seeds, (AWARE, NAIVE))
-    return run_missions(request, folder, ONE, Console(quiet=True))
+    return run_missions(request, StudyRun(Console(quiet=True), folder, options=ONE))
 
 
 def test_a_stopped_study_goes_on_and_more_seeds_can_be_added(tmp_path, simulated):

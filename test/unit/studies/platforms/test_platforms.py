@@ -14,6 +14,7 @@ from lta_model.limits import level_speed
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from lta_report.report import Emphasis
+from lta_report.request import StudyRun
 from lta_report.study import StudyOptions
 from lta_report.study_store import StudyStore
 from lta_sim.readings import FlightOutcome
@@ -275,7 +276,9 @@ def test_a_flight_that_is_stored_is_not_flown_again(tmp_path):
     with StudyStore(tmp_path, STORE, entries.identity) as store:
         store.add(job.key, row)
     before = (tmp_path / STORE.kind.file).read_bytes()
-    (again,) = fly_jobs(entries, [job], tmp_path, StudyOptions(workers=1), Console())
+    (again,) = fly_jobs(
+        entries, [job], StudyRun(Console(), tmp_path, options=StudyOptions(workers=1))
+    )
     assert (tmp_path / STORE.kind.file).read_bytes() == before
     assert result_to_json(again) == result_to_json(row)
     for name in ('flown', 'asked', 'duties'):

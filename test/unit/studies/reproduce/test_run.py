@@ -2,6 +2,7 @@
 
 from io import StringIO
 
+from lta_report.request import StudyRun
 from lta_report.study import StudyOptions
 from lta_studies.reproduce import run
 from lta_studies.reproduce.run import reproduce_rows, ReproductionRequest, select_rows
@@ -63,9 +64,9 @@ def shown(folder, terminal):
     """Return what a console was told while the rows were gathered, and the rows."""
     console = Console(file=StringIO(), force_terminal=terminal, width=100)
     kepts = reproduce_rows(
-        ReproductionRequest(NAMES, True, folder, StudyOptions(workers=1)),
+        ReproductionRequest(quick=True),
         select_rows(NAMES),
-        console,
+        StudyRun(console, folder, options=StudyOptions(workers=1)),
     )
     return console.file.getvalue(), kepts
 

@@ -8,7 +8,6 @@ from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
 from lta_control.gains_file import load_gains
-from lta_report.study import StudyOptions
 from lta_report.study_store import StudyStore
 from lta_report.workers import ItemFailure, LocalWorkers
 from lta_studies.tune import evaluation, helium_limit
@@ -133,7 +132,7 @@ def test_a_stopped_tuning_writes_the_best_gains_and_compares_nothing(tmp_path, m
 
     monkeypatch.setattr(tuning, 'search_gains', search)
     told = StringIO()
-    order = tuning.TuningRequest('gtmab', options=StudyOptions(1), folder=tmp_path / 'out')
+    order = tuning.TuningRequest(budget=101, workers=1, out=tmp_path / 'out')
     with pytest.raises(KeyboardInterrupt):
         tuning.tune_once(order, Console(file=told))
     gains = tmp_path / 'out' / 'gains.yaml'

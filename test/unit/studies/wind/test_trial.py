@@ -10,6 +10,7 @@ from lta_config.files import find_file
 from lta_flight.flight_spec import load_spec
 from lta_model.scenario import Scenario
 from lta_report.report_page import render_report
+from lta_report.request import StudyRun
 from lta_report.study import StudyOptions
 from lta_studies.wind import flyable_wind, limits
 from lta_studies.wind.flyable_wind import (
@@ -131,9 +132,13 @@ def test_a_stopped_study_reports_the_finished_platforms(tmp_path, monkeypatch):
         return measured
 
     monkeypatch.setattr(limits, 'measure_limits', measure)
-    where = StudyOptions(1), Console(file=StringIO())
+
+    def run_in(name):
+        console = Console(file=StringIO())
+        return StudyRun(console, tmp_path / name, options=StudyOptions(1))
+
     both = asked(vehicles=('gtmab', 'skye'), fly=False)
-    found = limits.find_limits(both, tmp_path / 'both', *where)
+    found = limits.find_limits(both, run_in('both'))
     assert found == [measured]
     report = build_report(found, both)
     assert report.status == 130
@@ -141,15 +146,15 @@ def test_a_stopped_study_reports_the_finished_platforms(tmp_path, monkeypatch):
     assert report.introduction.endswith(' Stopped after 1 of 2 platforms.')
     assert build_report(found, asked(fly=False)).status == 0
     with pytest.raises(KeyboardInterrupt):
-        limits.find_limits(asked(vehicles=('skye',), fly=False), tmp_path / 'none', *where)
+        limits.find_limits(asked(vehicles=('skye',), fly=False), run_in('none'))
 
 
 def test_ground_that_leaves_no_wind_is_refused_before_any_work(tmp_path):
     def find(request):
-        limits.find_limits(request, tmp_path / 'out', StudyOptions(1), Console())
+        limits.find_limits(request, StudyRun(Console(), tmp_path / 'out'))
 
-    with pytest.raises(BadInput, match='not below the height of the given wind, --reference 10 m'):
-        find(asked(roughness=(20.0,), fly=False))
+    with pytest.raises(BadInput, match='not below the height of the given wind, --reference 3 m'):
+        find(asked(roughness=(5.0,), reference=3.0, fly=False))
     with pytest.raises(BadInput, match=r'profile has no wind at 0\.5 m, where gtmab flies'):
         find(asked(roughness=(1.0,), fly=False))
     assert not (tmp_path / 'out').exists()

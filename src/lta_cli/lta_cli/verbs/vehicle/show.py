@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Annotated
 
+from lta_analysis.door import check_picture_output
 from lta_cli.options.common_options import (
-    check_picture_output,
     folder_option,
     Json,
     Pictures,
@@ -15,7 +15,7 @@ from lta_cli.options.common_options import (
 from lta_config.errors import BadInput
 from lta_control.gains_file import load_gains
 from lta_model.vehicle import load_vehicle
-from lta_report.report_output import PAGE, write_report
+from lta_report.report_page import PAGE, write_report
 from lta_report.results_folder import format_page_line, stage_results
 from lta_studies.tune.helium_limit import find_tolerable_helium_loss
 from lta_studies.tune.run import select_start_gains

@@ -2,16 +2,33 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final, final, NamedTuple, Self
+from typing import Annotated, cast, Final, final, NamedTuple, Self
 
 from lta_config.errors import BadInput, unknown_name_error
 from lta_model.vehicle import load_vehicle
 import numpy as np
+from pydantic import BeforeValidator
 
 # Body axes that a lab commands, in the order of a wrench
 BODY_AXES: Final = ('surge', 'sway', 'heave', 'roll', 'pitch', 'yaw')
 FLOATS: Final = 0.5  # of the mass, displaced
 NOTHING: Final = 1e-4  # N, N m; rotors do not push along an axis with less
+
+
+def parse_answers(values: object) -> dict[str, str]:
+    """Return the answers to questions by key, also of texts such as 'time.rate=60'."""
+    if isinstance(values, Mapping):
+        return dict(values)
+    answers = {}
+    for setting in cast('Sequence[str]', values):
+        key, sign, value = setting.partition('=')
+        if not sign or not key or not value:
+            raise ValueError(f"'{setting}' is not KEY=VALUE, as in time.rate=60")
+        answers[key] = value
+    return answers
+
+
+Answers = Annotated[dict[str, str], BeforeValidator(parse_answers)]
 
 
 @final

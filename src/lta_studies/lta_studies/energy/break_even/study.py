@@ -15,12 +15,50 @@ from lta_energy.harvest import (
     LOWEST_ILLUMINANCE,
 )
 from lta_model.electrical.charger import ChargerModel
-from lta_model.vehicle import Vehicle
+from lta_model.vehicle import load_vehicle, Vehicle
+from lta_report.report import Report
+from lta_report.request import Names, option, ReportRequest, StudyRun
 import numpy as np
 
 OWN: Final = 'as it is'
+PAPER_BUDGET: Final = 48.8  # g: the seed paper's array of two ANYSOLAR panels
 POINTS: Final = 61  # of a curve from 300 lx to 100 klx
 HOVERING, FLYING = 1.333, 1.533  # W: seed paper, 1523 to 1544 mW for navigation
+
+
+@final
+class BreakEvenRequest(ReportRequest, command='energy breakeven'):
+    """
+    Compute the break-even illuminance of a drone: idle, transmitting, hovering, flying.
+
+    Covers 300 lx to 100 klx from a white LED, a flickering beacon and the sun; with the vehicle's
+    own array and with arrays of other panels within a mass budget.
+
+    Exit status 0: done. 2: bad input.
+
+    Example: lta energy breakeven --cell kitronik --budget 60
+    """
+
+    vehicle: str = option(
+        'Vehicle whose electrical loads, solar array and charger are used.', default='gtmab',
+        complete='vehicle',
+    )  # fmt: skip
+    cell: Names = option(
+        'Solar panel for an alternative array, name or file; repeat to compare several.',
+        default=('powerfilm_large', 'anysolar', 'adafruit', 'dracula'),
+    )
+    budget: float = option(
+        'Maximum mass of each alternative solar array in g.', default=PAPER_BUDGET, low=1.0,
+        high=10_000.0,
+    )  # fmt: skip
+
+    def run(self, run: StudyRun) -> Report:
+        """Return the report of the vehicle's own array and of others."""
+        from lta_studies.energy.break_even.report import build_report
+
+        # g to kg
+        arrays = compute_break_even_map(load_vehicle(self.vehicle), self.cell, 1e-3 * self.budget)
+        return build_report(arrays)
 
 
 @final

@@ -5,8 +5,12 @@ from dataclasses import asdict, dataclass
 from functools import partial
 from typing import Any, Final, final
 
+from lta_flight.flight_spec import load_spec
 from lta_model.electrical.loads import LoadModel
 from lta_model.vehicle import load_vehicle
+from lta_report.report import Report
+from lta_report.request import option, StudyRequest, StudyRun, VEHICLE
+from lta_report.study import hash_inputs, Study
 from lta_studies.energy import paper
 from lta_studies.energy.budget.power_causes import explain_hover_power, PowerCauses
 from lta_studies.energy.budget.tasks import (
@@ -15,11 +19,46 @@ from lta_studies.energy.budget.tasks import (
     BudgetFlight,
     COURSE,
     fly_task,
+    LAMP_SCENE,
     list_ground_tasks,
+    SCENE,
+    STORE,
     STRATEGIES,
     TaskPower,
 )
 from lta_studies.energy.course_flight import FlightTrack
+
+
+@final
+class BudgetRequest(StudyRequest, command='energy budget', quick={'seeds': 1}):
+    """
+    Measure the power of each task: standing, take-off, hovering, flying, finding a lamp.
+
+    Simulated flights give the power of rotors and electronics separately, compared with the seed
+    paper and a hovering multirotor. Where the paper differs, the study computes what would explain
+    it: more weight, a draught, less efficient rotors. Rotor power by duty and voltage is compared
+    with Bitcraze's bench measurements.
+
+    Exit status 0: done. 2: bad input.
+
+    Example: lta energy budget --seeds 1
+    """
+
+    vehicle: str = VEHICLE
+    multirotor: str = option(
+        'Multirotor to compare with, name or file.', default='multirotor', name='beside'
+    )
+    seeds: int = option('Number of flights of each vehicle.', default=3, low=1, high=100)
+
+    def run(self, run: StudyRun) -> Report:
+        """Return the report of all flights."""
+        from lta_studies.energy.budget.report import build_report
+
+        scenes = [load_spec(self.vehicle, scene, 'bag', '') for scene in (SCENE, LAMP_SCENE)]
+        specs = [*scenes, load_spec(self.multirotor, SCENE, 'bag', '')]
+        identity = hash_inputs(*(spec.contents for spec in specs))
+        fly_all = partial(run.run_study, Study(fly_task, str, STORE, 'flights'), identity)
+        return build_report(measure_budget(self.vehicle, self.multirotor, self.seeds, fly_all))
 
 
 @final

@@ -16,6 +16,9 @@ from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec, loa
 from lta_model.electrical.battery import BatteryModel
 from lta_model.electrical.loads import LoadModel, power_demand
 from lta_report.line_log import LogKind
+from lta_report.report import Report
+from lta_report.request import option, StudyRequest, StudyRun
+from lta_report.study import hash_inputs, Study
 from lta_report.study_store import StoreFormat
 from lta_report.workers import report_progress
 from lta_studies.energy import paper
@@ -86,19 +89,41 @@ STORE: Final = StoreFormat(
 
 
 @final
-@dataclass(frozen=True, slots=True)
-class HoverRequest:
-    """Two vehicles, name or file, that hover for a time [s]; both use the cell of the first."""
+class HoverRequest(StudyRequest, command='energy hover', quick={'seconds': 60}):
+    """
+    Hover for 450 s on identical cells: a buoyant drone and a multirotor.
 
-    first: str
-    second: str
-    seconds: float
+    Both fly in closed loop on the first one's cell, fully charged at the start. The cell voltage
+    is compared with the same cell under the powers that the seed paper states: 1333 mW, and three
+    times that for a standard drone. A drone drops out when its supply fails.
+
+    Exit status 0: done, whichever lasted. 2: bad input.
+
+    Example: lta energy hover --seconds 60
+    """
+
+    vehicle: str = option(
+        'Buoyant vehicle, name or file; both drones use its battery cell.', default='gtmab',
+        complete='vehicle',
+    )  # fmt: skip
+    multirotor: str = option(
+        'Multirotor to compare with, name or file.', default='multirotor', name='beside'
+    )
+    seconds: float = option('Duration in seconds.', default=paper.HOVER_TIME, low=1.0, high=7200.0)
+
+    def run(self, run: StudyRun) -> Report:
+        """Return the report of both hovers."""
+        from lta_studies.energy.hover.report import build_report
+
+        identity = hash_inputs(self.seconds, *(spec.contents for spec in self.build_specs()))
+        hovers = run.run_study(Study(self.fly, str, STORE, 'flights'), identity, range(2))
+        return build_report(self.compare(hovers))
 
     def build_specs(self) -> list[FlightSpec]:
         """Return the specs of both hovers."""
-        own = build_hover_spec(self.first)
+        own = build_hover_spec(self.vehicle)
         battery = own.contents['vehicle']['energy']['battery']
-        return [own, build_hover_spec(self.second, battery)]
+        return [own, build_hover_spec(self.multirotor, battery)]
 
     def fly(self, drone: int) -> HoverResult:
         """Hover the first drone (0) or the second (1); workers call this."""

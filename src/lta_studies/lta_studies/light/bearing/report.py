@@ -49,7 +49,7 @@ ELEVATION_HEADS: Final = ('elevation, median [°]', 'holds [%]', 'lost: paper, f
 
 def build_report(results: Sequence[BearingTrialResult], request: BearingTrialRequest) -> Report:
     """Return the report of a bearing study."""
-    places = ' · '.join(f'{name}: {PLACES[name].about}' for name in request.places)
+    places = ' · '.join(f'{name}: {PLACES[name].about}' for name in request.place)
     return Report(
         command='light bearing',
         subject=request.vehicle,

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 import time
 from typing import final
@@ -12,7 +12,9 @@ from lta_flight.flight_spec import load_spec
 from lta_flight.sweep.batch_workers import BatchWorkers
 from lta_flight.sweep.job_runner import STORE, store_row, SweepRow
 from lta_flight.sweep.plan import SweepPlan
-from lta_report.study import hash_inputs, run_items, StudyOptions
+from lta_report.report import Report
+from lta_report.request import option, StudyRequest, StudyRun
+from lta_report.study import hash_inputs, run_items
 from lta_report.study_progress import StudyProgress
 from lta_report.study_store import refuse_foreign_folder, StudyStore
 from lta_report.workers import ItemFailure, Workers
@@ -25,22 +27,69 @@ from lta_studies.light.evaluation.flights import (
     EvaluationTask,
     fly_task,
     iterate_tasks,
+    MOST,
 )
-from rich.console import Console
+from lta_studies.light.evaluation.sets import SETS
 
 FLIGHTS = 'flights'  # folder of the logs, one per set
+SCORES_PAGE = 'navigation_scores.md'
 
 
 @final
-@dataclass(frozen=True, slots=True)
-class EvaluationRequest:
-    """Options of an evaluation."""
+class EvaluationRequest(
+    StudyRequest, command='light evaluate', folder='light-evaluate', quick={'seeds': 2}
+):
+    """
+    Compare the navigation strategies: indoors, in wind, from afar, in daylight, and variations.
 
-    sets: tuple[str, ...]
-    seeds: int
-    folder: Path
-    options: StudyOptions = field(default_factory=StudyOptions)
-    device: Device | None = None  # of the batches; None for single flights
+    Each set is a sweep file (light_indoors, light_reference_winds, ...) that "lta sweep" can also
+    fly. All strategies get the same seeds. In the sets with wind, a reference pilot that knows
+    lamp and wind gives the best path that the vehicle can fly.
+
+    Shares have Wilson 95 % intervals, means bootstrap intervals. The page shows which single
+    factor explains the paper's ranking of path lengths, and compares the paper's figures with
+    ours.
+
+    All sets fly their first seed before any flies its second. Finished flights are stored:
+    repeating the command resumes, more seeds are added to the stored ones, and after Ctrl-C the
+    page covers the flights so far.
+
+    --device is much faster for many seeds, after a compilation of a minute or two for each
+    strategy. Batches model the received lamp signal by geometry and noise instead of ADC blocks,
+    as "lta sweep --device" does; the pilot flies as before.
+
+    Exit status 0: all flown. 1: some flights failed. 2: bad input. 130: Ctrl-C.
+
+    Example: lta light evaluate --seeds 10 --sets indoors winds
+    """
+
+    seeds: int = option(
+        'Number of flights of each strategy in each case.', default=50, low=1, high=MOST
+    )
+    sets: tuple[str, ...] = option(
+        f'Sets of cases to fly: {", ".join(SETS)}; all by default.', default=(), metavar='A B'
+    )
+    device: Device | None = option(
+        'Simulate the flights in batches: on all cores (cpu-batch) or on a GPU (gpu).',
+        default=None,
+    )
+    markdown: bool = option(
+        'Also write the Markdown page docs/navigation_scores.md into the folder.', default=False
+    )
+
+    def run(self, run: StudyRun) -> Report:
+        """Return the report of all flights that are stored."""
+        from lta_studies.light.evaluation.report import build_report
+        from lta_studies.light.evaluation.scores_page import format_scores_page
+
+        # No time in the name, so that repeating the command resumes
+        run.open_folder(Path('runs') / 'light-evaluate')
+        status = run_evaluation(self.replace(sets=self.sets or tuple(SETS)), run)
+        report = build_report(status, with_pictures=self.page)
+        if not self.markdown:
+            return report
+        outputs = {**report.outputs, SCORES_PAGE: format_scores_page(status)}
+        return replace(report, outputs=outputs)
 
     def compute_set_hash(self, plan: SweepPlan) -> str:
         """Return the hash of everything that determines the flights of a set."""
@@ -64,7 +113,7 @@ class EvaluationStatus:
     stopped: bool = False  # whether Ctrl-C ended it early
 
 
-def run_evaluation(order: EvaluationRequest, console: Console) -> EvaluationStatus:
+def run_evaluation(order: EvaluationRequest, run: StudyRun) -> EvaluationStatus:
     """
     Fly the missing flights and return the results of all.
 
@@ -73,7 +122,7 @@ def run_evaluation(order: EvaluationRequest, console: Console) -> EvaluationStat
     Raise `BadInput` if a set cannot be flown; raised before any flight.
     """
     # All sets are checked before the first flight.
-    options = order.options
+    options = run.options
     workers: Workers[EvaluationTask, SweepRow] = options.open_workers(fly_task)
     if order.device is None:
         plans = build_sweep_plans(order.sets)
@@ -82,13 +131,13 @@ def run_evaluation(order: EvaluationRequest, console: Console) -> EvaluationStat
         batches = BatchWorkers(load_spec('gtmab', 'lamp_room', 'bag', ''), order.device)
         plans = build_sweep_plans(order.sets, batches.check)
         workers = BatchEvaluation(batches, workers)
-    refuse_foreign_folder(order.folder, FLIGHTS, 'comparison of strategies')
+    refuse_foreign_folder(run.folder, FLIGHTS, 'comparison of strategies')
     begun = time.monotonic()
     with ExitStack() as stack:
         stores = {
             name: stack.enter_context(
                 StudyStore(
-                    order.folder / FLIGHTS / name,
+                    run.folder / FLIGHTS / name,
                     STORE,
                     order.compute_set_hash(plan),
                     options.retry_failed,
@@ -114,7 +163,7 @@ def run_evaluation(order: EvaluationRequest, console: Console) -> EvaluationStat
                 ),
                 workers,
                 save,
-                StudyProgress(console, total, total - len(todo), 'flights'),
+                StudyProgress(run.console, total, total - len(todo), 'flights'),
             )
         except KeyboardInterrupt:
             stopped = True  # report the flights so far

@@ -17,16 +17,72 @@ from lta_model.light.direct_light import build_beam, direct_light
 from lta_model.light.field import LightField
 from lta_model.light.scene_geometry import is_in_room
 from lta_model.light.view import build_field_geometry, LightView, Pose
-from lta_model.scenario import Scenario
+from lta_model.scenario import load_scenario, Scenario
 from lta_model.sensors.photodiode import PhotodiodeArray
-from lta_model.vehicle import Vehicle
+from lta_model.vehicle import load_vehicle, Vehicle
+from lta_report.report import Report
+from lta_report.request import Names, option, ReportRequest, StudyRun, VEHICLE
 from lta_vlc.demodulation import demodulate_beacon, plan_bins
 from lta_vlc.settings import DemodulationSettings
 import numpy as np
 from numpy.typing import NDArray
+from rich.progress import track
 
 BLOCK_NS = 100_000_000
 TURN = math.radians(22.5)  # largest heading offset: half the spacing of eight diodes
+
+
+@final
+class LinkRequest(ReportRequest, command='light link'):
+    """
+    Compute the link budget: illuminance at the photodiodes and SNR, by distance from a lamp.
+
+    The drone is on the axis of the scene's first lamp and faces it. Direct: on a plane that faces
+    the lamp. Read: at the brightest diode, with its angular response, room reflections and the
+    shadow of the hull. Echo: at the darkest diode. SNR: as the demodulator reports it. In light
+    that saturates the diodes there is none; --feedback tries another resistor.
+
+    Exit status 0: done. 2: bad input.
+
+    Example: lta light link --scenario lamp_room --distance 3 --distance 7
+    """
+
+    scenario: Names = option(
+        'Scenario with a lamp; repeat to compare several.',
+        default=('lamp_room', 'sunny_field'), complete='scenario',
+    )  # fmt: skip
+    vehicle: str = VEHICLE
+    distance: tuple[float, ...] = option(
+        'Distance from the lamp in metres; repeat to compare several.',
+        default=(0.5, 1.0, 2.0, 3.0, 5.0, 7.0, 10.0, 15.0), low=0.05, high=1000.0,
+    )  # fmt: skip
+    altitude: float = option(
+        'Height of the hull centre in metres.', default=1.3, low=0.05, high=1000.0
+    )
+    feedback: float | None = option(
+        "Feedback resistor of the photodiodes in kohm; default: the vehicle's own.", default=None,
+        low=0.001, high=1e6,
+    )  # fmt: skip
+    blocks: int = option(
+        'Number of ADC blocks simulated at each distance.', default=20, low=1, high=1000
+    )
+
+    def run(self, run: StudyRun) -> Report:
+        """Return the report of all scenes."""
+        from lta_studies.light.link.report import build_report
+
+        distances = sorted(set(self.distance))
+        # Load all before the first is computed
+        scenes = [load_scenario(name) for name in self.scenario]
+        links = [
+            compute_lamp_link(
+                # The density of the scene's air belongs to the vehicle model
+                load_vehicle(self.vehicle, each.air.density), each, distances, self.altitude,
+                self.blocks, self.feedback,
+            )
+            for each in track(scenes, 'light link', console=run.console, transient=True)
+        ]  # fmt: skip
+        return build_report(links, self.vehicle, self.altitude)
 
 
 @final

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Final
 
 from lta_config.command_line import format_lta_command
+from lta_report.request import StudyRun
 from lta_report.study import StudyOptions
 from lta_studies.light.bearing.bench import BearingBench
 from lta_studies.light.bearing.places import build_flight_spec, PLACES
@@ -110,7 +111,8 @@ def study_mission(folder: Path, seeds: int) -> tuple[dict[str, MeasuredValue], S
     # One day per seed; each seed draws its own clouds.
     order = load_request(MISSION, 1, range(1, seeds + 1), (AWARE, NAIVE))
     # In this process, as the rows already run in parallel.
-    results = run_missions(order, folder, StudyOptions(workers=1), Console(quiet=True))
+    run = StudyRun(Console(quiet=True), folder, options=StudyOptions(workers=1))
+    results = run_missions(order, run)
     ours = [each.figures for each in filter_by_schedule(results, AWARE)]
     more = flight_time_ratio(results)
     # Both schedules were simulated, so the ratio exists.

@@ -80,7 +80,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
         return RowStudyResult(
             values, pictures, [build_task_table(budget), build_cause_table(budget)], draws
         )
-    hover = HoverRequest(VEHICLE, STANDARD, paper.HOVER_TIME)
+    hover = HoverRequest(vehicle=VEHICLE, multirotor=STANDARD)
     comparison = hover.compare([fly_hover(spec, hover.seconds) for spec in hover.build_specs()])
     values |= measure_hover(comparison)
     place = request.folder / 'voltage'

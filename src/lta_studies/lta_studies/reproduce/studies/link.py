@@ -135,7 +135,7 @@ def estimate_frequency() -> float:
 def floor_area_per_lamp() -> float:
     """Return the floor area per lamp in the shipped warehouse. [m2]"""
     # 2.0: required SNR as a multiple of the demodulator's threshold
-    plan, ear = load_inputs('warehouse', VEHICLE, 2.0, ())
+    plan, ear = load_inputs('warehouse', VEHICLE, 2.0)
     # 0.5 m cells
     floor = build_floor(plan, ear.vehicle, 0.5)
     layout = plan_layout(plan, ear, floor, list_mounts(plan), 1, None)

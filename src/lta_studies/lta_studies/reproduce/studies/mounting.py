@@ -19,8 +19,8 @@ from lta_studies.energy.mounting.report import (
 from lta_studies.energy.mounting.run import (
     compare_mounts,
     find_gains_name,
-    MountingRequest,
     MountingStudy,
+    MountVariants,
 )
 from lta_studies.energy.mounting.straight_flight import average_over_seeds, END, prepare_flight
 from lta_studies.energy.mounting.tables import build_comparison_tables
@@ -41,7 +41,7 @@ AHEAD: Final = 0.03  # m, misplacement of the panels along the hull
 
 def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Fly each mount straight ahead, and release the hull with three heights of the weight."""
-    order = MountingRequest(load_yaml(find_file('vehicle', 'gtmab')), MOUNTS, AHEAD, request.seeds)
+    order = MountVariants(load_yaml(find_file('vehicle', 'gtmab')), MOUNTS, AHEAD, request.seeds)
     comparison = compare_mounts(order)
     values = {**measure_mounts(comparison, request.seeds), **measure_tilt_by_height(comparison)}
     command = format_lta_command('energy', 'mounting', '--seeds', str(request.seeds))
@@ -61,7 +61,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
 def measure_draw(seed: int) -> dict[str, float | str]:
     """Return the measures of a draw of what is assumed in the vehicle."""
     content = draw_content(load_yaml(find_file('vehicle', 'gtmab')), seed, 'vehicle')
-    comparison = compare_mounts(MountingRequest(content, MOUNTS, AHEAD, 1, seed))
+    comparison = compare_mounts(MountVariants(content, MOUNTS, AHEAD, 1, seed))
     values = {**measure_mounts(comparison, 1), **measure_tilt_by_height(comparison)}
     return {name: each.value for name, each in values.items()}
 

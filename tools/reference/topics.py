@@ -1,5 +1,5 @@
 """
-Write the topic table as a page: `python -m lta_cli.reference topics > docs/topics.md`.
+Write the topic table as a page: `make reference`.
 
 A test checks that the page in docs/ is up to date.
 """
@@ -8,7 +8,7 @@ from lta_config.topics import load_topic_table
 
 HEAD = """# Topics
 
-Generated from `config/topics.yaml` by `python -m lta_cli.reference topics > docs/topics.md`.
+Generated from `config/topics.yaml` by `make reference`.
 
 Names are relative to the robot's namespace (default `lta1`), except those with a leading slash.
 Units and axes follow REP-103: ENU world, FLU body. "After" is the time from a message's stamp to

@@ -1,4 +1,4 @@
-"""Print one reference page: `python -m lta_cli.reference verbs > docs/verbs.md`."""
+"""Print one reference page: `make reference`."""
 
 from importlib import import_module
 import sys
@@ -7,6 +7,7 @@ from lta_config.errors import BadInput, unknown_name_error
 
 PAGES = {  # page name to path below docs/, as `make reference` writes them
     'topics': 'topics.md',
+    'effects': 'effects.md',
     'verbs': 'verbs.md',
     'parameters': 'parameters.md',
     'vehicles': 'vehicles.md',
@@ -20,7 +21,7 @@ def render_page(name: str) -> str:
     if name not in PAGES:
         raise unknown_name_error('page of the reference', name, list(PAGES))
     # Import only the requested page: the page of parameters loads the ROS nodes
-    module = import_module(f'lta_cli.reference.{name}')
+    module = import_module(f'tools.reference.{name}')
     text: str = module.render_page()
     return text
 

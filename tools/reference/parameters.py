@@ -16,8 +16,7 @@ from pydantic.fields import FieldInfo
 PACKAGES = ('lta_sim', 'lta_vlc', 'lta_control', 'lta_energy', 'lta_bridge')
 HEAD = """# Parameters
 
-Generated from the settings of the nodes by `python -m lta_cli.reference parameters >
-docs/parameters.md`.
+Generated from the settings of the nodes by `make reference`.
 
 These are ROS parameters: `./lta run PACKAGE NODE --ros-args -p name:=value`, a launch file, or
 `ros2 param set` with an installed ROS 2. A value of a wrong type or outside the bounds is

@@ -1,5 +1,5 @@
 """
-Render the effects page: `./lta effects --markdown > docs/effects.md`.
+Render the effects page: `make reference`.
 
 A test compares docs/effects.md with this output.
 """
@@ -7,23 +7,19 @@ A test compares docs/effects.md with this output.
 from collections.abc import Iterator
 import re
 
+from lta_cli.verbs.effects import KINDS
 from lta_config.schema.vehicle_law import FORMS, HIDDEN, HIDDEN_RATE, QUANTITIES
 from lta_model.effects import select_built_in_effects
 from lta_model.effects.protocol import (
     ActuatorEffect,
-    AirEffect,
-    BodyEffect,
     describe_effect,
     Effect,
     EffectParameter,
-    InertiaEffect,
-    MeasurementEffect,
-    WrenchEffect,
 )
 
 HEAD = """# Effects
 
-Generated from `lta_model.effects` by `./lta effects --markdown > docs/effects.md`.
+Generated from `lta_model.effects` by `make reference`.
 
 The vehicle model is the sum of these effects. Each is a function in
 `src/lta_model/lta_model/effects/` whose docstring has its equations, limitations and sources. A
@@ -79,23 +75,8 @@ moment. Duties are not available, since a replay knows only thrusts.
 # Of quantities whose unit depends on the law
 LAG_UNITS = {HIDDEN: 'of its drive', HIDDEN_RATE: 'of its drive, per s'}
 
+
 # Title and description of each kind, in the order in which a command passes through the model.
-KINDS: dict[type, tuple[str, str]] = {
-    AirEffect: ('Air', 'Wind at the hull. All other effects use the sum of these winds.'),
-    ActuatorEffect: (
-        'Actuators',
-        'How a duty becomes the thrust of a rotor; applied in this order.',
-    ),
-    WrenchEffect: ('Force and moment', 'Forces and moments on the hull, which are summed.'),
-    InertiaEffect: ('Added mass', 'Terms that are added to the mass matrix.'),
-    BodyEffect: (
-        'Mass and balance',
-        'Changes of the mass and the displaced volume; applied before all others.',
-    ),
-    MeasurementEffect: ('Measurement', 'Errors of sensors, motion tracker and clocks.'),
-}
-
-
 def _format_parameter(parameter: EffectParameter, name: str) -> str:
     """Return a parameter with its unit, and its null value if that is not 0."""
     unit = '' if parameter.unit == '1' else f' [{parameter.unit}]'

@@ -6,7 +6,7 @@ from lta_vehicle.figures.sheet import build_sheet, VehicleSheet
 
 HEAD = """# Vehicles
 
-Generated from `config/vehicles` by `python -m lta_cli.reference vehicles > docs/vehicles.md`.
+Generated from `config/vehicles` by `make reference`.
 
 Each vehicle is one file. Every number in it has a source; *assumed* numbers were neither measured
 nor published. The figures below are derived from the files: `./lta vehicle show NAME` shows how,

@@ -14,7 +14,7 @@ from typer.main import get_command
 
 HEAD: Final = """# Verbs
 
-Generated from the command line by `python -m lta_cli.reference verbs > docs/verbs.md`.
+Generated from the command line by `make reference`.
 
 The verbs are grouped as in `lta --help`; `lta VERB --help` says more about each. Results go to
 `runs/<time>-<name>/`. Exit status 0: done. 1: the run failed. 2: bad input, one sentence on

@@ -13,7 +13,7 @@ from pydantic import BaseModel, WrapValidator
 
 HEAD: Final = """# Every key of a vehicle file
 
-Generated from the schema by `python -m lta_cli.reference vehicle_keys > docs/vehicle_keys.md`.
+Generated from the schema by `make reference`.
 
 A number is `{value: 7, unit: g, source: "kitchen scale"}`, with a list as `value` where several
 are asked for. Any unit that converts to the one in brackets will do. An assumed number may also

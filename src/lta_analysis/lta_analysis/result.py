@@ -1,0 +1,108 @@
+"""The result of a study in a notebook: it shows itself, and gives its numbers to pandas."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from html import escape
+from pathlib import Path
+from typing import Any, final, TYPE_CHECKING
+
+from lta_config.errors import BadInput
+from lta_report.report import Block, Grid, Picture, Report, ReportSection, TextTable
+from lta_report.report_page import render_table_section
+from lta_report.request import ReportRequest
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+    from plotly.graph_objects import Figure
+
+TABLE = 'table'  # entry of the results with the path of a Parquet file, one row for each item
+
+
+@final
+@dataclass(frozen=True, slots=True, repr=False)
+class StudyResult:
+    """
+    What a study found; a notebook shows its headline and tables.
+
+    Attributes
+    ----------
+    request : ReportRequest
+        What was run; `request.model_dump()` is the record of it.
+    report : Report
+        Headline, tables and figures.
+    folder : Path
+        Folder of the results.
+    page : Path, optional
+        Page of the results in it, unless `page=False`.
+
+    """
+
+    request: ReportRequest
+    report: Report
+    folder: Path
+    page: Path | None
+
+    def __getitem__(self, name: str) -> Any:  # noqa: ANN401 - what JSON holds
+        """Return an entry of the results, in SI units."""
+        return self.report.data[name]  # type: ignore[call-overload]
+
+    @property
+    def data(self) -> Any:  # noqa: ANN401 - what JSON holds
+        """The content of the JSON file, in SI units."""
+        return self.report.data
+
+    @property
+    def tables(self) -> dict[str, TextTable]:
+        """The tables of the page, by heading."""
+        blocks = iterate_blocks(self.report.blocks)
+        return {each.heading: each for each in blocks if isinstance(each, TextTable)}
+
+    @property
+    def figures(self) -> 'dict[str, Figure]':
+        """The figures of the page, by name; each shows itself."""
+        blocks = iterate_blocks(self.report.blocks)
+        return {each.name: each.figure for each in blocks if isinstance(each, Picture)}
+
+    def to_pandas(self, name: str | None = None) -> 'DataFrame':
+        """
+        Return rows of the results as a table, in SI units.
+
+        `name`: an entry of `data` that is a list of rows; the longest one by default. Nested
+        values get columns such as 'vehicle.mass'. Raise `BadInput` if there is no such list.
+        """
+        import pandas as pd  # slow to import
+
+        if name is None and isinstance(self.data, dict) and TABLE in self.data:
+            return pd.read_parquet(self.data[TABLE])
+        content = self.data if isinstance(self.data, dict) else {'': self.data}
+        lists = {
+            key: rows
+            for key, rows in content.items()
+            if isinstance(rows, list) and rows and all(isinstance(row, dict) for row in rows)
+        }
+        key = max(lists, key=lambda key: len(lists[key]), default='') if name is None else name
+        if key not in lists:
+            raise BadInput(
+                f"'{key}' is no list of rows in these results; choose one of: "
+                f'{", ".join(lists) or "none"}.'
+            )
+        return pd.json_normalize(lists[key])
+
+    def __repr__(self) -> str:
+        """Return the headline."""
+        return f'{self.report.command}: {self.report.headline}'
+
+    def _repr_html_(self) -> str:
+        """Return headline and tables for a notebook."""
+        tables = ''.join(map(render_table_section, self.tables.values()))
+        page = '' if self.page is None else f'<p><code>{escape(str(self.page))}</code></p>'
+        return f'<h3>{escape(self.report.headline)}</h3>{tables}{page}'
+
+
+def iterate_blocks(blocks: 'Iterator[Block] | Any') -> Iterator[Block]:  # noqa: ANN401
+    """Yield all blocks, also those inside others."""
+    for block in blocks:
+        if isinstance(block, Grid | ReportSection):
+            yield from iterate_blocks(block.blocks)
+        else:
+            yield block

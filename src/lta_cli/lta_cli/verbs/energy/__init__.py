@@ -1,1 +1,0 @@
-"""The `lta energy` verbs, one file each."""

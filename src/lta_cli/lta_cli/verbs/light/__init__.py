@@ -1,1 +1,0 @@
-"""The `lta light` verbs, one file each."""
