@@ -33,7 +33,6 @@ from lta_config.version import VERSION
 import typer
 from typer.core import TyperGroup
 
-FOLDER: Final = Path(__file__).parent / 'verbs'
 NEAR: Final = 40  # characters around bytes that are not UTF-8, to find them
 STOPPED = 130  # exit status after Ctrl-C, as in shells and Typer: 128 + SIGINT
 # Errors of a path or disk that the user can fix; they are reported in one sentence, not as a
@@ -77,8 +76,10 @@ class Verb:
 
     def read_docstring(self) -> str:
         """Return the verb's docstring without importing it."""
-        spec = find_spec(self.module)
-        text = Path(spec.origin if spec and spec.origin else '').read_text(encoding='utf-8')
+        package, _, rest = self.module.partition('.')
+        spec = find_spec(package)  # of a package without parents, so that nothing is imported
+        folder = Path(spec.origin if spec and spec.origin else '').parent
+        text = (folder / f'{rest.replace(".", "/")}.py').read_text(encoding='utf-8')
         # Parsing takes a millisecond; importing the verb may take a second
         for node in ast.parse(text).body:
             if isinstance(node, ast.FunctionDef | ast.ClassDef) and node.name == self.name:

@@ -22,11 +22,15 @@ from lta_graph.terminal_streams import guard_streams
 MEMORY = 1_000_000  # kB that any verb may take for any hostile file, beyond what it takes to load
 DISK = 1 << 28  # bytes of a file that it may write
 STREAMS = {1: '.out', 2: '.err'}
-VERBS = 'bag.check bag.export bag.info bag.plot bag.recover cfd.run compare import_ light.plan'
-VERBS += ' mission replay report simulate sweep'
+VERBS = 'bag.check bag.export bag.info bag.plot bag.recover import_ report simulate'
 VERBS += ' vehicle.check vehicle.diff vehicle.show vehicle.trim vehicle.urdf'
 LOADED = ['lta_cli.app', 'lta_data.importers.run']
 LOADED += [f'lta_cli.verbs.{name}' for name in VERBS.split()]
+# Requests import their reports when they run
+STUDIES = 'lta_data.compare.request lta_studies.cfd.request lta_studies.light.plan.request'
+STUDIES += ' lta_studies.mission.run lta_flight.replay.run lta_flight.sweep.run'
+LOADED += ['lta_cli.options.request_command', *STUDIES.split()]
+LOADED += [f'{name.rpartition(".")[0]}.report' for name in STUDIES.split()]
 
 
 @dataclass(frozen=True)

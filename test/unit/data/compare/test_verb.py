@@ -47,7 +47,7 @@ def test_the_command_writes_page_and_figures_and_tells_by_its_status(
 
 def test_the_pictures_of_the_page_are_taken_if_asked_for(tmp_path, monkeypatch, capsys):
     taken = []
-    monkeypatch.setattr('lta_cli.options.common_options.find_chromium', lambda: 'chromium')
+    monkeypatch.setattr('lta_analysis.door.find_chromium', lambda: 'chromium')
     monkeypatch.setattr(
         'lta_report.report_page.write_pictures', lambda *given: taken.append(given)
     )
