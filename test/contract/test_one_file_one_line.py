@@ -25,7 +25,7 @@ def steer(settings, memory, sight):
 STRATEGY = NavigationStrategy('straight', start, steer)
 """
 VERB = """
-from lta_cli.options.common_options import plain_console
+from lta_analysis.console import plain_console
 
 
 def greet(name: str = 'lamp') -> None:

@@ -9,6 +9,7 @@ import sys
 from types import NoneType, UnionType
 from typing import Annotated, cast, get_args, get_origin, ParamSpec, Union
 
+from lta_analysis.console import plain_console
 from lta_analysis.result import StudyResult
 from lta_bridge.provenance import read_commit
 from lta_config.errors import BadInput
@@ -93,7 +94,7 @@ def as_function(model: Callable[P, ReportRequest]) -> Callable[P, StudyResult]:
         names = fields.list_fields()
         request = build_request(model, dict(zip(names, values, strict=False)) | named)
         # Progress goes to stderr, in a notebook below the cell
-        return perform(request, Console(stderr='ipykernel' not in sys.modules, markup=False))
+        return perform(request, plain_console(stderr='ipykernel' not in sys.modules))
 
     call.__name__ = call.__qualname__ = fields.command.replace(' ', '_')
     call.__doc__ = describe_function(fields)

@@ -5,12 +5,12 @@ from itertools import product
 from pathlib import Path
 from typing import Any, TYPE_CHECKING
 
+from lta_analysis.console import plain_console
 from lta_config.errors import BadInput
 from lta_data.bag.recorded_flight import open_flight, RecordedFlight
 from lta_flight.flight_run import SilentObserver
 from lta_report.request import build_request, Changes, option, Request
 from lta_report.results_folder import resolve_folder
-from rich.console import Console
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -137,7 +137,7 @@ def import_log(
         None if vehicle is None else str(vehicle),
     )  # fmt: skip
     folder = resolve_folder(None if out is None else Path(out), path.name.split('.')[0] or 'log')
-    with ImportProgress(Console(stderr=True), 1) as progress:
+    with ImportProgress(plain_console(stderr=True), 1) as progress:
         (log,) = import_logs(request, folder, progress)
     return open_flight(log.bag)
 
@@ -157,7 +157,7 @@ def check(*bags: Name, robot: str | None = None) -> 'DataFrame':
 
     if not bags:
         raise BadInput('There is nothing to check; name one recording or more.')
-    checked = check_bags([Path(bag) for bag in bags], robot, Console(stderr=True))
+    checked = check_bags([Path(bag) for bag in bags], robot, plain_console(stderr=True))
     rows = [
         {'bag': one.path, 'robot': one.robot, **asdict(finding)}
         for one in checked

@@ -67,26 +67,27 @@ class StudyResult:
         """
         Return rows of the results as a table, in SI units.
 
-        `name`: an entry of `data` that is a list of rows; the longest one by default. Nested
-        values get columns such as 'vehicle.mass'. Raise `BadInput` if there is no such list.
+        `name`: an entry of `data` that has rows, in a list or by name; the longest list by
+        default. Nested values get columns such as 'vehicle.mass'. Raise `BadInput` if there is no
+        such entry.
         """
         import pandas as pd  # slow to import
 
-        if name is None and isinstance(self.data, dict) and TABLE in self.data:
-            return pd.read_parquet(self.data[TABLE])
-        content = self.data if isinstance(self.data, dict) else {'': self.data}
-        lists = {
-            key: rows
-            for key, rows in content.items()
-            if isinstance(rows, list) and rows and all(isinstance(row, dict) for row in rows)
-        }
-        key = max(lists, key=lambda key: len(lists[key]), default='') if name is None else name
-        if key not in lists:
+        content = self.data if isinstance(self.data, dict) else {'rows': self.data}
+        if name is None and TABLE in content:
+            return pd.read_parquet(content[TABLE])
+        tables = {key: value for key, value in content.items() if has_rows(value)}
+        lists = [key for key, value in tables.items() if isinstance(value, list)]
+        key = max(lists, key=lambda key: len(tables[key]), default='') if name is None else name
+        if key not in tables:
             raise BadInput(
-                f"'{key}' is no list of rows in these results; choose one of: "
-                f'{", ".join(lists) or "none"}.'
+                f"'{key}' has no rows in these results; choose one of: "
+                f'{", ".join(tables) or "none"}.'
             )
-        return pd.json_normalize(lists[key])
+        rows = tables[key]
+        if isinstance(rows, list):
+            return pd.json_normalize(rows)
+        return pd.json_normalize([*rows.values()]).set_index(pd.Index(rows, name=key))
 
     def __repr__(self) -> str:
         """Return the headline."""
@@ -97,6 +98,12 @@ class StudyResult:
         tables = ''.join(map(render_table_section, self.tables.values()))
         page = '' if self.page is None else f'<p><code>{escape(str(self.page))}</code></p>'
         return f'<h3>{escape(self.report.headline)}</h3>{tables}{page}'
+
+
+def has_rows(value: object) -> bool:
+    """Return whether an entry of the results is a list of rows, or has rows by name."""
+    rows = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
+    return bool(rows) and all(isinstance(row, dict) for row in rows)
 
 
 def iterate_blocks(blocks: 'Iterator[Block] | Any') -> Iterator[Block]:  # noqa: ANN401

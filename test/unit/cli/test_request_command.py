@@ -37,7 +37,11 @@ class Tiny(StudyRequest, command='tiny', quick={'number': 0.5}, resumes=False):
             raise BadInput('--number is negative; give a positive one.')
         run.console.print('busy')
         table = TextTable('Numbers', ('name', 'value'), [('number', f'{self.number:g}')])
-        data = {'n': self.number, 'rows': [{'each': each} for each in self.each]}
+        data = {
+            'n': self.number,
+            'rows': [{'each': each} for each in self.each],
+            'named': {'a': {'x': {'y': 1.0}}, 'b': {'x': {'y': 2.0}}},
+        }
         return Report('tiny', '', f'The number is {self.number:g}.', '', [], [table], data)
 
 
@@ -173,9 +177,10 @@ def test_python_gets_what_the_command_gets(invoke, tmp_path):
     assert Tiny(**own.model_dump(mode='json')) == own
     assert repr(result) == 'tiny: The number is 2.'
     assert result.to_pandas()['each'].tolist() == [3, 4]
+    assert result.to_pandas('named').loc['b', 'x.y'] == 2.0
     assert '<td>2</td>' in result._repr_html_()
     assert (result['n'], list(result.tables), result.page.exists()) == (2.0, ['Numbers'], True)
-    with pytest.raises(BadInput, match="'n' is no list of rows in these results; choose one of"):
+    with pytest.raises(BadInput, match="'n' has no rows in these results; choose one of: rows"):
         result.to_pandas('n')
 
 

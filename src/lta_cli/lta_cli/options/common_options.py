@@ -1,16 +1,12 @@
 """Define the options that commands share: the vehicle, where results go, and who computes them."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 import json
-import os
 from pathlib import Path
 import sys
-from typing import Annotated, Any, final
+from typing import Annotated, Any
 
-from lta_config.errors import strip_control_codes
 from lta_config.files import FOLDERS, list_shipped_names
-from rich.console import Console, ConsoleOptions, RenderableType
-from rich.segment import Segment
 import typer
 
 
@@ -35,7 +31,6 @@ VehicleOption = Annotated[
     str, typer.Option(help='Vehicle name or file.', autocompletion=complete_names('vehicle'))
 ]
 RobotOption = Annotated[str | None, typer.Option(help='Robot; needed if a bag has several.')]
-UNLIMITED = 10_000  # columns; wider than any table
 # JSON goes to stdout, tables then go to stderr
 Json = Annotated[bool, typer.Option('--json', help='Print the results as JSON.')]
 
@@ -74,28 +69,3 @@ WorkerCount = Annotated[
         '--workers', help='Number of worker processes; one per processor by default.', min=1
     ),
 ]
-
-
-@final
-class PlainConsole(Console):
-    """A console whose texts have no control characters; those of its styles remain."""
-
-    def render(
-        self, renderable: RenderableType, options: ConsoleOptions | None = None
-    ) -> Iterator[Segment]:
-        """Yield the segments of a renderable."""
-        for text, style, control in super().render(renderable, options):
-            yield Segment(text if control else strip_control_codes(text), style, control)
-
-
-def plain_console(stderr: bool = False) -> Console:
-    """
-    Return a console that does not interpret markup.
-
-    Names in recordings and files may contain text that rich takes for a style, and an unknown
-    style raises an error. Into a file or a pipe, a table takes the width that it needs.
-    """
-    console = PlainConsole(stderr=stderr, markup=False, emoji=False)
-    if not console.is_terminal and 'COLUMNS' not in os.environ:
-        console.width = UNLIMITED
-    return console

@@ -5,8 +5,9 @@ import inspect
 from types import NoneType, UnionType
 from typing import Annotated, Any, Final, get_args, get_origin, Literal, Union
 
+from lta_analysis.console import plain_console
 from lta_analysis.door import perform
-from lta_cli.options.common_options import complete_names, Json, plain_console, print_json
+from lta_cli.options.common_options import complete_names, Json, print_json
 from lta_config.command_line import relative_path
 from lta_report.report_terminal import print_report
 from lta_report.request import build_request, ReportRequest

@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from lta_cli.options.common_options import plain_console
+from lta_analysis.console import plain_console
 from lta_config.topics import robot_topic
 from lta_graph.ros import temporary_node
 import typer

@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from lta_cli.options.common_options import plain_console
+from lta_analysis.console import plain_console
 from lta_model.effects import EFFECTS, get_effect
 from lta_model.effects.protocol import (
     ActuatorEffect,

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Annotated
 
-from lta_cli.options.common_options import plain_console
+from lta_analysis.console import plain_console
 from lta_config.command_line import relative_path
 from lta_vehicle.effect_skeleton import load_law, write_skeleton
 import typer

@@ -4,12 +4,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Literal
 
+from lta_analysis.console import plain_console
 from lta_bridge.live.address import PORT
 from lta_cli.options.common_options import (
     complete_names,
     Json,
     Out,
-    plain_console,
     print_json,
     VehicleOption,
 )

@@ -4,7 +4,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, get_args, TYPE_CHECKING
 
-from lta_cli.options.common_options import Json, Out, plain_console, print_json
+from lta_analysis.console import plain_console
+from lta_cli.options.common_options import Json, Out, print_json
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
 from lta_config.files import list_shipped_names

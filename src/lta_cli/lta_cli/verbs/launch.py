@@ -7,7 +7,7 @@ import shutil
 import sys
 from typing import Annotated
 
-from lta_cli.options.common_options import plain_console
+from lta_analysis.console import plain_console
 from lta_config.atomic_file import reserve_folder
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput

@@ -3,13 +3,9 @@
 from pathlib import Path
 from typing import Annotated
 
+from lta_analysis.console import plain_console
 from lta_analysis.door import check_picture_output
-from lta_cli.options.common_options import (
-    folder_option,
-    Pictures,
-    plain_console,
-    RobotOption,
-)
+from lta_cli.options.common_options import folder_option, Pictures, RobotOption
 from lta_config.errors import BadInput
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.reader import read_bag

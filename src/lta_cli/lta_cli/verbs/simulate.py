@@ -3,13 +3,8 @@
 from pathlib import Path
 from typing import Annotated
 
-from lta_cli.options.common_options import (
-    complete_names,
-    Json,
-    Out,
-    plain_console,
-    print_json,
-)
+from lta_analysis.console import plain_console
+from lta_cli.options.common_options import complete_names, Json, Out, print_json
 from lta_cli.options.flight_output import flight_to_dict, format_outcome, print_files
 from lta_cli.options.request_command import is_unset, run_request
 from lta_config.command_line import format_lta_command, relative_path

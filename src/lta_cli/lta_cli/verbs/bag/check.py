@@ -4,7 +4,8 @@ from pathlib import Path
 import sys
 from typing import Annotated
 
-from lta_cli.options.common_options import Json, plain_console
+from lta_analysis.console import plain_console
+from lta_cli.options.common_options import Json
 from lta_data.data_quality.check_report import (
     check_bags,
     CheckedRecording,

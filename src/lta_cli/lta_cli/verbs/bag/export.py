@@ -3,7 +3,8 @@
 from pathlib import Path
 from typing import Annotated, final
 
-from lta_cli.options.common_options import folder_option, plain_console, print_json, RobotOption
+from lta_analysis.console import plain_console
+from lta_cli.options.common_options import folder_option, print_json, RobotOption
 from lta_data.bag.recorded_flight import open_flight
 from lta_data.export.run import export_recording, ExportRequest, ExportResult, FORMATS
 from lta_report.progress_bar import ProgressBar

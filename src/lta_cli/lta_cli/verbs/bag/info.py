@@ -4,7 +4,8 @@ from pathlib import Path
 import sys
 from typing import Annotated
 
-from lta_cli.options.common_options import Json, plain_console
+from lta_analysis.console import plain_console
+from lta_cli.options.common_options import Json
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.info import print_bag_info, summarize_bag
 import typer

@@ -5,7 +5,8 @@ import math
 from pathlib import Path
 from typing import Annotated
 
-from lta_cli.options.common_options import plain_console, RobotOption
+from lta_analysis.console import plain_console
+from lta_cli.options.common_options import RobotOption
 from lta_config.errors import BadInput
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.channels import read_all_channels

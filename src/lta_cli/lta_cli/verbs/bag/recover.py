@@ -6,8 +6,9 @@ from pathlib import Path
 import sys
 from typing import Annotated
 
+from lta_analysis.console import plain_console
 from lta_bridge.bag.storage import StorageFault
-from lta_cli.options.common_options import folder_option, Json, plain_console
+from lta_cli.options.common_options import folder_option, Json
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.recover import recover_bag
 from lta_report.progress_bar import ProgressBar

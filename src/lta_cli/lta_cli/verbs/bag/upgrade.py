@@ -4,8 +4,9 @@ from pathlib import Path
 import sys
 from typing import Annotated
 
+from lta_analysis.console import plain_console
 from lta_bridge.bag.storage import StorageFault
-from lta_cli.options.common_options import folder_option, plain_console
+from lta_cli.options.common_options import folder_option
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.upgrade import upgrade_bag
 import typer

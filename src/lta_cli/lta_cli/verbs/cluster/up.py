@@ -2,6 +2,7 @@
 
 from typing import Annotated
 
+from lta_analysis.console import plain_console
 from lta_cli.options.cluster_options import (
     build_worker_options,
     Threads,
@@ -9,7 +10,7 @@ from lta_cli.options.cluster_options import (
     TlsCert,
     TlsKey,
 )
-from lta_cli.options.common_options import plain_console, WorkerCount
+from lta_cli.options.common_options import WorkerCount
 from lta_config.command_line import format_lta_command
 from lta_report.cluster import TLS
 from lta_report.cluster_server import PORT, serve_cluster, TlsFiles

@@ -6,13 +6,14 @@ import sys
 import time
 from typing import Annotated
 
+from lta_analysis.console import plain_console
 from lta_bridge.crazyflie.drone_lock import DroneLock
 from lta_bridge.crazyflie.link import CrazyflieLink, LinkFailed
 from lta_bridge.crazyflie.links import create_link
 from lta_bridge.crazyflie.log_table import BLOCKS
 from lta_bridge.hardware.drone import DEADLINE
 from lta_bridge.hardware.motor import interrupt_on_signals, MotorBench, MotorTurnResult
-from lta_cli.options.common_options import Json, plain_console, print_json, VehicleOption
+from lta_cli.options.common_options import Json, print_json, VehicleOption
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.schema.crazyflie_file import find_crazyflie, MOTORS
 from lta_model.vehicle import load_vehicle

@@ -3,7 +3,8 @@
 from pathlib import Path
 from typing import Annotated
 
-from lta_cli.options.common_options import plain_console, VehicleName
+from lta_analysis.console import plain_console
+from lta_cli.options.common_options import VehicleName
 from lta_config.schema.crazyflie_file import find_crazyflie
 from lta_model.vehicle import load_vehicle
 from lta_report.page_frame import write_file

@@ -2,7 +2,8 @@
 
 import sys
 
-from lta_cli.options.common_options import Json, plain_console, print_json, VehicleName
+from lta_analysis.console import plain_console
+from lta_cli.options.common_options import Json, print_json, VehicleName
 from lta_config.files import find_file
 from lta_vehicle.validation import validate_vehicle_file
 from lta_vehicle.views import terminal

@@ -2,7 +2,8 @@
 
 from typing import Annotated
 
-from lta_cli.options.common_options import Json, plain_console, print_json, VehicleName
+from lta_analysis.console import plain_console
+from lta_cli.options.common_options import Json, print_json, VehicleName
 from lta_config.errors import BadInput
 from lta_model.vehicle import load_vehicle
 from lta_vehicle.difference import compare_vehicles, load_vehicle_variant

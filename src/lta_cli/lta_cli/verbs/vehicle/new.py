@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Annotated
 
-from lta_cli.options.common_options import plain_console
+from lta_analysis.console import plain_console
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
 from lta_vehicle.new_vehicle import write_new_vehicle

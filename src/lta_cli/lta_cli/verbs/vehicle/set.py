@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Annotated
 
-from lta_cli.options.common_options import plain_console
+from lta_analysis.console import plain_console
 from lta_vehicle.number_edit import edit_vehicle_file
 import typer
 

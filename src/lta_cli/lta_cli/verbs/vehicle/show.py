@@ -3,12 +3,12 @@
 from pathlib import Path
 from typing import Annotated
 
+from lta_analysis.console import plain_console
 from lta_analysis.door import check_picture_output
 from lta_cli.options.common_options import (
     folder_option,
     Json,
     Pictures,
-    plain_console,
     print_json,
     VehicleName,
 )

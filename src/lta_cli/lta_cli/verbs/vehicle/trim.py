@@ -3,7 +3,8 @@
 from pathlib import Path
 from typing import Annotated
 
-from lta_cli.options.common_options import Json, plain_console, print_json, RobotOption
+from lta_analysis.console import plain_console
+from lta_cli.options.common_options import Json, print_json, RobotOption
 from lta_config.errors import BadInput
 from lta_config.schema.vehicle_file import VehicleFile
 from lta_data.bag.bag_folder import find_bag
