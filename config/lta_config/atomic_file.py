@@ -17,9 +17,8 @@ from typing import Final
 
 from lta_config.errors import BadInput
 
-PART_SUFFIX: Final = (
-    '.lta.part'  # name of a staging folder, and how a file ends that is being written
-)
+# Name of a staging folder, and how a file ends that is being written
+PART_SUFFIX: Final = '.lta.part'
 _reserved: dict[Path, bool] = {}  # new folders, and whether their parent was made for them
 
 

@@ -12,9 +12,7 @@ class RobotOrigin(Settings):
     gains: str = setting('gtmab', "Name or file of the controller's gains.", fixed=True)
     strategy: str = setting('homing', 'Navigation strategy.', fixed=True)
     commanded: bool = setting(
-        False,
-        'Whether the drone flies by actions, whose goals are not in the bag.',
-        fixed=True,
+        False, 'Whether the drone flies by actions, whose goals are not in the bag.', fixed=True
     )
     seed: int = setting(1, 'Random seed.', low=0, high=2**31 - 1, fixed=True)
     offset_x: float = setting(

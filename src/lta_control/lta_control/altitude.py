@@ -18,11 +18,7 @@ class AltitudeSettings(Settings):
     """Noise of the altitude filter's inputs."""
 
     acceleration_noise: float = setting(
-        0.15,
-        'Standard deviation of the measured vertical acceleration.',
-        unit='m/s2',
-        low=1e-3,
-        high=10.0,
+        0.15, 'Standard deviation of the measured vertical acceleration.', 'm/s2', 1e-3, 10.0
     )
     offset_walk: float = setting(
         0.02,
@@ -32,18 +28,10 @@ class AltitudeSettings(Settings):
         high=1.0,
     )
     range_noise: float = setting(
-        0.01,
-        'Standard deviation of the measured distance to the floor.',
-        unit='m',
-        low=1e-3,
-        high=1.0,
+        0.01, 'Standard deviation of the measured distance to the floor.', 'm', 1e-3, 1.0
     )
     pressure_noise: float = setting(
-        0.15,
-        'Standard deviation of the height computed from air pressure.',
-        unit='m',
-        low=1e-3,
-        high=10.0,
+        0.15, 'Standard deviation of the height computed from air pressure.', 'm', 1e-3, 10.0
     )
 
 

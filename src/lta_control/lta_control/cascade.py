@@ -23,47 +23,27 @@ class CascadeGains(Settings):
     """Gains of all loops; each vehicle has its values in `config/control/`."""
 
     altitude_kp: float = setting(
-        ..., 'Commanded climb rate per metre of altitude error.', unit='1/s', low=0.0, high=10.0
+        ..., 'Commanded climb rate per metre of altitude error.', '1/s', 0.0, 10.0
     )
-    climb_limit: float = setting(
-        ..., 'Largest commanded climb rate.', unit='m/s', low=0.01, high=2.0
-    )
+    climb_limit: float = setting(..., 'Largest commanded climb rate.', 'm/s', 0.01, 2.0)
     climb: PidGains = setting(..., 'PID gains: vertical force (N) per climb rate error (m/s).')
     heading_kp: float = setting(
-        ..., 'Commanded yaw rate per radian of heading error.', unit='1/s', low=0.0, high=10.0
+        ..., 'Commanded yaw rate per radian of heading error.', '1/s', 0.0, 10.0
     )
-    yaw_rate_limit: float = setting(
-        ..., 'Largest commanded yaw rate.', unit='rad/s', low=0.01, high=6.0
-    )
+    yaw_rate_limit: float = setting(..., 'Largest commanded yaw rate.', 'rad/s', 0.01, 6.0)
     yaw_rate: PidGains = setting(..., 'PID gains: yaw moment (N m) per yaw rate error (rad/s).')
     speed: PidGains = setting(..., 'PID gains: forward force (N) per airspeed error (m/s).')
     turn_first: float = setting(
-        ...,
-        'Heading error at which the commanded forward speed falls to zero.',
-        unit='rad',
-        low=0.05,
-        high=10.0,
+        ..., 'Heading error at which the commanded forward speed falls to zero.', 'rad', 0.05, 10.0
     )
     drift_gain: float = setting(
-        ...,
-        'Heading correction against sideways drift, per drift speed.',
-        unit='rad s/m',
-        low=0.0,
-        high=20.0,
+        ..., 'Heading correction against sideways drift, per drift speed.', 'rad s/m', 0.0, 20.0
     )
     drift_limit: float = setting(
-        ...,
-        'Largest heading correction against sideways drift.',
-        unit='rad',
-        low=0.0,
-        high=1.5,
+        ..., 'Largest heading correction against sideways drift.', 'rad', 0.0, 1.5
     )
     speed_limit: float = setting(
-        ...,
-        'Largest commanded forward airspeed; above it the hull may rise.',
-        unit='m/s',
-        low=0.01,
-        high=5.0,
+        ..., 'Largest commanded forward airspeed; above it the hull may rise.', 'm/s', 0.01, 5.0
     )
     rise_limit: float = setting(
         ...,

@@ -51,7 +51,8 @@ FASTEST_BEACON = 100e3  # Hz
 LANDED = 15.0
 # s at the lamp or place after which a flight there has succeeded: one that passes has left by then
 STAYED = 3.0
-LOST_LAMP = 3.0  # s without light, away from the lamp, after which a drone without a task holds
+# s without light, away from the lamp, after which a drone without a task holds
+LOST_LAMP = 3.0
 
 
 def check_commanded(strategy: NavigationStrategy, has_course: bool) -> None:

@@ -51,9 +51,8 @@ DiodeReadings = tuple[tuple[tuple[float, float], ...], tuple[float, ...]]
 
 MOST_VARIANCE = 0.5 * UNKNOWN_VARIANCE  # of an estimate that is there
 BAROMETER = 30e3, 125e3  # Pa, the range of the BMP388
-FARTHEST = (
-    100.0  # m; upper bound for the range finder of a small drone, whatever the message declares
-)
+# m; upper bound for the range finder of a small drone, whatever the message declares
+FARTHEST = 100.0
 FARTHEST_PLACE = 1e4  # m from the origin, and m/s: beyond any hall
 YAW_DRIFT = 1e-3  # of the heading after the calibration [rad/s]: as measured in simulated flights
 # Of the first heading [rad]: the gyroscope's noise turns it by 3e-4 rad within a second

@@ -27,9 +27,7 @@ from lta_control.strategies.settings import StrategySettings
 class MissionSettings(StrategySettings):
     """Settings of the mission; altitudes are of the hull centre above the floor."""
 
-    altitude: float = setting(
-        0.5, 'Altitude at which the mission is flown.', unit='m', low=0.1, high=100.0
-    )
+    altitude: float = setting(0.5, 'Altitude at which the mission is flown.', 'm', 0.1, 100.0)
     reached: float = setting(
         0.04,
         'The climb ends when the drone is less than this below the mission altitude.',

@@ -20,10 +20,8 @@ class PidGains(Settings):
     """
 
     kp: float = setting(..., 'Proportional gain.', low=0.0, high=100.0)
-    ki: float = setting(..., 'Integral gain.', unit='1/s', low=0.0, high=100.0)
-    kd: float = setting(
-        ..., 'Derivative gain, on the measured rate of change.', unit='s', low=0.0, high=100.0
-    )
+    ki: float = setting(..., 'Integral gain.', '1/s', 0.0, 100.0)
+    kd: float = setting(..., 'Derivative gain, on the measured rate of change.', 's', 0.0, 100.0)
     limit: float = setting(..., 'Largest output in either direction.', low=0.0, high=100.0)
 
 

@@ -57,11 +57,7 @@ class ReserveResponseSettings(Settings):
         high=600.0,
     )
     home: float = setting(
-        0.5,
-        'Distance from the start at which the returning drone lands.',
-        unit='m',
-        low=0.05,
-        high=100.0,
+        0.5, 'Distance from the start at which the returning drone lands.', 'm', 0.05, 100.0
     )
     patience: float = setting(
         2.0,

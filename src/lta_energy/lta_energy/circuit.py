@@ -70,9 +70,8 @@ def step_circuit(
 
 METER_GAIN_ERROR = 0.002  # of the current: INA219 data sheet, as `lta_sim.sensors.power`
 METER_OFFSET = 4e-4  # A: the same
-RESTING_VOLTAGE_ERROR = (
-    0.01  # V, error of a resting voltage: meter, chart and relaxation (assumed)
-)
+# V, error of a resting voltage: meter, chart and relaxation (assumed)
+RESTING_VOLTAGE_ERROR = 0.01
 RESTING_CURRENT = 0.1  # A; below this current the cell counts as resting
 SLOPE_REACH = 0.02  # state of charge to either side over which the slope is taken
 

@@ -29,11 +29,8 @@ from lta_model.light.spectral_factor import STANDARD_LIGHT
 import numpy as np
 
 WHITE_LED: Final = 'white_led'  # spectrum of all lamps
-LOWEST_IRRADIANCE, HIGHEST_IRRADIANCE, TABLE_POINTS = (
-    1e-2,
-    2000.0,
-    256,
-)  # W/m2; linear interpolation between the points
+# W/m2; linear interpolation between the points
+LOWEST_IRRADIANCE, HIGHEST_IRRADIANCE, TABLE_POINTS = 1e-2, 2000.0, 256
 
 
 @final

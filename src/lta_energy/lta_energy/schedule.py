@@ -14,9 +14,8 @@ from lta_energy.circuit import ChargeGauge
 from lta_energy.irradiance import IrradianceSeries, PanelIrradiance
 from lta_model.electrical.battery import BatteryModel, stored_energy
 
-MARGIN_DEVIATIONS = (
-    2.0  # margin at take-off, in standard deviations of charge and of a flight's energy
-)
+# Margin at take-off, in standard deviations of charge and of a flight's energy
+MARGIN_DEVIATIONS = 2.0
 DECISION_PERIOD = 300.0  # s between two decisions while waiting
 FORECAST_STEP = 600.0  # s; time step of the forecast
 NIGHT_FACTOR = 1.3  # safety factor on the predicted energy for the night

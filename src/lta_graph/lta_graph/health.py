@@ -113,9 +113,8 @@ def stamp_age(stamp_ns: int | None, now_ns: int) -> float:
 
 
 LOG_WINDOW = 10.0  # wall s in which one status of a task gets two lines, and is then counted
-LINES_PER_STATUS = (
-    2  # the first recurrence gets one, so that a brief fault does not hide a later one
-)
+# The first recurrence gets one, so that a brief fault does not hide a later one
+LINES_PER_STATUS = 2
 MAX_STATUSES = 8  # of one task that get lines in a window: messages may quote what others send
 
 

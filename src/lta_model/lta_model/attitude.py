@@ -6,9 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-GIMBAL_LOCK = (
-    1e-7  # rad from straight up or down: only the sum or difference of yaw and roll is known
-)
+# rad from straight up or down: only the sum or difference of yaw and roll is known
+GIMBAL_LOCK = 1e-7
 # numpy's own arctan2 differs in the last bit from processor to processor
 _atan2 = np.frompyfunc(math.atan2, 2, 1)
 

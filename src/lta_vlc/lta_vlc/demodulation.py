@@ -29,9 +29,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 CLIPPED_SHARE = 0.01  # part of the samples at the end of the scale that spoils a diode
-UNKNOWN_TONE = (
-    6.0  # times the mean of the quiet bins: a tone, not noise (5e-13 a bin in white noise)
-)
+# By the mean of the quiet bins: a tone, not noise (5e-13 a bin in white noise)
+UNKNOWN_TONE = 6.0
 
 
 class DiodeFault(Flag):

@@ -34,14 +34,11 @@ from lta_vlc.reading_model import (
 )
 
 NEAREST_LAMP, STEEPEST_FALL = 0.5, 3.0  # m and 1: beyond them no lamp is sought
-WIDEST_RESPONSE, NARROWEST_RESPONSE = (
-    0.3,
-    10.0,
-)  # exponents of the response beyond which none is sought
+# Exponents of the response beyond which none is sought
+WIDEST_RESPONSE, NARROWEST_RESPONSE = 0.3, 10.0
 FIT_ROUNDS = 12
-FULL_STEP_ROUNDS = (
-    5  # rounds after which steps are halved: a few fits go back and forth over an edge
-)
+# Rounds after which steps are halved: a few fits go back and forth over an edge
+FULL_STEP_ROUNDS = 5
 LONGEST_STEP = 0.3  # longest step on the sphere [rad]
 LAST_STEP = 1e-5  # [rad]
 FREE_UNKNOWNS = 3  # unknowns without a prior: azimuth, strength and pedestal

@@ -54,23 +54,16 @@ VALUES = NORMAL + UNKNOWNS * UNKNOWNS
 MISFIT = VALUES + ELEVATION
 FIT_SCRATCH = MISFIT + 1
 DIFFUSE_MIXING = 2.5
-SLOPE_DEVIATION, BEND_DEVIATION, PATTERN_DEVIATION = (
-    0.37,
-    0.13,
-    0.02,
-)  # standard deviations, parts of B
-GROUND_SLOPE = (
-    0.2  # mean of the slope towards the lamp, part of B: the ground below it is brightest
-)
-FALL_SLOPE, FALL_SLOPE_DEVIATION = (
-    0.2,
-    0.15,
-)  # slope across the direction, over B t, and its spread over B
+# Standard deviations, parts of B
+SLOPE_DEVIATION, BEND_DEVIATION, PATTERN_DEVIATION = 0.37, 0.13, 0.02
+# Mean of the slope towards the lamp, part of B: the ground below it is brightest
+GROUND_SLOPE = 0.2
+# Slope across the direction, over B t, and its spread over B
+FALL_SLOPE, FALL_SLOPE_DEVIATION = 0.2, 0.15
 FALL_BEND, FALL_BEND_DEVIATION = 0.1, 0.06  # the same of the bend
 LEAST_PEDESTAL = 0.005  # smallest pedestal taken as possible, share of S
-FALL_DEVIATION = (
-    1.0  # standard deviation of t: the tangent of the angle at which the beam leaves the lamp
-)
+# Standard deviation of t: the tangent of the angle at which the beam leaves the lamp
+FALL_DEVIATION = 1.0
 VIEW_EDGE = 0.05  # half width of the edge of a diode's view, in cosines
 AZIMUTH_VARIANCE = math.pi * math.pi / 3.0  # variance of a uniformly distributed azimuth [rad2]
 LEAST_ERROR = 1e-6  # least error of a reading, part of the highest

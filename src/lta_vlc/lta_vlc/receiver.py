@@ -79,9 +79,8 @@ class BeaconPresence(NamedTuple):
         )
 
 
-REWIND_BLOCKS = (
-    10  # blocks by which time goes back when it begins anew, as in a recording played again
-)
+# Blocks by which time goes back when it begins anew, as in a recording played again
+REWIND_BLOCKS = 10
 
 
 class BlockSequence:

@@ -23,12 +23,8 @@ from lta_model import mass_properties
 from lta_model.vehicle import Vehicle
 
 BASE: Final = 'base_link'
-ENVELOPE: Final[Colour] = (
-    0.80,
-    0.84,
-    0.90,
-    0.45,
-)  # transparent, so that the gondola stays visible
+# Transparent, so that the gondola stays visible
+ENVELOPE: Final[Colour] = (0.80, 0.84, 0.90, 0.45)
 PART: Final[Colour] = (0.35, 0.40, 0.47, 1.0)
 PANEL: Final[Colour] = (0.10, 0.22, 0.50, 1.0)
 DISC: Final[Colour] = (0.15, 0.60, 0.75, 0.55)

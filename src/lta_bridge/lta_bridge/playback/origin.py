@@ -6,13 +6,8 @@ from lta_bridge.playback.recording import RobotBagRecording
 from lta_bridge.provenance import describe_environment
 
 REPLAY_OF, REPLAYED = 'replay_of', 'replayed_nodes'  # keys of the origin
-SCENE = (
-    'scenario',
-    'scenario_file',
-    'seed',
-    'offset_x',
-    'offset_y',
-)  # keys copied from the recording
+# Keys copied from the recording
+SCENE = ('scenario', 'scenario_file', 'seed', 'offset_x', 'offset_y')
 OWN = 'strategy_file'  # a replay may fly another strategy, which is no file
 SET = 'set'  # parameters of the flight; only `lta replay` passes them to the nodes again
 

@@ -32,14 +32,12 @@ def check_time_mode(*, lockstep: bool) -> None:
 class TeleopRates(Settings):
     """Rates at full deflection of the sticks."""
 
-    speed: float = setting(
-        0.3, 'Commanded airspeed at full forward stick.', unit='m/s', low=0.01, high=2.0
-    )
+    speed: float = setting(0.3, 'Commanded airspeed at full forward stick.', 'm/s', 0.01, 2.0)
     turn: float = setting(
-        0.6, 'Turn rate of the commanded heading at full stick.', unit='rad/s', low=0.01, high=3.0
+        0.6, 'Turn rate of the commanded heading at full stick.', 'rad/s', 0.01, 3.0
     )
     climb: float = setting(
-        0.2, 'Climb rate of the commanded altitude at full stick.', unit='m/s', low=0.01, high=1.0
+        0.2, 'Climb rate of the commanded altitude at full stick.', 'm/s', 0.01, 1.0
     )
 
 

@@ -9,11 +9,9 @@ class ClimbGains(Settings):
     """Gains from altitude to vertical force."""
 
     altitude_kp: float = setting(
-        ..., 'Commanded climb rate per metre of altitude error.', unit='1/s', low=0.0, high=10.0
+        ..., 'Commanded climb rate per metre of altitude error.', '1/s', 0.0, 10.0
     )
-    climb_limit: float = setting(
-        ..., 'Largest commanded climb rate.', unit='m/s', low=0.01, high=2.0
-    )
+    climb_limit: float = setting(..., 'Largest commanded climb rate.', 'm/s', 0.01, 2.0)
     climb: PidGains = setting(..., 'PID gains: vertical force (N) per climb rate error (m/s).')
 
 

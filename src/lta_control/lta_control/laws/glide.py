@@ -32,25 +32,20 @@ class GlideGains(Settings):
     """Gains of altitude, pitch, speed and yaw."""
 
     altitude_kp: float = setting(
-        ..., 'Commanded climb rate per metre of altitude error.', unit='1/s', low=0.0, high=10.0
+        ..., 'Commanded climb rate per metre of altitude error.', '1/s', 0.0, 10.0
     )
-    climb_limit: float = setting(
-        ..., 'Largest commanded climb rate.', unit='m/s', low=0.01, high=2.0
-    )
+    climb_limit: float = setting(..., 'Largest commanded climb rate.', 'm/s', 0.01, 2.0)
     climb: PidGains = setting(
         ..., 'PID gains: nose-up pitch angle (rad) per climb rate error (m/s).'
     )
     pitch: PidGains = setting(
-        ...,
-        'PID gains: backward position of the moving mass (m) per pitch error (rad).',
+        ..., 'PID gains: backward position of the moving mass (m) per pitch error (rad).'
     )
     speed: PidGains = setting(..., 'PID gains: thrust (N) per speed error (m/s).')
     heading_kp: float = setting(
-        ..., 'Commanded yaw rate per radian of heading error.', unit='1/s', low=0.0, high=10.0
+        ..., 'Commanded yaw rate per radian of heading error.', '1/s', 0.0, 10.0
     )
-    yaw_rate_limit: float = setting(
-        ..., 'Largest commanded yaw rate.', unit='rad/s', low=0.01, high=6.0
-    )
+    yaw_rate_limit: float = setting(..., 'Largest commanded yaw rate.', 'rad/s', 0.01, 6.0)
     yaw_rate: PidGains = setting(..., 'PID gains: yaw moment (N m) per yaw rate error (rad/s).')
 
 

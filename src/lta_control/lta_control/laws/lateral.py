@@ -47,11 +47,9 @@ class LateralGains(ClimbGains):
     """Gains of the altitude, heading and velocity loops."""
 
     heading_kp: float = setting(
-        ..., 'Commanded yaw rate per radian of heading error.', unit='1/s', low=0.0, high=10.0
+        ..., 'Commanded yaw rate per radian of heading error.', '1/s', 0.0, 10.0
     )
-    yaw_rate_limit: float = setting(
-        ..., 'Largest commanded yaw rate.', unit='rad/s', low=0.01, high=6.0
-    )
+    yaw_rate_limit: float = setting(..., 'Largest commanded yaw rate.', 'rad/s', 0.01, 6.0)
     yaw_rate: PidGains = setting(..., 'PID gains: yaw moment (N m) per yaw rate error (rad/s).')
     velocity: PidGains = setting(
         ..., 'PID gains: force along x and y (N) per velocity error (m/s).'

@@ -28,36 +28,22 @@ from lta_control.per_rotor import NONE, PerRotor
 from lta_control.vehicle_parameters import build_rotors, surge_drag_coefficients
 from lta_model.vehicle import Vehicle
 
-ALL_ALIKE = (
-    1.0,
-    1.0,
-    1.0,
-    1.0,
-    1.0,
-    1.0,
-)  # equal weights: the lever is near 1 m, so N and N m are comparable
+# Equal weights: the lever is near 1 m, so N and N m are comparable
+ALL_ALIKE = (1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
 
 
 class OmnidirectionalGains(Settings):
     """Gains of position and attitude."""
 
-    position_kp: float = setting(..., 'Force per position error.', unit='N/m', low=0.0, high=1e3)
-    position_ki: float = setting(
-        ..., 'Force per integrated position error.', unit='N/(m s)', low=0.0, high=1e3
-    )
-    position_kd: float = setting(..., 'Force per velocity error.', unit='N s/m', low=0.0, high=1e3)
-    reach: float = setting(
-        ...,
-        'Position errors are limited to this value.',
-        unit='m',
-        low=0.01,
-        high=100.0,
-    )
+    position_kp: float = setting(..., 'Force per position error.', 'N/m', 0.0, 1e3)
+    position_ki: float = setting(..., 'Force per integrated position error.', 'N/(m s)', 0.0, 1e3)
+    position_kd: float = setting(..., 'Force per velocity error.', 'N s/m', 0.0, 1e3)
+    reach: float = setting(..., 'Position errors are limited to this value.', 'm', 0.01, 100.0)
     integral_limit: float = setting(
-        ..., 'Largest force from the integrated position error.', unit='N', low=0.0, high=1e3
+        ..., 'Largest force from the integrated position error.', 'N', 0.0, 1e3
     )
-    attitude_kp: float = setting(..., 'Moment per attitude error.', unit='N m', low=0.0, high=1e3)
-    attitude_kd: float = setting(..., 'Moment per angular rate.', unit='N m s', low=0.0, high=1e3)
+    attitude_kp: float = setting(..., 'Moment per attitude error.', 'N m', 0.0, 1e3)
+    attitude_kd: float = setting(..., 'Moment per angular rate.', 'N m s', 0.0, 1e3)
 
 
 class OmnidirectionalLawConstants(NamedTuple):

@@ -27,10 +27,8 @@ from lta_model.vehicle import Vehicle
 class OpenLoopGains(Settings):
     """Commanded rates of altitude and heading."""
 
-    climb_rate: float = setting(
-        ..., 'Commanded climb or sink rate.', unit='m/s', low=0.001, high=2.0
-    )
-    turn_rate: float = setting(..., 'Commanded turn rate.', unit='rad/s', low=0.001, high=6.0)
+    climb_rate: float = setting(..., 'Commanded climb or sink rate.', 'm/s', 0.001, 2.0)
+    turn_rate: float = setting(..., 'Commanded turn rate.', 'rad/s', 0.001, 6.0)
 
 
 class OpenLoopLawConstants(NamedTuple):

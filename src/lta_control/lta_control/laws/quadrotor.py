@@ -42,30 +42,20 @@ class QuadrotorGains(ClimbGains):
         ..., 'PID gains: horizontal acceleration (m/s2) per velocity error (m/s).'
     )
     attitude_kp: float = setting(
-        ...,
-        'Commanded roll or pitch rate per radian of tilt error.',
-        unit='1/s',
-        low=0.0,
-        high=50.0,
+        ..., 'Commanded roll or pitch rate per radian of tilt error.', '1/s', 0.0, 50.0
     )
     heading_kp: float = setting(
-        ..., 'Commanded yaw rate per radian of heading error.', unit='1/s', low=0.0, high=50.0
+        ..., 'Commanded yaw rate per radian of heading error.', '1/s', 0.0, 50.0
     )
-    rate_limit: float = setting(
-        ..., 'Largest commanded angular rate.', unit='rad/s', low=0.01, high=50.0
-    )
+    rate_limit: float = setting(..., 'Largest commanded angular rate.', 'rad/s', 0.01, 50.0)
     rate_kp: float = setting(
-        ..., 'Angular acceleration per roll or pitch rate error.', unit='1/s', low=0.0, high=500.0
+        ..., 'Angular acceleration per roll or pitch rate error.', '1/s', 0.0, 500.0
     )
     rate_kd: float = setting(
-        ...,
-        'Angular acceleration per derivative of the roll or pitch rate.',
-        unit='1',
-        low=0.0,
-        high=10.0,
+        ..., 'Angular acceleration per derivative of the roll or pitch rate.', '1', 0.0, 10.0
     )
     yaw_rate_kp: float = setting(
-        ..., 'Angular acceleration per yaw rate error.', unit='1/s', low=0.0, high=500.0
+        ..., 'Angular acceleration per yaw rate error.', '1/s', 0.0, 500.0
     )
     slope_time: float = setting(
         ...,

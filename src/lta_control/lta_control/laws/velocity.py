@@ -35,9 +35,7 @@ class VelocityGains(ClimbGains):
     velocity: PidGains = setting(
         ..., 'PID gains: force along world x and y (N) per velocity error (m/s).'
     )
-    yaw_damping: float = setting(
-        ..., 'Damping yaw moment per yaw rate.', unit='N m s', low=0.0, high=1.0
-    )
+    yaw_damping: float = setting(..., 'Damping yaw moment per yaw rate.', 'N m s', 0.0, 1.0)
     height_weight: float = setting(
         ...,
         'Weight of vertical force relative to lateral force in the rotor allocation.',

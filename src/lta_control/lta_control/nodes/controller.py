@@ -56,14 +56,12 @@ class ControllerSettings(Settings):
     )
     armed: bool = setting(False, 'Whether the motors are armed when the node starts.', fixed=True)
     hold_after: float = setting(
-        0.5, 'Age of a setpoint at which the drone holds.', unit='s', low=0.05, high=60.0
+        0.5, 'Age of a setpoint at which the drone holds.', 's', 0.05, 60.0
     )
     land_after: float = setting(
-        3.0, 'Age of a setpoint at which the drone lands.', unit='s', low=0.05, high=600.0
+        3.0, 'Age of a setpoint at which the drone lands.', 's', 0.05, 600.0
     )
-    tilt_limit: float = setting(
-        TILT_LIMIT, 'Tilt at which the motors stop.', unit='rad', low=0.1, high=3.2
-    )
+    tilt_limit: float = setting(TILT_LIMIT, 'Tilt at which the motors stop.', 'rad', 0.1, 3.2)
     gains: CascadeGains = setting(
         load_gains('gtmab'), 'Gains of the cascade law; other laws load their own gains.'
     )

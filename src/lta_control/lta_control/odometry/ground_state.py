@@ -30,7 +30,7 @@ class GroundSettings(Settings):
         high=20.0,
     )
     gusts: float = setting(
-        0.015, 'Expected random change of the wind in one second.', unit='m/s', low=0.0, high=5.0
+        0.015, 'Expected random change of the wind in one second.', 'm/s', 0.0, 5.0
     )
     thrust_noise: float = setting(
         0.01,
@@ -48,11 +48,7 @@ class GroundSettings(Settings):
         high=3.0,
     )
     strength_noise: float = setting(
-        0.06,
-        'Standard deviation of the logarithm of a measured lamp strength.',
-        unit='1',
-        low=1e-3,
-        high=5.0,
+        0.06, 'Standard deviation of the logarithm of a measured lamp strength.', '1', 1e-3, 5.0
     )
 
 

@@ -35,10 +35,10 @@ class DitherSettings(Settings):
     """Swing of the heading, and gains from the light to the turn rate."""
 
     amplitude: float = setting(
-        0.5 * math.pi, 'Amplitude of the heading oscillation.', unit='rad', low=0.0, high=math.pi
+        0.5 * math.pi, 'Amplitude of the heading oscillation.', 'rad', 0.0, math.pi
     )
     rate: float = setting(
-        0.3, 'Angular frequency of the heading oscillation.', unit='rad/s', low=0.01, high=10.0
+        0.3, 'Angular frequency of the heading oscillation.', 'rad/s', 0.01, 10.0
     )
     scan: float = setting(
         0.3,
@@ -55,11 +55,7 @@ class DitherSettings(Settings):
         high=50.0,
     )
     washout: float = setting(
-        15.0,
-        'Time constant of the running mean of the log brightness.',
-        unit='s',
-        low=0.1,
-        high=600.0,
+        15.0, 'Time constant of the running mean of the log brightness.', 's', 0.1, 600.0
     )
     floor: float = setting(
         5.0,

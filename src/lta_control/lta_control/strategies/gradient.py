@@ -39,9 +39,7 @@ Pair = tuple[float, float, float]
 class GradientSettings(Settings):
     """Settings of the map, the plane fit and the delays."""
 
-    cell: float = setting(
-        0.02, 'Side length of a cell of the light map.', unit='m', low=1e-3, high=10.0
-    )
+    cell: float = setting(0.02, 'Side length of a cell of the light map.', 'm', 1e-3, 10.0)
     least: float = setting(
         30.0,
         'Number of brightness samples taken before the first plane is fitted to them.',
@@ -50,11 +48,7 @@ class GradientSettings(Settings):
         high=float(PAIRS),
     )
     arc: float = setting(
-        0.5,
-        'Turn rate while the first brightness samples are taken.',
-        unit='rad/s',
-        low=-2.0,
-        high=2.0,
+        0.5, 'Turn rate while the first brightness samples are taken.', 'rad/s', -2.0, 2.0
     )
     commanded_heading: bool = setting(
         False, 'Whether to dead-reckon by the commanded heading instead of that of the IMU.'
@@ -78,10 +72,10 @@ class GradientSettings(Settings):
         high=60.0,
     )
     stop_beyond: float = setting(
-        1.2, 'Heading error above which the drone stops to turn.', unit='rad', low=0.0, high=3.2
+        1.2, 'Heading error above which the drone stops to turn.', 'rad', 0.0, 3.2
     )
     go_within: float = setting(
-        0.5, 'Heading error below which a stopped drone flies on.', unit='rad', low=0.0, high=3.2
+        0.5, 'Heading error below which a stopped drone flies on.', 'rad', 0.0, 3.2
     )
 
 

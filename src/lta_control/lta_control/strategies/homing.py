@@ -63,7 +63,7 @@ STAY = 2.0  # of the arrival range: hysteresis, so that wind does not undo an ar
 class HomingSettings(Settings):
     """Prior knowledge of lamp, wind and drone, and the time limits of homing."""
 
-    top_speed: float = setting(0.7, 'Highest commanded airspeed.', unit='m/s', low=0.05, high=20.0)
+    top_speed: float = setting(0.7, 'Highest commanded airspeed.', 'm/s', 0.05, 20.0)
     brightness: float = setting(
         2100.0,
         'Expected brightness of the lamp at 1 m, with a resistor of 100 kohm in the '
@@ -80,11 +80,7 @@ class HomingSettings(Settings):
         high=5.0,
     )
     bearing_noise: float = setting(
-        0.03,
-        'Standard deviation added to the one reported with each bearing.',
-        unit='rad',
-        low=1e-4,
-        high=1.0,
+        0.03, 'Standard deviation added to the one reported with each bearing.', 'rad', 1e-4, 1.0
     )
     strength_noise: float = setting(
         0.15,
@@ -94,18 +90,10 @@ class HomingSettings(Settings):
         high=5.0,
     )
     wind: float = setting(
-        0.4,
-        'Standard deviation of the wind drift assumed at the start.',
-        unit='m/s',
-        low=0.0,
-        high=10.0,
+        0.4, 'Standard deviation of the wind drift assumed at the start.', 'm/s', 0.0, 10.0
     )
     gusts: float = setting(
-        0.03,
-        'Expected random change of the wind drift in one second.',
-        unit='m/s',
-        low=0.0,
-        high=5.0,
+        0.03, 'Expected random change of the wind drift in one second.', 'm/s', 0.0, 5.0
     )
     settling: float = setting(
         6.0,
@@ -139,7 +127,7 @@ class HomingSettings(Settings):
         high=1.0,
     )
     trusted: float = setting(
-        0.5, 'Standard deviation above which a bearing is ignored.', unit='rad', low=0.01, high=3.2
+        0.5, 'Standard deviation above which a bearing is ignored.', 'rad', 0.01, 3.2
     )
     doubt: float = setting(
         1.5,
@@ -149,7 +137,7 @@ class HomingSettings(Settings):
         high=60.0,
     )
     hold: float = setting(
-        8.0, 'Longest time to fly by dead reckoning without light.', unit='s', low=0.0, high=600.0
+        8.0, 'Longest time to fly by dead reckoning without light.', 's', 0.0, 600.0
     )
     certain: float = setting(
         0.8,
@@ -159,11 +147,7 @@ class HomingSettings(Settings):
         high=3.2,
     )
     arrival: float = setting(
-        0.8,
-        'Horizontal distance to the lamp that counts as arrival.',
-        unit='m',
-        low=0.1,
-        high=100.0,
+        0.8, 'Horizontal distance to the lamp that counts as arrival.', 'm', 0.1, 100.0
     )
     approach: float = setting(
         0.5,

@@ -44,9 +44,9 @@ class SteeringCommand(NamedTuple):
 class CruiseSettings(Settings):
     """Settings of every strategy."""
 
-    speed: float = setting(0.5, 'Commanded forward airspeed.', unit='m/s', low=0.0, high=3.0)
+    speed: float = setting(0.5, 'Commanded forward airspeed.', 'm/s', 0.0, 3.0)
     search_rate: float = setting(
-        0.3, 'Turn rate of the search when no lamp is seen.', unit='rad/s', low=0.0, high=2.0
+        0.3, 'Turn rate of the search when no lamp is seen.', 'rad/s', 0.0, 2.0
     )
 
 

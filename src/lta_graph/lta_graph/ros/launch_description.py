@@ -21,9 +21,8 @@ from lta_config.errors import BadInput
 from lta_graph.child_process import signal_name
 from lta_graph.launch_plan import Launch, LaunchProcess
 
-CHECK_GROUP = (
-    'lta.launch_checks'  # entry points: functions that take a LaunchPlan and raise BadInput
-)
+# Entry points: functions that take a LaunchPlan and raise BadInput
+CHECK_GROUP = 'lta.launch_checks'
 # Nodes end with `ros2 launch`, however it ends, and Ctrl-C waits until Python has started, which
 # would print a traceback. `lta launch` does both by itself.
 PROCESS_PREFIX = 'setpriv --pdeathsig INT env --block-signal=INT'

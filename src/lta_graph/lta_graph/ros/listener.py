@@ -15,9 +15,8 @@ from std_msgs.msg import Header
 
 LISTENER_DEPTH = 100  # messages of all nodes together that may wait until the next look
 DISCOVERY = 10.0  # wall s after the first report for DDS to find all nodes of a busy machine
-LOADING_TIME = (
-    300.0  # wall s for all to report once; compiling the model takes half a minute alone
-)
+# Wall s for all to report once; compiling the model takes half a minute alone
+LOADING_TIME = 300.0
 LAUNCHER_TASK = 'launcher: processes'  # task under which the launcher reports faults of its nodes
 RECEIPT_TIME = Duration(
     seconds=0.5

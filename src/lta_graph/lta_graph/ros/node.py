@@ -36,9 +36,8 @@ from rclpy.subscription import Subscription
 WATCH_PERIOD = 0.1  # wall seconds between checks for missing inputs
 REPORT_PERIOD = 1.0  # wall seconds between two unchanged /diagnostics
 ACKNOWLEDGE_TIME = 0.2  # wall seconds for the last messages to be acknowledged
-LONG_ACKNOWLEDGE_TIME = (
-    5.0  # the same after a successful flight, when a live recorder may be far behind
-)
+# The same after a successful flight, when a live recorder may be far behind
+LONG_ACKNOWLEDGE_TIME = 5.0
 REPORTED_WAIT = 0.5  # wall seconds of waiting after which the missing input is reported
 NO_INPUT_TIME = 5.0  # wall seconds without any input after which the node logs a warning
 

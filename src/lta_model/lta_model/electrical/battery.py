@@ -43,9 +43,8 @@ OPEN_CIRCUIT = (
 )
 CHARGE_INTERVALS = len(OPEN_CIRCUIT) - 1
 
-WORN_LOSS = (
-    0.2  # loss of capacity at which a cell counts as worn out, its resistance doubled (USABC)
-)
+# Loss of capacity at which a cell counts as worn out, its resistance doubled (USABC)
+WORN_LOSS = 0.2
 ACTIVATION_ENERGY = 18.8e3  # J/mol of both resistances; assumed: they double from 25 to 0 degC
 GAS_CONSTANT = 8.314462618  # J/(mol K)
 COLD_LOSS = 0.006  # of the capacity by kelvin below 25 degC; assumed: 15 % at 0 degC

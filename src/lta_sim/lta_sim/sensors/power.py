@@ -19,27 +19,19 @@ class PowerMeterSettings(Settings):
     """Steps, limits and errors of the meter; errors are bounds of uniform distributions."""
 
     voltage_step: float = setting(
-        4e-3, 'Resolution of the voltage measurement (one count).', unit='V', low=1e-6, high=1.0
+        4e-3, 'Resolution of the voltage measurement (one count).', 'V', 1e-6, 1.0
     )
     voltage_noise: float = setting(
-        2e-3,
-        'Standard deviation of the voltage noise before rounding.',
-        unit='V',
-        low=0.0,
-        high=1.0,
+        2e-3, 'Standard deviation of the voltage noise before rounding.', 'V', 0.0, 1.0
     )
     current_step: float = setting(
-        1e-4, 'Resolution of the current measurement (one count).', unit='A', low=1e-7, high=1.0
+        1e-4, 'Resolution of the current measurement (one count).', 'A', 1e-7, 1.0
     )
     current_noise: float = setting(
-        5e-5,
-        'Standard deviation of the current noise before rounding.',
-        unit='A',
-        low=0.0,
-        high=1.0,
+        5e-5, 'Standard deviation of the current noise before rounding.', 'A', 0.0, 1.0
     )
     current_range: float = setting(
-        3.2, 'Largest measurable current in either direction.', unit='A', low=0.01, high=100.0
+        3.2, 'Largest measurable current in either direction.', 'A', 0.01, 100.0
     )
     scale: float = setting(
         0.002,
@@ -48,7 +40,7 @@ class PowerMeterSettings(Settings):
         high=0.1,
     )
     current_offset: float = setting(
-        4e-4, 'Largest zero offset of the measured current.', unit='A', low=0.0, high=0.1
+        4e-4, 'Largest zero offset of the measured current.', 'A', 0.0, 0.1
     )
 
 

@@ -16,10 +16,8 @@ from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from lta_vlc.settings import DemodulationSettings
-STRONG_HARMONICS = (
-    3,
-    5,
-)  # of a lamp that is on for half of the time; weaker ones `lta light plan` avoids
+# Of a lamp that is on for half of the time; weaker ones `lta light plan` avoids
+STRONG_HARMONICS = (3, 5)
 MAINS_HARMONICS = 10  # of the flicker at twice the mains' frequency: those of lamps and dimmers
 
 

@@ -41,9 +41,8 @@ from lta_config.compilation.compiler import compile_kernel
 import numpy as np
 from numpy.typing import NDArray
 
-LEAKING_HARMONICS = (
-    9  # harmonics that are taken off; those above leak less than a thousandth of the first
-)
+# Harmonics that are taken off; those above leak less than a thousandth of the first
+LEAKING_HARMONICS = 9
 FARTHEST_TONE = 1.0  # bins from the highest bin to where the tone can be
 
 
