@@ -1,6 +1,6 @@
 """All effects in one kernel: each matters, and one at null changes nothing to the bit."""
 
-from lta_model.effects import EFFECTS, initial_memory, MODEL_EFFECTS
+from lta_model.effects import EFFECTS, initial_memory
 from lta_model.effects.protocol import BodyEffect, MeasurementEffect
 from lta_model.model import VehicleModel
 from lta_model.state import pack_state, RIGID
@@ -150,7 +150,7 @@ def test_null_changes_nothing_to_the_bit(absent):
 
 
 def test_the_compiled_kernel_equals_its_text_to_the_bit():
-    model, start, python = flight(MODEL_EFFECTS, as_python(MODEL_EFFECTS), GIVEN)
+    model, start, python = flight(EFFECTS, as_python(EFFECTS), GIVEN)
     compiled = advance(np.array(start), model, COMMANDED, AROUND, 2e-3, 10)
     np.testing.assert_array_equal(compiled, python)
 

@@ -1,14 +1,16 @@
 """Generate the page of all node parameters and launch arguments from their models."""
 
+import ast
 from collections.abc import Iterator
 from importlib import import_module, resources
+import inspect
 import pkgutil
+from types import ModuleType
 from typing import Any
 
 from lta_config.settings import format_bounds
 from lta_graph.launches import FLY
 from lta_graph.ros.node import GraphSettings
-from lta_graph.ros.node_help import find_settings_models, format_default, parse_module
 from lta_graph.ros.parameters import iterate_fields
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
@@ -50,8 +52,19 @@ def iterate_settings_models() -> Iterator[tuple[str, str, type[BaseModel]]]:
         folder = resources.files(f'{package}.nodes')
         for item in pkgutil.iter_modules([str(folder)]):
             module = import_module(f'{package}.nodes.{item.name}')
-            for model in find_settings_models(module, parse_module(module)):
+            for model in find_settings_models(module):
                 yield package, item.name, model
+
+
+def find_settings_models(module: ModuleType) -> Iterator[type[BaseModel]]:
+    """Yield the models in calls of `NodeParameters(node, MODEL, ...)`, without creating a node."""
+    for call in ast.walk(ast.parse(inspect.getsource(module))):
+        if (
+            isinstance(call, ast.Call)
+            and getattr(call.func, 'id', '') == 'NodeParameters'
+            and isinstance(model := call.args[1], ast.Name)
+        ):
+            yield getattr(module, model.id)
 
 
 def format_model_section(title: str, model: type[BaseModel], about: str = '') -> str:
@@ -73,3 +86,12 @@ def format_parameter_row(name: str, info: FieldInfo, value: Any) -> str:  # noqa
         filter(None, (f'`{default}` {unit}'.strip() if default else unit, format_bounds(info)))
     )
     return f'- `{name}`{f" ({number})" if number else ""}: {about}{fixed}\n'
+
+
+def format_default(value: object) -> str:
+    """Format a default as on the command line; empty if there is none."""
+    if value in ('', None, ()):
+        return ''
+    if isinstance(value, tuple):
+        return f'[{", ".join(str(item) for item in value)}]'
+    return str(value).lower() if isinstance(value, bool) else str(value)

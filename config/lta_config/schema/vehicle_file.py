@@ -25,7 +25,6 @@ from lta_config.schema.vehicle_body import (
 )
 from lta_config.schema.vehicle_diodes import PhotodiodesBlock
 from lta_config.schema.vehicle_energy import EnergyBlock
-from lta_config.schema.vehicle_law import Law
 from pydantic import AliasChoices, Field, field_validator, model_validator
 
 Vector = tuple[float, float, float]
@@ -130,7 +129,6 @@ class VehicleFile(StrictModel):
     thrust_curve: ThrustCurve | None = None
     aero: AeroCoefficients
     effects: Mapping[str, Mapping[str, Quantity]]
-    law: Law | None = None
     sensors: SensorPositions
     energy: EnergyBlock
     validity: ValidityBlock | None = None

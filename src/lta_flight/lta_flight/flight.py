@@ -230,11 +230,4 @@ def collect_result(
             'did not finish, because a node of the ROS graph failed or stalled',
             0.0,
         )
-    return FlightRun(
-        folder,
-        bag,
-        flight['outcome'],
-        flight['sentence'],
-        float(flight['pace']),
-        flight.get('warning', ''),
-    )
+    return FlightRun(folder, bag, flight['outcome'], flight['sentence'], float(flight['pace']))

@@ -128,8 +128,7 @@ class LoopView:
         state = np.array(self._truth)[:, 1:]
         motion = list_motion(state[:, QUATERNION], state[:, VELOCITY], state[:, RATES])
         vehicle = self.scene.vehicle
-        fitted = '' if vehicle is None else describe_exceeded_region(vehicle, motion)
-        return ' '.join(filter(None, (fitted, self._loop.world.law_warning)))
+        return '' if vehicle is None else describe_exceeded_region(vehicle, motion)
 
     @cached_property
     def estimate(self) -> MotionCurve:

@@ -123,7 +123,7 @@ def announce_compilation(
     spec: FlightSpec, watcher: FlightObserver, *, commanded: bool = False
 ) -> None:
     """Show that the model will be compiled, which takes long and shows no progress."""
-    if not is_compiled(law=bool(spec.contents['vehicle'].get('law')), commanded=commanded):
+    if not is_compiled(commanded=commanded):
         watcher.wait_for(COMPILING)
 
 

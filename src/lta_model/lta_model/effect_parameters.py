@@ -26,7 +26,6 @@ from lta_config.schema.vehicle_body import MovingMassBlock, PartBlock
 from lta_config.schema.vehicle_file import VehicleFile
 from lta_model import effects, mass_properties, propulsion
 from lta_model.effects.drag import STRIP_DAMPING, STRIPS
-from lta_model.effects.law import LAW, list_law_parameters
 from lta_model.effects.protocol import AXES, Vector
 from lta_model.model import RK4_LIMIT
 
@@ -118,11 +117,6 @@ def collect_effects(
     """
     derived = _derive_effects(file, rotors, added_mass, air_density)
     for name, values in file.effects.items():
-        if name == LAW.name:
-            raise BadInput(
-                f'{file.name} has {LAW.name} in its block effects, but a law is no effect with '
-                'parameters; write it as the block law of the vehicle file.'
-            )
         # A second value for a derived parameter would contradict the blocks that it follows from
         if name in derived and set(values) - set(SETTABLE_SHARES.get(name, ())):
             raise BadInput(
@@ -195,8 +189,6 @@ def _derive_effects(
         )
     if file.moving_mass:
         derived['moving_mass'] = _moving_mass_parameters(file.moving_mass)
-    if file.law:
-        derived['law'] = list_law_parameters(file.law)
     return derived
 
 

@@ -183,7 +183,7 @@ class VehicleModel:
         on: list[bool] = []
         values_by_effect: dict[str, dict[str, float]] = {}
         added = np.zeros(6)
-        for name, effect in effects.MODEL_EFFECTS.items():
+        for name, effect in effects.EFFECTS.items():
             values = fill_parameters(effect, effect_parameters.get(name, {}))
             numbers = tuple(values.values())
             active = any(values[p.name] != p.null for p in effect.parameters)

@@ -5,8 +5,7 @@ from types import ModuleType
 from typing import final
 
 from lta_config.compilation.kernel_cache import is_cached, load_kernel
-from lta_model.effects import MODEL_EFFECTS
-from lta_model.effects.law import LAW
+from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import (
     AXES,
     EffectParameter,
@@ -23,7 +22,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-LAYOUT = build_layout(MODEL_EFFECTS)
+LAYOUT = build_layout(EFFECTS)
 
 
 def _pass_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
@@ -42,32 +41,27 @@ COMMANDED = WrenchEffect(
     ),
     _pass_wrench,
 )
-COMMANDED_EFFECTS = {**MODEL_EFFECTS, COMMANDED.name: COMMANDED}
+COMMANDED_EFFECTS = {**EFFECTS, COMMANDED.name: COMMANDED}
 COMMANDED_LAYOUT = build_layout(COMMANDED_EFFECTS)
 
 
 @cache
-def _build_source(*, law: bool, commanded: bool = False) -> str:
-    """Return the source of the kernel with all effects, with or without a law and a command."""
+def _build_source(*, commanded: bool) -> str:
+    """Return the source of the kernel with all effects, with or without a commanded wrench."""
     # A kernel of a vehicle's own effects would save 1 us of the 60 us of a control step, and take
-    # 6 s to compile: it pays after half a day of flight (docs/validation.md). Without a law, which
-    # is long, one serves all vehicles
-    effects, layout = (
-        (COMMANDED_EFFECTS, COMMANDED_LAYOUT) if commanded else (MODEL_EFFECTS, LAYOUT)
-    )
-    included = [name for name in layout.effects if law or name != LAW.name]
-    return render_kernel_source(effects, included=included)
+    # 6 s to compile: it pays after half a day of flight (docs/validation.md)
+    return render_kernel_source(COMMANDED_EFFECTS if commanded else EFFECTS)
 
 
 @cache
-def _load_kernel(*, law: bool, commanded: bool) -> ModuleType:
-    """Load the kernel with all effects, with or without a law and a command."""
-    return load_kernel(_build_source(law=law, commanded=commanded))
+def _load_kernel(*, commanded: bool) -> ModuleType:
+    """Load the kernel with all effects, with or without a commanded wrench."""
+    return load_kernel(_build_source(commanded=commanded))
 
 
-def is_compiled(*, law: bool, commanded: bool) -> bool:
-    """Return whether the kernel of vehicles with or without a law and a command is compiled."""
-    return is_cached(_build_source(law=law, commanded=commanded))
+def is_compiled(*, commanded: bool) -> bool:
+    """Return whether the kernel with or without a commanded wrench is compiled."""
+    return is_cached(_build_source(commanded=commanded))
 
 
 @final
@@ -92,8 +86,7 @@ class SimulatedVehicle:
         self._places = row_slices(self.layout)
         self._row: Array = np.zeros(max(part.stop for part in self._places.values()))
         self._on = np.append(model.on, np.uint8(1)) if commanded else model.on
-        law = bool(model.on[LAYOUT.flag_index(LAW.name)])
-        kernel = _load_kernel(law=law, commanded=commanded)
+        kernel = _load_kernel(commanded=commanded)
         self._derivative, self._advance = kernel.derivative, kernel.advance
         parameters = self._view_part('parameters')
         parameters[: len(model.parameters)] = model.parameters

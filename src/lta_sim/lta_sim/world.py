@@ -23,7 +23,6 @@ from lta_model.state import pack_state, RIGID
 from lta_model.vehicle import Vehicle
 from lta_sim.command_link import CommandLink
 from lta_sim.environment import draw_initial_memory, FlightEnvironment
-from lta_sim.law_region import LawRegion
 from lta_sim.readings import FlightOutcome, SensorReadings, Vector
 from lta_sim.scene_model import build_scene_model, vehicle_reach
 from lta_sim.simulated_vehicle import SimulatedVehicle
@@ -99,7 +98,6 @@ class World:
         self._store_constants(table)
         self._draw_errors()
         self._craft = SimulatedVehicle(self._model, commanded=wrench_commanded)
-        self._law_region = LawRegion(vehicle.file.name, vehicle.file.law)
         self.state = self._craft.state  # changes in place
         self.state[:] = self._initial_state()
         acting = self._acting = self._build_measurement_chains()
@@ -236,11 +234,6 @@ class World:
         self._craft.evaluate_state()
         return tuple(self._craft.thrusts[: self._rotors].tolist())
 
-    @property
-    def law_warning(self) -> str:
-        """Which quantity has left the region of the vehicle's law, as a sentence; '' if none."""
-        return self._law_region.warning
-
     def effect_wrenches(self) -> dict[str, Array]:
         """Return the present wrench of each effect, body frame. [N, N m]."""
         self._craft.evaluate_state()
@@ -369,7 +362,6 @@ class World:
         if model.has_diverged(rigid):
             raise model.build_divergence_error(self.vehicle.file.name, self.elapsed)
         self._craft.evaluate_state()
-        self._law_region.check_state(self._craft)
         self.supply.feed_loads(self._craft.thrusts.tolist(), self._period)
         self._enter_step(self.steps + 1)
         if self.outcome is FlightOutcome.FLYING:

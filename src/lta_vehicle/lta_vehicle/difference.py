@@ -89,8 +89,7 @@ class VehicleDifference:
         places = [change.place.split('.') for change in self.changes]
         # `dict.fromkeys` removes duplicates and keeps the order
         effects = [place[1] for place in places if place[0] == 'effects']
-        law = [place[0] for place in places if place[0] == 'law']
-        return list(dict.fromkeys([*effects, *law]))
+        return list(dict.fromkeys(effects))
 
     @property
     def stale_aero_notes(self) -> list[str]:

@@ -95,7 +95,7 @@ def test_commanded_forces_act_with_their_gain(tmp_path: Path, call, monkeypatch)
     needed = []
     monkeypatch.setattr(simulation, 'is_compiled', lambda **kernel: needed.append(kernel) or True)
     sentence = fly(tmp_path / 'flown', gain, commands=CommandRequest(tmp_path / 'held'))
-    assert needed == [{'law': False, 'commanded': True}]
+    assert needed == [{'commanded': True}]
     end = float(sentence.rpartition(' and ')[2].partition(' cm')[0])
     assert end == pytest.approx(100.0 * 0.5 * 0.0196 / 0.758 * 3.0**2, rel=0.08)
 

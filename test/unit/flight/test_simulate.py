@@ -7,7 +7,6 @@ from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table, robot_topic
 from lta_data.bag import open_flight, read_bag
 from lta_flight import simulate as simulation
-from lta_flight.flight_spec import load_spec
 from lta_flight.report.results import compute_results
 from lta_flight.report.view import FlightView
 from lta_flight.simulate import simulate_once, SimulationRequest
@@ -97,17 +96,3 @@ def test_a_model_that_is_compiled_first_is_told_where_no_bar_shows(call, monkeyp
     assert json.loads(said.out)['outcome'] == 'timeout'
     monkeypatch.setattr(simulation, 'is_compiled', lambda **_: True)
     assert simulation.COMPILING not in call('simulate', *few)[1].err
-
-
-def test_a_vehicle_with_a_law_has_its_own_kernel(monkeypatch):
-    """With that of other vehicles compiled, its compilation is announced all the same."""
-    monkeypatch.setattr(simulation, 'is_compiled', lambda **kernel: not any(kernel.values()))
-    spec = load_spec('gtmab', 'lamp_room', 'bag', 'gtmab')
-    announced = []
-    watcher = Silent()
-    watcher.wait_for = announced.append
-    simulation.announce_compilation(spec, watcher)
-    assert announced == []
-    spec.contents['vehicle']['law'] = {'terms': []}
-    simulation.announce_compilation(spec, watcher)
-    assert announced == [simulation.COMPILING]

@@ -5,9 +5,7 @@ Numbers to test with and no claim: a vehicle of eight rotors in a small windy ro
 enough that floor, walls, ceiling and their rotors' wakes are met.
 """
 
-from lta_config.schema.vehicle_law import Law
 from lta_model.effects import EFFECTS
-from lta_model.effects.law import list_law_parameters
 from lta_model.effects.protocol import BodyEffect, InertiaEffect, KernelEffect
 from lta_model.model import VehicleModel
 from lta_model.state import ACTUATORS
@@ -55,10 +53,6 @@ ABSENT = {
     'thrust_polynomial': [('linear_to',)],
     'gusts': [('hold',)],
 }
-# Factors of a law
-ABOVE = {'quantity': 'speed', 'form': 'above', 'threshold': 0.4, 'scale': 0.2}
-TURNING = {'quantity': 'yaw', 'form': 'cos', 'phase': 0.3}
-CURVED = {'quantity': 'u', 'form': 'power', 'exponent': 1.5}
 SHARES = (1.0, 1.0, -1.0, 0.5, 0.0, 0.0, 0.0, 0.0)
 
 
@@ -82,42 +76,9 @@ def parameters(effect, generator):
     return given
 
 
-# With a lag of second order, sums and products, an axis of the map, and a region that is left
-LAW = Law.model_validate(
-    {
-        'source': 'invented',
-        'terms': [
-            {
-                'axis': 'surge',
-                'coefficient': 0.05,
-                'unit': 's',
-                'factors': [{'quantity': 'hidden'}],
-            },
-            {'axis': 'map_y', 'coefficient': -0.04, 'unit': 'N', 'factors': [ABOVE, TURNING]},
-            {'axis': 'pitch', 'coefficient': 2e-3, 'unit': 'N s1.5/m0.5', 'factors': [CURVED]},
-            {'axis': 'pitch', 'coefficient': 1e-3, 'unit': 'N m', 'factors': []},
-        ],
-        'hidden': {
-            'drive': [{'quantity': 'thrust_heave'}, {'quantity': 'r', 'form': 'modulus'}],
-            'frequency': 2.0,
-            'damping': 0.3,
-        },
-        'region': {
-            'u': [-0.5, 0.5],
-            'speed': [0.0, 1.5],
-            'r': [-1.0, 1.0],
-            'yaw': [-2.0, 2.0],
-            'hidden': [-1.0, 1.0],
-            'thrust_heave': [-2.0, 2.0],
-        },
-    }
-)
-
-
 def everything(generator, names=None):
-    """Return the parameters of these effects, or of all but the law that shape a flight."""
-    law = {'law': list_law_parameters(LAW)} if names is not None and 'law' in names else {}
-    return law | {
+    """Return the parameters of these effects, or of all that shape a flight."""
+    return {
         name: parameters(effect, generator)
         for name, effect in EFFECTS.items()
         if isinstance(effect, KINDS) and (names is None or name in names)

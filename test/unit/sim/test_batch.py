@@ -93,9 +93,7 @@ def test_only_what_some_vehicle_has_on_is_compiled():
     assert used.zeros == {k for k in range(values.shape[1]) if not values[:, k].any()}
     source = render_batch_source(used.names, used.zeros, used.rotors)
     for name in kernel.LAYOUT.effects:
-        assert (f'def {name}_{"compute_wrench" if name == "law" else name}(' in source) == (
-            name in on
-        )
+        assert (f'def {name}_{name}(' in source) == (name in on)
     assert f'for j in range({used.rotors}):' in source
     few = render_batch_source(('strip_damping',), frozenset({0, 1}), 4)
     assert 'p = ((0.0, 0.0, block[2 * WIDTH + i], ' in few

@@ -2,7 +2,7 @@
 
 from functools import cache
 
-from lta_model.effects import MODEL_EFFECTS
+from lta_model.effects import EFFECTS
 from lta_sim.kernels import kernel, row
 from lta_sim.kernels.compose import render_kernel_source
 from lta_sim.kernels.cpu_batch import advance_many
@@ -20,7 +20,7 @@ SETS = ('all', 'some', 'few', 'none')
 def names_of(kind, generator):
     """Return which effects of a random vehicle are on."""
     share = {'all': 1.0, 'some': 0.5, 'few': 0.1, 'none': 0.0}[kind]
-    return [name for name in MODEL_EFFECTS if generator.random() < share]
+    return [name for name in EFFECTS if generator.random() < share]
 
 
 @cache  # both forms are compared on the same fleet
@@ -48,7 +48,7 @@ def alone(models, states, commands, around, steps):
 @pytest.fixture(scope='module')
 def text():
     """Return `advance` of the kernel's text as plain, slow Python."""
-    source = render_kernel_source(MODEL_EFFECTS).replace('from numba import njit', '')
+    source = render_kernel_source(EFFECTS).replace('from numba import njit', '')
     space = {'njit': lambda **_: lambda function: function}
     exec(source, space)
     return space['advance']

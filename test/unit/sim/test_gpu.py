@@ -12,13 +12,11 @@ import sys
 import textwrap
 
 from lta_config.errors import BadInput
-from lta_model.effects.law import list_law_parameters
 from lta_sim.kernels import gpu, kernel
 from lta_sim.kernels.vehicle_batch import VehicleBatch
 import numpy as np
 import pytest
 
-from . import crowded
 from . import flat_balloon as balloon
 
 needs_cuda = pytest.mark.skipif(
@@ -56,10 +54,7 @@ def flights():
     """Return three vehicles, one of them with its foot in the floor, and how they fly."""
     generator = np.random.default_rng(2)
     given = [
-        balloon.EVERYTHING
-        | {'motor_lag': {'up': 0.05 * k, 'down': 0.1 * k}}
-        | ({'law': list_law_parameters(crowded.LAW)} if k else {})
-        for k in range(3)
+        balloon.EVERYTHING | {'motor_lag': {'up': 0.05 * k, 'down': 0.1 * k}} for k in range(3)
     ]
     models = [balloon.model(one, generator.normal(0.0, 0.03, 3)) for one in given]
     starts = [balloon.anywhere(generator, (height, height)) for height in (1.0, -0.5, 2.0)]

@@ -1,7 +1,7 @@
 """A model is refused in one sentence, or it is a body that can exist."""
 
 from lta_config.errors import BadInput
-from lta_model.effects import MODEL_EFFECTS
+from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import KernelEffect
 from lta_model.model import VehicleModel
 from lta_sim.kernels.kernel import LAYOUT
@@ -47,7 +47,7 @@ def test_bad_input(bad, words):
 def test_what_is_left_out_is_null():
     nulls = {
         name: {parameter.name: parameter.null for parameter in effect.parameters}
-        for name, effect in MODEL_EFFECTS.items()
+        for name, effect in EFFECTS.items()
     }
     for one, two in zip(vectors(build()), vectors(build(nulls)), strict=True):
         assert one.tobytes() == two.tobytes()
@@ -71,7 +71,7 @@ def test_numbers_of_the_kernel():
     np.testing.assert_allclose(model.body[:17], expected, rtol=1e-14, atol=1e-18)
     heave = np.reshape(model.inverse, (6, 6))[2, 2]
     assert heave == pytest.approx(1.0 / (0.358 + 0.374), rel=1e-14)
-    kernel = [effect for effect in MODEL_EFFECTS.values() if isinstance(effect, KernelEffect)]
+    kernel = [effect for effect in EFFECTS.values() if isinstance(effect, KernelEffect)]
     assert len(model.parameters) == sum(len(effect.parameters) for effect in kernel)
     on = dict(zip(LAYOUT.effects, model.on.tolist(), strict=True))
     assert {name for name, is_on in on.items() if is_on} == set(balloon.EVERYTHING) & set(on)

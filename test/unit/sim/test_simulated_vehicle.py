@@ -1,6 +1,5 @@
 """A vehicle in its row: what it writes there is what the functions of the kernel return."""
 
-from lta_sim import simulated_vehicle
 from lta_sim.kernels import kernel
 from lta_sim.simulated_vehicle import SimulatedVehicle
 import numpy as np
@@ -31,14 +30,6 @@ def test_it_moves_in_place_as_the_kernel_says(craft):
         craft.advance(2e-3, 5)
     assert craft.state is state
     np.testing.assert_array_equal(state, later)
-
-
-def test_a_vehicle_without_a_law_has_no_code_of_it():
-    without, with_law = (simulated_vehicle._build_source(law=law) for law in (False, True))
-    assert 'law_' not in without
-    assert 'def law_compute_wrench(' in with_law
-    # One row of numbers fits both
-    assert without.count('row[') < with_law.count('row[')
 
 
 def test_looking_changes_neither_state_nor_future(craft):

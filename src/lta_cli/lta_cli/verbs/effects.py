@@ -68,9 +68,6 @@ def print_effect(name: str) -> None:
     """Print one effect with all its parameters."""
     console, effect = plain_console(), get_effect(name)
     console.print(f'{name}: {describe_effect(effect)}.\n', markup=False)
-    if isinstance(effect, WrenchEffect) and effect.is_law:
-        console.print('Its numbers are in the block "law" of a vehicle file (docs/effects.md).')
-        return
     table = Table(box=None)
     for column in ('parameter', 'unit', 'null', 'from', 'to', 'spread', 'source'):
         table.add_column(column, overflow='fold')

@@ -5,34 +5,24 @@ from typing import Annotated
 
 from lta_analysis.console import plain_console
 from lta_config.command_line import relative_path
-from lta_vehicle.effect_skeleton import load_law, write_skeleton
+from lta_vehicle.effect_skeleton import write_skeleton
 import typer
 
 
 def new(
     name: Annotated[str, typer.Argument(help='Name of the new effect, for example guide_rope.')],
-    source: Annotated[
-        str | None,
-        typer.Option(
-            '--from',
-            metavar='RUN|VEHICLE',
-            help='Folder of a run, or vehicle, whose law the effect computes; none: an example.',
-        ),
-    ] = None,
     out: Annotated[Path | None, typer.Option(help='Folder to write; NAME by default.')] = None,
 ) -> None:
     """
     Write the skeleton of an effect: a Python file, and the package that installs it.
 
-    With --from, the effect computes what the law of a vehicle file does, with a parameter for
-    each coefficient. Replace its formula by the equations of the cause. After "pip install", the
-    effect is listed by "lta effects", and vehicle files can use it.
+    Replace its example by the equations of the cause, such as of a force that "lta discover"
+    names. After "pip install", "lta effects" lists it, and vehicle files can use it.
 
     Example: lta effects new guide_rope
     """
-    law = None if source is None else load_law(source)
     folder = out or Path(name)
-    files = write_skeleton(name, law, folder)
+    files = write_skeleton(name, folder)
     console = plain_console()
     for path in files:
         console.print(f'File {path}', highlight=False, soft_wrap=True)

@@ -88,7 +88,7 @@ def fly(
     figures = write_report(flight, target)
     if figures is not None:
         warning = describe_exceeded_region_of_bag(open_flight(flight.bag))
-        flight = replace(flight, warning=' '.join(filter(None, (warning, flight.warning))))
+        flight = replace(flight, warning=warning)
     if json:
         print_json(flight_to_dict(flight, figures, target))
     console.print(format_outcome(flight, figures), highlight=False, soft_wrap=True)

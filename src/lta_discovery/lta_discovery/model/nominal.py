@@ -11,7 +11,7 @@ from lta_discovery.model.replay_kernel import (
     BODY_PLACES,
     LATENT,
 )
-from lta_model.effects import initial_memory, MODEL_EFFECTS
+from lta_model.effects import EFFECTS, initial_memory
 from lta_model.effects.protocol import BodyEffect, Effect, InertiaEffect, MeasurementEffect
 from lta_model.measurement_chain import build_chains, Chain
 from lta_model.model import fill_parameters, VehicleModel
@@ -78,9 +78,9 @@ class NominalVehicle:
 
     def parameter_value(self, effect: str, parameter: str) -> float:
         """Return a parameter of an effect; its null value where the vehicle does not set it."""
-        null = {
-            declaration.name: declaration.null for declaration in MODEL_EFFECTS[effect].parameters
-        }[parameter]
+        null = {declaration.name: declaration.null for declaration in EFFECTS[effect].parameters}[
+            parameter
+        ]
         return float(self.effect_parameters.get(effect, {}).get(parameter, null))
 
     def with_value(self, effect: str, parameter: str, value: float) -> 'NominalVehicle':
@@ -138,7 +138,7 @@ class NominalVehicle:
             row[where['body']], row[where['inverse']] = model.body, model.inverse
         a_on = _copy_model(model, actuators, ACTUATOR_PLACES, ACTUATOR_LAYOUT)
         b_on = _copy_model(model, body, BODY_PLACES, BODY_LAYOUT)
-        acting = build_chains(model.effect_parameters, MODEL_EFFECTS)
+        acting = build_chains(model.effect_parameters, EFFECTS)
         return ReplayRows(actuators, a_on, body, b_on, acting)
 
     def update_replay_rows(self, other: 'NominalVehicle', rows: ReplayRows) -> ReplayRows:
@@ -167,12 +167,12 @@ class NominalVehicle:
                 )
             )
         )
-        kinds = [MODEL_EFFECTS[name] for name in changed]
+        kinds = [EFFECTS[name] for name in changed]
         if weighed or any(isinstance(kind, InertiaEffect | BodyEffect) for kind in kinds):
             return self.build_replay_rows()
         acting = rows.acting
         if any(isinstance(kind, MeasurementEffect) for kind in kinds):
-            acting = build_chains(self.effect_parameters, MODEL_EFFECTS)
+            acting = build_chains(self.effect_parameters, EFFECTS)
         new = ReplayRows(
             rows.actuators.copy(),
             rows.actuators_on.copy(),

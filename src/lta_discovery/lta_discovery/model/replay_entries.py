@@ -189,7 +189,7 @@ def answers(
 
 
 $FREE
-def remember(row, on, states, commands, around, dt, midpoint, out):
+def remember(row, on, states, commands, around, dt, out):
     """Write the memory of the effects at each step of a flight whose motion is known."""
     row[TOLD] = 0.0
     for k in range(states.shape[0]):
@@ -202,12 +202,6 @@ def remember(row, on, states, commands, around, dt, midpoint, out):
         for j in range(out.shape[1]):
             out[k, j] = row[RIGID + j]
         rates(row, on)
-        if midpoint:  # what swings would swing up by the explicit Euler method
-            for j in range(out.shape[1]):
-                row[RIGID + j] += 0.5 * dt * row[RATE + RIGID + j]
-            rates(row, on)
-            for j in range(out.shape[1]):
-                row[RIGID + j] = out[k, j]
         for j in range(out.shape[1]):
             row[RIGID + j] += dt * row[RATE + RIGID + j]
 '''

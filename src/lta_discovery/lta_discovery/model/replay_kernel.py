@@ -17,7 +17,7 @@ from typing import Final, final
 from lta_config.compilation.compiler import ENTRY_DECORATOR, INNER_DECORATOR
 from lta_config.compilation.kernel_cache import load_kernel
 from lta_discovery.model.replay_entries import CHAIN, FLY
-from lta_model.effects import MODEL_EFFECTS
+from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import (
     ActuatorEffect,
     AXES,
@@ -54,12 +54,12 @@ _EFFECT: Final = WrenchEffect(
 )
 
 ACTUATORS_ONLY: Final[dict[str, Effect]] = {
-    name: effect for name, effect in MODEL_EFFECTS.items() if isinstance(effect, ActuatorEffect)
+    name: effect for name, effect in EFFECTS.items() if isinstance(effect, ActuatorEffect)
 }
 BODY_ONLY: Final[dict[str, Effect]] = {
     **{
         name: effect
-        for name, effect in MODEL_EFFECTS.items()
+        for name, effect in EFFECTS.items()
         if isinstance(effect, KernelEffect) and not isinstance(effect, ActuatorEffect)
     },
     LATENT: _EFFECT,
@@ -83,7 +83,6 @@ class _RowOfRotors:
         self._row = RowAccess()
         self.format_number = self._row.format_number
         self.format_all_numbers = self._row.format_all_numbers
-        self.format_parameters = self._row.format_parameters
 
     def build_template_parts(
         self, stages: list[ModelStage], layout: EffectLayout

@@ -1,11 +1,9 @@
 """Replay one measured flight through the model, for a set of parameters."""
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Final, final, NamedTuple
 
 from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD, Stream
-from lta_discovery.flights.usable_states import fit_state_at
 from lta_discovery.model.nominal import NominalVehicle, ReplayRows
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.model.replay_kernel import (
@@ -30,7 +28,6 @@ CLOCKS: Final = ('clock', 'pose_time')  # channels that shift the time of a pose
 REMEMBERING: Final = [
     flag for flag, name in enumerate(BODY_LAYOUT.effects) if BODY_LAYOUT.memory_size(name)
 ]
-LAW: Final = BODY_LAYOUT.flag_index('law')
 
 
 @final
@@ -118,25 +115,6 @@ class FlightReplay:
             values = self.flight.position[good, k]
             states[:, k] = np.interp(self._steps, self.flight.time[good], values)
         return states
-
-    @cached_property
-    def _motion_from_fits(self) -> Array:
-        """The measured motion by step with attitude, velocity and rates, for a law."""
-        count = len(self.flight.time)
-        fits = [fit_state_at(self.flight, index) for index in range(count)]
-        fitted_indices = [index for index in range(count) if fits[index] is not None]
-        if not fitted_indices:
-            return self._known
-        table = np.array([fits[index] for index in fitted_indices])
-        # One sign of each quaternion, so that it can be interpolated
-        turned = np.sum(table[1:, 3:7] * table[:-1, 3:7], axis=1) < 0.0
-        table[1:, 3:7] *= np.cumprod(np.where(turned, -1.0, 1.0))[:, None]
-        return np.column_stack(
-            [
-                np.interp(self._steps, self.flight.time[fitted_indices], column)
-                for column in table.T
-            ]
-        )
 
     def _rest_commands(self) -> Array:
         """Return the command of each step without rotors: the place of the moving mass."""
@@ -231,12 +209,15 @@ class FlightReplay:
         """Return the memory of the effects in each step."""
         memory = np.tile(rows.body[RIGID : BODY_LAYOUT.size], (len(self._steps), 1))
         if rows.body_on[REMEMBERING].any():
-            # Only the hidden state of a law follows more than the position
-            lawful = bool(rows.body_on[LAW])
             load_body_kernel().remember(
-                rows.body.copy(), rows.body_on, self._motion_from_fits if lawful else self._known,
-                commands, self._around, self.dt, lawful, memory,
-            )  # fmt: skip
+                rows.body.copy(),
+                rows.body_on,
+                self._known,
+                commands,
+                self._around,
+                self.dt,
+                memory,
+            )
         return memory
 
     def update_wrench(self, rows: ReplayRows, before: BodyInputs) -> BodyInputs:

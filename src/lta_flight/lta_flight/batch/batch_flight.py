@@ -19,7 +19,7 @@ from lta_control.strategies.protocol import NavigationStrategy
 from lta_flight.batch.constants_and_tally import BatchPower, FlightConstants
 from lta_flight.batch.targets import BatchSchedule, STEP
 from lta_flight.flight_stack import FlightStack
-from lta_model.effects import MODEL_EFFECTS
+from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import MeasurementEffect
 from lta_model.electrical.loads import navigation_power
 from lta_model.light.readings import build_panel_plane
@@ -105,7 +105,7 @@ def build_model(vehicle: Vehicle, scenario: Scenario, policy: FlightStack) -> Ve
         )
     model = build_scene_model(vehicle, scenario)
     for name in model.effect_parameters:
-        effect = MODEL_EFFECTS[name]
+        effect = EFFECTS[name]
         # Effects of sensors and commands act outside the model, where a batch has no code for them
         if isinstance(effect, MeasurementEffect) and effect.channel not in UNHEARD:
             raise BadInput(

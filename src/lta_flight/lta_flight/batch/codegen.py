@@ -26,7 +26,7 @@ from lta_flight.batch.flight import amplitude_error
 from lta_flight.batch.flight_loop import fly
 from lta_flight.batch.kernel_access import VehicleAccess
 from lta_flight.batch.targets import BatchSchedule, CompileTarget, MODEL
-from lta_model.effects import initial_memory, MODEL_EFFECTS
+from lta_model.effects import EFFECTS, initial_memory
 from lta_model.light.ray_integration import DAYLIGHT_ROW, LAMP_ROWS, scratch_size
 from lta_model.state import RIGID
 from lta_sim.compiled_sensors import draw_turbulence_memory
@@ -122,7 +122,7 @@ def write_flight_source(
     for layout in layouts:
         layout.add_types(extract)
     form = KernelTarget(target.imports, target.inline, '', VehicleAccess(), MODEL)
-    model = render_kernel_source({name: MODEL_EFFECTS[name] for name in names}, form)
+    model = render_kernel_source({name: EFFECTS[name] for name in names}, form)
     functions = [f'{target.inline}\n{text}' for text in generated]
     cores = extract.render_pieces(target.inline, target.merge, MERGED)
     return '\n\n\n'.join((model, cores, *functions, entry))

@@ -30,11 +30,6 @@ class VehicleAccess:
             return name
         return format_tuple(self.format_number(name, k, layout) for k in range(FIXED[name]))
 
-    def format_parameters(self, first: int, count: int, layout: EffectLayout) -> str:
-        """Return the source of consecutive parameters as a view of the row."""
-        begin = self._row_offset('parameters', layout) + first
-        return f'fixed[{begin}:{begin + count}]'
-
     def build_template_parts(
         self, parts: list[ModelStage], layout: EffectLayout
     ) -> dict[str, str]:

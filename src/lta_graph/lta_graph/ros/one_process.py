@@ -30,8 +30,8 @@ from lta_graph.reach import PROFILE_VARIABLE
 from lta_graph.ros.command_line import initialize_ros, reject_unknown_parameters
 from lta_graph.ros.contained_node import give_arguments
 from lta_graph.ros.node import GraphNode
-from lta_graph.ros.node_help import asks_for_help
 from lta_graph.ros.process import (
+    asks_for_help,
     describe_crash,
     finish_waiting_events,
     open_executor,

@@ -1,8 +1,9 @@
 """Run one node as a process, the `main` of every executable, by rclpy's `EventsExecutor`."""
 
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager, ExitStack, suppress
 import faulthandler
+import inspect
 import os
 import signal
 import sys
@@ -18,7 +19,6 @@ from lta_graph.interrupts import catch_stops
 from lta_graph.ros.command_line import initialize_ros, reject_unknown_parameters
 from lta_graph.ros.contained_node import ContainedNode
 from lta_graph.ros.node import GraphNode
-from lta_graph.ros.node_help import asks_for_help, describe_node
 from lta_graph.terminal_streams import exit_process, guard_streams
 from rclpy.context import Context
 from rclpy.executors import Executor
@@ -28,6 +28,21 @@ from rclpy.utilities import try_shutdown
 
 POLL: Final = 0.02  # wall seconds between two steps of a node's `run`
 TEARDOWN: Final = 5.0  # s for DDS to shut down; less than the launcher's grace
+HELP: Final = ('-h', '--help')
+
+
+def asks_for_help(words: Sequence[str]) -> bool:
+    """Return whether a command line asks for help, before or after `--ros-args`."""
+    return any(word in HELP for word in words[1:])
+
+
+def describe_node(node_class: type[GraphNode], program: str) -> str:
+    """Return the help of a node: its task, and where its parameters and topics are listed."""
+    task = inspect.cleandoc(sys.modules[node_class.__module__].__doc__ or node_class.__doc__ or '')
+    return (
+        f'Usage: {program} --ros-args [-p PARAMETER:=VALUE] [-r FROM:=TO] ...\n\n{task}\n\n'
+        'docs/parameters.md lists the parameters, docs/topics.md the topics.\n'
+    )
 
 
 def run_node(node_class: type[GraphNode], args: list[str] | None = None) -> NoReturn:

@@ -22,7 +22,6 @@ from lta_model.effects import (
     surfaces,
     weight,
 )
-from lta_model.effects.law import LAW
 from lta_model.effects.protocol import ActuatorEffect, Effect, KernelEffect
 from lta_model.state import ACTUATORS
 
@@ -133,11 +132,6 @@ EFFECTS: dict[str, Effect] = merge_installed_effects(
 )
 
 
-# What the kernel sums: also the law of a vehicle file, which is data instead of an equation with
-# parameters of its own. So nothing that lists, draws, hides or fits effects sees it.
-MODEL_EFFECTS: dict[str, Effect] = {**EFFECTS, LAW.name: LAW}
-
-
 def select_built_in_effects() -> dict[str, Effect]:
     """Return the built-in effects, without those installed by others."""
     return {name: EFFECTS[name] for name in BUILT_IN}
@@ -145,7 +139,7 @@ def select_built_in_effects() -> dict[str, Effect]:
 
 def get_effect(name: str) -> Effect:
     """Return an effect by name; raise `BadInput` with the known names if there is none."""
-    effect = EFFECTS.get(name) or MODEL_EFFECTS.get(name)
+    effect = EFFECTS.get(name)
     if effect is None:
         raise unknown_name_error('effect', name, list(EFFECTS))
     return effect
@@ -155,7 +149,7 @@ def initial_memory() -> tuple[float, ...]:
     """Return the initial memory of all effects, in the layout of the state."""
     return tuple(
         value
-        for effect in MODEL_EFFECTS.values()
+        for effect in EFFECTS.values()
         if isinstance(effect, KernelEffect)
         # An actuator effect has a memory for each rotor
         for _ in range(ACTUATORS if isinstance(effect, ActuatorEffect) else 1)

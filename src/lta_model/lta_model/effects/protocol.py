@@ -136,9 +136,6 @@ class WrenchEffect:
     placed: bool = False  # whether it depends on the world pose, as walls do
     # Returns an objection to a combination of values, or ''
     check: Callable[[Mapping[str, float]], str] = no_check
-    # Whether its parameters are the numbers of a law, which a vehicle file holds as data: its
-    # functions get `p` as an array, to loop over terms, and `rate` the thrust as well
-    is_law: bool = False
 
 
 @final

@@ -43,11 +43,6 @@ def _format_column(block: str, first: int, count: int, width: str) -> str:
     return format_tuple(f'{block}[{first + k} * {width} + i]' for k in range(count))
 
 
-def _format_view(block: str, first: int, count: int, width: str) -> str:
-    """Return the source of consecutive numbers of vehicle i as a view of a block."""
-    return f'{block}[{first} * {width} + i : {first + count} * {width} : {width}]'
-
-
 def build_thread_sources(parts: list[ModelStage], layout: EffectLayout) -> dict[str, str]:
     """Return the source of all stages in sequence, and the arithmetic of states held as tuples."""
     size = range(layout.size)
@@ -80,10 +75,6 @@ class ThreadAccess:
         if name == 'u':
             return name
         return _format_column('fixed', _row_offset(name, layout), FIXED[name], self.width)
-
-    def format_parameters(self, first: int, count: int, layout: EffectLayout) -> str:
-        """Return the source of consecutive parameters of vehicle i as a view of the block."""
-        return _format_view('fixed', first, count, self.width)
 
     def build_template_parts(
         self, parts: list[ModelStage], layout: EffectLayout
@@ -126,10 +117,6 @@ class ColumnAccess:
             return format_tuple((*thrusts, *['0.0'] * (ACTUATORS - self.rotors)))
         count = (FIXED | VARIABLES)[name]
         return _format_column('block', _row_offset(name, layout), count, self.width)
-
-    def format_parameters(self, first: int, count: int, layout: EffectLayout) -> str:
-        """Return the source of consecutive parameters of vehicle i as a view of the block."""
-        return _format_view('block', first, count, self.width)
 
     def build_template_parts(
         self, parts: list[ModelStage], layout: EffectLayout

@@ -2,12 +2,11 @@
 Generate the source of one kernel that sums all effects.
 
 The source contains the functions of the effects and of the rigid body (`extract`), and the glue
-code below, which uses each effect's offset in the parameter vector and in the state. The effects
-define the layout; those that are not included have no code, so that the kernels of one layout take
-the same arrays. An included effect that is off costs one check of its flag.
+code below, which uses each effect's offset in the parameter vector and in the state. An effect
+that is off costs one check of its flag.
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from string import Template
 from typing import final
@@ -57,36 +56,29 @@ def build_layout(effects: Mapping[str, Effect]) -> EffectLayout:
 
 
 def _build_template_parts(
-    layout: EffectLayout, form: KernelTarget, extract: SourceExtract, included: Collection[str]
+    layout: EffectLayout, form: KernelTarget, extract: SourceExtract
 ) -> dict[str, str]:
     """Return the template parts that depend on the layout."""
     # The glue calls these functions by name
     for function in rigid_body.TAKEN:
         extract.add_function(function, 'rigid_body')
-    parts = build_stages(layout, form.access, extract, included)
+    parts = build_stages(layout, form.access, extract)
     return {'size': str(layout.size), **form.access.build_template_parts(parts, layout)}
 
 
-def render_kernel_source(
-    effects: Mapping[str, Effect],
-    form: KernelTarget = SCALAR,
-    included: Collection[str] | None = None,
-) -> str:
+def render_kernel_source(effects: Mapping[str, Effect], form: KernelTarget = SCALAR) -> str:
     """
     Return the kernel of these effects as the source of a module that needs only numba.
 
     The order of the effects defines the layout of parameter vector and memory. Effects that act
-    outside the kernel are ignored, and those that are not `included` have no code; by default all
-    are.
+    outside the kernel are ignored.
     """
     extract = SourceExtract()
     layout = build_layout(effects)
     texts = {
         'INLINE': form.inline,
         'ENTRY': form.entry,
-        **_build_template_parts(
-            layout, form, extract, layout.effects if included is None else included
-        ),
+        **_build_template_parts(layout, form, extract),
     }
     glue = form.entries.substitute(texts)
     return f'{HEAD}{form.imports}\n\n{extract.render_pieces(form.inline)}\n\n{glue}'

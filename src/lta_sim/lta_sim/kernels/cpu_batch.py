@@ -14,7 +14,7 @@ from types import ModuleType
 from lta_config.compilation.compiler import INNER_OPTIONS
 from lta_config.compilation.kernel_cache import load_kernel
 from lta_config.machine import count_cores
-from lta_model.effects import MODEL_EFFECTS
+from lta_model.effects import EFFECTS
 from lta_sim.kernels.columns import ColumnAccess
 from lta_sim.kernels.compose import KernelTarget, render_kernel_source
 from lta_sim.kernels.vehicle_batch import pack_blocks, select_used_numbers, VehicleBatch
@@ -102,7 +102,7 @@ def render_batch_source(
         ColumnAccess('WIDTH', zeros, rotors),
         Template(Template(ENTRIES).safe_substitute(width=width)),
     )
-    return render_kernel_source({name: MODEL_EFFECTS[name] for name in names}, form)
+    return render_kernel_source({name: EFFECTS[name] for name in names}, form)
 
 
 @cache

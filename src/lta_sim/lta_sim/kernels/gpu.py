@@ -12,7 +12,7 @@ from types import ModuleType
 
 from lta_config.compilation.kernel_cache import load_kernel
 from lta_config.errors import BadInput
-from lta_model.effects import MODEL_EFFECTS
+from lta_model.effects import EFFECTS
 from lta_sim.kernels.columns import ThreadAccess
 from lta_sim.kernels.compose import KernelTarget, render_kernel_source
 from lta_sim.kernels.vehicle_batch import pack_blocks, select_used_numbers, VehicleBatch
@@ -99,7 +99,7 @@ def require_cuda() -> ModuleType:
 @cache
 def _load_kernel(names: tuple[str, ...]) -> ModuleType:
     """Load the kernel of the given effects only, because registers are scarce."""
-    return load_kernel(render_kernel_source({name: MODEL_EFFECTS[name] for name in names}, FORM))
+    return load_kernel(render_kernel_source({name: EFFECTS[name] for name in names}, FORM))
 
 
 def advance_many(

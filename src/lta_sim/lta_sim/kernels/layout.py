@@ -129,10 +129,6 @@ class KernelAccess(Protocol):
         """Return the source of all numbers of `u` or one of FIXED."""
         ...
 
-    def format_parameters(self, first: int, count: int, layout: EffectLayout) -> str:
-        """Return the source of consecutive parameters as an array, for a law."""
-        ...
-
     def build_template_parts(
         self, parts: list[ModelStage], layout: EffectLayout
     ) -> dict[str, str]:

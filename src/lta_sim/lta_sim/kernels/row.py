@@ -124,11 +124,6 @@ class RowAccess:
             return name
         return format_tuple(self.format_number('u', i, layout) for i in range(ACTUATORS))
 
-    def format_parameters(self, first: int, count: int, layout: EffectLayout) -> str:
-        """Return the source of consecutive parameters as a view of the row."""
-        begin = row_slices(layout)['parameters'].start + first
-        return f'row[{begin}:{begin + count}]'
-
     def build_template_parts(
         self, stages: list[ModelStage], layout: EffectLayout
     ) -> dict[str, str]:

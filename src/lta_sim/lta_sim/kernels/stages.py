@@ -6,7 +6,6 @@ declares the variables that it reads and writes, so that the same lines work for
 local variables and for many vehicles in arrays.
 """
 
-from collections.abc import Collection
 from typing import final
 
 from lta_config.compilation.extract import SourceExtract
@@ -95,15 +94,8 @@ class _StageWriter:
     def _format_inputs(self, name: str, effect: AirEffect | WrenchEffect) -> list[str]:
         """Return the lines that load an effect's parameters and memory."""
         layout = self._layout
-        first, count = layout.first[name], len(effect.parameters)
-        law = isinstance(effect, WrenchEffect) and effect.is_law
-        p = (
-            self._access.format_parameters(first, count, layout)
-            if law
-            else self.format_numbers('parameters', first, count)
-        )
         return [
-            f'p = {p}',
+            f'p = {self.format_numbers("parameters", layout.first[name], len(effect.parameters))}',
             f'm = {self.format_numbers("state", layout.remembers[name], len(effect.memory))}',
         ]
 
@@ -148,8 +140,9 @@ class _StageWriter:
             f'total = rigid_body_add_wrenches(total, W_{name})',
         ]
         if effect.rate is not no_rate:
-            inputs = 'p, m, motion, u' if effect.is_law else 'p, m, motion'
-            lines.append(f'R_{name} = {self._extract.add_function(effect.rate, name)}({inputs})')
+            lines.append(
+                f'R_{name} = {self._extract.add_function(effect.rate, name)}(p, m, motion)'
+            )
         return ModelStage(
             tuple(lines),
             ('r', 'airspeed', 'u', 'total'),
@@ -162,16 +155,11 @@ class _StageWriter:
 
 
 def build_stages(
-    layout: EffectLayout, access: KernelAccess, extract: SourceExtract, included: Collection[str]
+    layout: EffectLayout, access: KernelAccess, extract: SourceExtract
 ) -> list[ModelStage]:
-    """
-    Return the stages of the state derivative in the order of computation.
-
-    `extract` collects the functions of the effects; those that are not in `included` have no
-    stage.
-    """
+    """Return the stages of the state derivative in order; `extract` collects their functions."""
     writer = _StageWriter(layout, access, extract)
-    kinds = [(name, effect) for name, effect in layout.effects.items() if name in included]
+    kinds = list(layout.effects.items())
     return [
         writer.build_attitude_stage(),
         *(writer.build_air_stage(name, e) for name, e in kinds if isinstance(e, AirEffect)),

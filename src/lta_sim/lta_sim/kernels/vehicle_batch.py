@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import final, Self
 
 from lta_config.errors import BadInput
-from lta_model.effects import BUILT_IN, MODEL_EFFECTS
+from lta_model.effects import BUILT_IN, EFFECTS
 from lta_model.effects.protocol import ActuatorEffect
 from lta_model.model import VehicleModel
 from lta_model.state import ACTUATORS, COMMAND, ROTOR, ROTOR_PLACE, SURROUNDINGS
@@ -103,9 +103,7 @@ class UsedNumbers:
     @property
     def rotors(self) -> int:
         """Number of rotors up to the last with an axis, a command or a memory in some vehicle."""
-        actuators = [
-            name for name in self.names if isinstance(MODEL_EFFECTS[name], ActuatorEffect)
-        ]
+        actuators = [name for name in self.names if isinstance(EFFECTS[name], ActuatorEffect)]
         if not set(actuators) <= set(BUILT_IN):
             return ACTUATORS  # ours have no thrust without a command, which others may have
         _, body, _, commands, _ = self.fixed

@@ -40,7 +40,6 @@ from rclpy.clock_type import ClockType
 from rosgraph_msgs.msg import Clock as ClockMessage
 
 STALE_NS = 300_000_000  # commands older or newer than this stop the motors, as on the real vehicle
-LAW = 'law'  # task of its reports, of which there is one in a flight
 MOST = 100  # characters of a refused command that are reported
 SLIP = 50  # control periods of delay that are caught up
 # Control periods that are caught up without a pause: fewer than the queue of a sensor topic holds,
@@ -244,8 +243,6 @@ class Simulator(GraphNode):
             return False
         self._world.advance(self._duties)
         self._report_supply()
-        if (warning := self._world.law_warning) and LAW not in self.health:
-            self.health.report(LAW, HealthLevel.WARN, warning)
         self._publish_step()
         return True
 
@@ -359,8 +356,7 @@ class Simulator(GraphNode):
         self._monitor_inputs()
         if self._world.steps:  # a flight that never began has no outcome
             # One line of JSON, which the launcher parses
-            summary = self._summarize_flight() | {'warning': self._world.law_warning}
-            sys.stdout.write(json.dumps(summary) + '\n')
+            sys.stdout.write(json.dumps(self._summarize_flight()) + '\n')
             sys.stdout.flush()
         super().close()
 

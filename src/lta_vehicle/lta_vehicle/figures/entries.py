@@ -6,8 +6,6 @@ from typing import final
 
 from lta_config.quantity import format_with_unit, Quantity
 from lta_config.schema.vehicle_file import VehicleFile
-from lta_config.schema.vehicle_law import Law
-from lta_model.law_text import describe_coefficient, format_axes, format_hidden, format_region
 from pydantic import BaseModel
 
 # Words in a source that mark a number as neither measured nor published
@@ -55,8 +53,6 @@ def _iterate_entries(value: object, place: str) -> Iterator[VehicleFileEntry]:
             # Dimensionless numbers have no unit symbol
             '' if value.dimension == '1' else value.dimension,
         )
-    elif isinstance(value, Law):
-        yield from _list_law_entries(value, place)
     elif isinstance(value, BaseModel):
         for name in type(value).model_fields:
             yield from _iterate_entries(getattr(value, name), _join_path(place, name))
@@ -70,24 +66,6 @@ def _iterate_entries(value: object, place: str) -> Iterator[VehicleFileEntry]:
         yield VehicleFileEntry(
             place, {True: 'yes', False: 'no'}[value] if isinstance(value, bool) else str(value)
         )
-
-
-def _list_law_entries(law: Law, place: str) -> Iterator[VehicleFileEntry]:
-    """Yield the formulas of a law, axis by axis, its hidden state and its region."""
-    for axis, formula in format_axes(law).items():
-        yield VehicleFileEntry(f'{place}.{axis}', formula, law.source)
-    for number, term in enumerate(law.terms, start=1):
-        yield VehicleFileEntry(
-            f'{place}.terms.{number}.coefficient',
-            describe_coefficient(term),
-            law.source,
-            (term.coefficient,),
-            '' if term.unit == '1' else term.unit,
-        )
-    if hidden := format_hidden(law):
-        yield VehicleFileEntry(f'{place}.hidden', hidden, law.source)
-    if region := format_region(law):
-        yield VehicleFileEntry(f'{place}.region', region, law.source)
 
 
 def _join_path(place: str, name: str) -> str:

@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 import math
 
-from lta_model.law_text import describe_law
 from lta_vehicle.figures.figure import DerivedFigure
 from lta_vehicle.figures.sheet import VehicleSheet
 
@@ -41,16 +40,9 @@ def describe_vehicle(sheet: VehicleSheet) -> list[str]:
         *_describe_push(sheet),
         *_describe_stability(sheet),
         *_describe_helium(sheet),
-        *_describe_law(sheet),
         f'{sheet.assumed_count} of the {len(sheet.numbers)} numbers in its file are assumed, '
         'neither measured nor published.',
     ]
-
-
-def _describe_law(sheet: VehicleSheet) -> Iterator[str]:
-    law = sheet.vehicle.file.law
-    if law is not None:
-        yield f'A law without a name acts: {"; ".join(describe_law(law))}.'
 
 
 def _describe_weight(sheet: VehicleSheet) -> Iterator[str]:

@@ -7,14 +7,12 @@ from lta_data.bag.channels import read_all_channels
 from lta_data.bag.recorded_flight import open_flight
 from lta_discovery.flights.measured_flight import (
     FlightStreams,
-    PERIOD,
     resample_flight,
     Stream,
     WARM_UP,
 )
 from lta_discovery.flights.noise import estimate_noise, estimate_pose_noise
 from lta_discovery.flights.streams import build_streams
-from lta_discovery.flights.usable_states import fit_state_at
 from lta_discovery.model.quaternions import quaternion_exponential
 from lta_discovery.replay.replay import average_held_values
 import numpy as np
@@ -63,15 +61,6 @@ def test_a_gap_is_not_filled_and_the_floor_and_the_warm_up_do_not_count() -> Non
     assert found.usable[(found.time > 5.1) & ~((found.time > 9.9) & (found.time < 10.7))].all()
     assert not found.usable[found.time < 4.99].any()  # below 1.5 m
     assert np.isinf(found.noise[6:]).all()  # no other sensors
-
-
-def test_a_state_is_that_of_the_closed_form() -> None:
-    flight = resample_flight(helix(noise=0.001))
-    for index in (100, 250, 400):
-        state = fit_state_at(flight, index)
-        assert state is not None
-        np.testing.assert_allclose(state[7:], [SPEED, 0.0, CLIMB, 0.0, 0.0, RATE], atol=0.01)
-        assert state[2] == pytest.approx(1.0 + CLIMB * index * PERIOD, abs=0.002)
 
 
 def test_a_bag_gives_poses_and_commands(tmp_path) -> None:

@@ -2,19 +2,14 @@
 
 from dataclasses import replace
 
-from lta_config.schema.vehicle_law import HiddenState, Law, LawFactor, LawTerm
 from lta_discovery.flights.measured_flight import resample_flight, Stream
-from lta_discovery.flights.usable_states import fit_state_at
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.model.replay_kernel import BODY_LAYOUT
 from lta_discovery.replay.replay import FlightReplay, STEPS
 from lta_discovery.state_filter.linear_flight import FlightSystem
 from lta_model.effects import initial_memory
-from lta_model.effects.law import list_law_parameters
 from lta_model.vehicle import load_vehicle
 from lta_sim.kernels import kernel
-from lta_sim.kernels.kernel import LAYOUT
 import numpy as np
 import pytest
 
@@ -72,70 +67,6 @@ def test_pieces_fly_as_the_kernel_flies(gtmab: tuple[NominalVehicle, object]) ->
     assert np.abs(error[:, 7:]).max() < 1e-3  # m/s, rad/s
 
 
-@pytest.mark.parametrize('lag', [{'time_constant': 1.5}, {'frequency': 5.0, 'damping': 0.02}])
-def test_a_law_with_a_hidden_state_is_replayed(
-    gtmab: tuple[NominalVehicle, object], lag: dict[str, float]
-) -> None:
-    # The hidden state follows attitude, airspeed and rates of the measured motion
-    law = Law(
-        source='a test',
-        terms=[
-            LawTerm(
-                axis='yaw', coefficient=0.01, unit='N s2', factors=[LawFactor(quantity='hidden')]
-            ),
-            LawTerm(axis='surge', coefficient=0.002, unit='N', factors=[]),
-        ],
-        hidden=HiddenState(
-            drive=[
-                LawFactor(quantity='r'),
-                LawFactor(quantity='u', form='modulus'),
-                LawFactor(quantity='pitch', form='cos'),
-            ],
-            **lag,
-        ),
-        region={name: [-9.0, 9.0] for name in ('u', 'r', 'pitch', 'hidden')},
-    )
-    vehicle = replace(
-        gtmab[0], effect_parameters={**gtmab[0].effect_parameters, 'law': list_law_parameters(law)}
-    )
-    streams = flown({}, 4, 12.0)
-    model, orders = vehicle.build_model(), streams.commands.values
-    state = np.concatenate([np.zeros(RIGID), initial_memory()])
-    state[6], state[2] = 1.0, 1.5
-    states = [state]
-    for order in orders:
-        states.append(kernel.advance(states[-1], model, order, (0.0,), 0.0025, 4))
-    truth = np.array(states)
-    blank = resample_flight(streams)
-    at = np.minimum(np.rint(blank.time / 0.01).astype(int), len(truth) - 1)
-    flight = replace(
-        blank,
-        position=truth[at, :3],
-        quaternion=truth[at, 3:7],
-        voltage=np.full(len(at), np.nan),
-    )
-    replay = FlightReplay(flight, FIRST, PERIODS, load_vehicle('gtmab').pack_command(()))
-    rows = vehicle.build_replay_rows()
-    ready = replay.compute_body_inputs(rows)
-    place = BODY_LAYOUT.remembers['law'] - RIGID
-    index = np.rint((blank.time[0] + replay.dt * np.arange(STEPS * len(at))) / 0.01).astype(int)
-    # A fit at the edge of a flight has poses on one side only
-    within = slice(25, len(index) - 25)
-    hidden = truth[np.minimum(index, len(truth) - 1), LAYOUT.remembers['law']][within]
-    assert np.abs(hidden).max() > 0.02
-    assert ready.memory[: len(index), place][within] == pytest.approx(hidden, abs=3e-3)
-    first = at[FIRST]
-    start, still = truth[first, :RIGID], np.zeros((len(first), replay.span, 6))
-    lawless = gtmab[0].build_replay_rows()
-    errors = []
-    for known in (rows, lawless):
-        pieces = replay.integrate_pieces(known, replay.compute_body_inputs(known), start, still)
-        error = pieces[0, ::STEPS] - truth[first[0] : first[0] + 401 : 4, :RIGID]
-        errors.append(np.abs(error[:, :7]).max())
-    assert errors[0] < 1e-3
-    assert errors[1] > 0.01
-
-
 def test_a_commanded_wrench_moves_the_body_as_the_same_latent_one(
     gtmab: tuple[NominalVehicle, object], clean: FlightSystem
 ) -> None:
@@ -143,8 +74,8 @@ def test_a_commanded_wrench_moves_the_body_as_the_same_latent_one(
     still = load_vehicle('gtmab').pack_command(())
     push = np.array([0.01, -0.004, 0.02, 1e-3, -2e-3, 5e-4])
     order = Stream(flight.time[:1], push[None])
-    state = fit_state_at(flight, int(FIRST[0]))
-    assert state is not None
+    at = int(FIRST[0])
+    state = np.concatenate([flight.position[at], flight.quaternion[at], np.zeros(6)])
     told = FlightReplay(replace(flight, wrench=order), FIRST, PERIODS, still)
     replay = FlightReplay(flight, FIRST, PERIODS, still)
     none = np.zeros((1, replay.span, 6))
