@@ -20,7 +20,7 @@ from lta_flight.flight_stack import FlightStack
 from lta_model.scenario import load_scenario
 from lta_model.state import RIGID
 from lta_model.vehicle import load_vehicle
-from lta_sim.kernels.kernel import LAYOUT
+from lta_sim.simulated_vehicle import LAYOUT
 from lta_sim.world import World
 import numpy as np
 

@@ -17,7 +17,7 @@ from lta_emulation.crazyflie.firmware_build import APP
 from lta_emulation.crazyflie.server import CrazyflieServer
 from lta_graph.health import HealthLevel
 from lta_graph.ros.message_validation import find_message_type
-from lta_graph.ros.publisher_conflict import COMMANDS
+from lta_graph.ros.publisher_conflict import COMMAND_TOPICS
 from lta_graph.ros.qos import select_profile
 from lta_graph.ros.stamps import from_stamp
 from lta_model.vehicle import load_vehicle
@@ -284,7 +284,7 @@ def test_unknown_commanders_are_an_error_that_ends_the_flight(peer, pair, hear):
         send()
         return 'unknown nodes command the drone: /lta1/stranger (teleop/held)' in safety(facts)
 
-    rivals = [(stranger, name) for name in reversed(COMMANDS)]
+    rivals = [(stranger, name) for name in reversed(COMMAND_TOPICS)]
     rivals.append((peer.beside('controller'), 'motors'))
     for node, name in rivals:
         rival = offer(node, name)

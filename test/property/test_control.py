@@ -5,9 +5,9 @@ import math
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from lta_control.allocation import (
-    ALIKE,
     allocate,
     create_working_array,
+    EQUAL_WEIGHTS,
     RIDGE,
     Rotors,
     SCRATCH,
@@ -17,7 +17,7 @@ from lta_control.allocation import (
 from lta_control.cascade import CascadeMeasurement, Setpoint, steer_to_course, wrap_angle
 from lta_control.gains_file import load_gains
 from lta_control.laws.cascade import CascadeLawConstants, CascadeLawMemory, control_step
-from lta_control.per_rotor import NONE, pad_to_slots
+from lta_control.per_rotor import NO_ROTORS, pad_to_slots
 from lta_control.pid import pid_step, PidGains
 from lta_control.vehicle_parameters import build_rotors
 from lta_model.vehicle import load_vehicle
@@ -81,7 +81,7 @@ def test_allocation_is_the_bounded_least_squares_solution(rotors, wrench, start)
     best = lsq_linear(ROOT * matrix, ROOT[:, 0] * wanted, limits, 'bvls', tol=1e-15)
     least = objective(best.x)
     asked = objective(np.zeros(rotors.number))  # what is at stake
-    for begin in NONE, start, pad_to_slots(best.x.tolist()):
+    for begin in NO_ROTORS, start, pad_to_slots(best.x.tolist()):
         thrusts, delivered = allocate(rotors, wrench, begin, create_working_array())
         # With the ridge it is the least of objective + ridge |t - begin|^2.
         away = best.x - np.clip(begin[used], *limits)
@@ -104,7 +104,7 @@ def test_the_scratch_numbers_do_not_matter():
 
 @given(st.floats(-5.0, 5.0), st.floats(0.0, 1.0), st.floats(0.01, 1.0))
 def test_duty_inverts_any_curve(size, a, b):
-    rotors = ROTORS._replace(number=2, a=(a,) * 8, b=(b,) * 8, reverse=ALIKE)
+    rotors = ROTORS._replace(number=2, a=(a,) * 8, b=(b,) * 8, reverse=EQUAL_WEIGHTS)
     thrusts = pad_to_slots((size, -size))
     u, opposite, *unused = thrusts_to_duties(rotors, thrusts, create_working_array())
     assert (a * abs(u) + b) * u == pytest.approx(size, rel=1e-12, abs=1e-300)

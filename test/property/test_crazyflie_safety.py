@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import invariant, rule, RuleBasedStateMachine
 from lta_bridge.crazyflie.safety import (
-    LOST,
-    LOW,
+    LOST_POSITION,
+    LOW_VOLTAGE_TIME,
     RAMP,
     SafetyInputs,
     SafetyLimits,
@@ -15,7 +15,7 @@ from lta_bridge.crazyflie.safety import (
     SafetyRequest,
     SafetyStage,
     SafetyState,
-    SILENT,
+    SILENT_LINK,
     STALE,
     step_state,
 )
@@ -125,14 +125,14 @@ class Bridge(RuleBasedStateMachine):
             self.knows_the_position_or_may_fly_blind()
             assert self.seen.word & SupervisorBit.ARMED
             assert self.seen.active
-            assert self.seen.silence <= SILENT
+            assert self.seen.silence <= SILENT_LINK
             assert not self.seen.rivals
 
     def knows_the_position_or_may_fly_blind(self):
         seen = self.seen
         if seen.blind and math.isinf(seen.place_age):
             return
-        assert seen.place_age <= LOST
+        assert seen.place_age <= LOST_POSITION
         assert math.isfinite(seen.height)
         assert math.isfinite(seen.distance)
 
@@ -195,7 +195,7 @@ def test_no_drone_is_armed_or_flown_without_height_and_position(seen, stage):
 def test_no_motor_begins_to_turn_while_nobody_tells_the_place(seen, drive):
     state = SafetyState(SafetyStage.FLYING if drive else SafetyStage.READY)
     state, _ = step_state(
-        state, 0.0, seen._replace(place_age=LOST + 0.01), SafetyRequest(), LIMITS
+        state, 0.0, seen._replace(place_age=LOST_POSITION + 0.01), SafetyRequest(), LIMITS
     )
     assert state.stage is not SafetyStage.FLYING
 
@@ -220,4 +220,4 @@ def test_a_cell_that_is_told_low_for_a_moment_is_flown_on_with(low, before):
 
 @given(st.lists(st.floats(-1e3, 3.1), min_size=5, max_size=20))
 def test_a_cell_that_stays_low_lands_in_time(low):
-    assert landed_after(low) == pytest.approx(LOW, abs=1.01 * PERIOD)
+    assert landed_after(low) == pytest.approx(LOW_VOLTAGE_TIME, abs=1.01 * PERIOD)

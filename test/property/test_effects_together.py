@@ -6,7 +6,8 @@ from lta_model.model import VehicleModel
 from lta_model.state import pack_state, RIGID
 from lta_sim.kernels import row
 from lta_sim.kernels.compose import build_layout, render_kernel_source
-from lta_sim.kernels.kernel import advance, LAYOUT
+from lta_sim.kernels.kernel import advance
+from lta_sim.simulated_vehicle import LAYOUT
 import numpy as np
 import pytest
 

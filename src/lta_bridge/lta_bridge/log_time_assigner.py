@@ -15,7 +15,7 @@ from lta_config.topics import TopicTable
 _STAMP = {0: struct.Struct('>iI'), 1: struct.Struct('<iI')}  # by the CDR's endianness
 _ENCAPSULATION = 4  # bytes of the CDR header
 TRANSFORMS = 'tf2_msgs/msg/TFMessage'
-JUMP_NS = 5_000_000_000  # largest plausible jump ahead of the newest stamp
+LARGEST_JUMP_NS = 5_000_000_000  # largest plausible jump ahead of the newest stamp
 AGREED = 1.0  # wall seconds; if all stamps stay ahead this long, graph time itself has jumped
 
 
@@ -141,7 +141,7 @@ class LogTimeAssigner:
         """Advance the present to a publication time; return False if it is implausible. [ns]"""
         if published < self._table.start_ns:
             return False  # earlier than any flight: the stamp was not set
-        if self._dated and published > self._now + JUMP_NS:
+        if self._dated and published > self._now + LARGEST_JUMP_NS:
             wall = self._clock()
             self._ahead_since = wall if self._ahead_since is None else self._ahead_since
             if wall - self._ahead_since < AGREED:

@@ -14,8 +14,9 @@ import numpy as np
 WINDOW_NS: Final = 1_000_000_000  # the fastest message of each window is kept
 WINDOWS: Final = 60
 ENOUGH: Final = 5  # windows needed to estimate the drift
-FASTEST: Final = 200e-6  # largest drift of a crystal, with margin [1]
-JUMP_NS: Final = 500_000_000  # a message this early means that the device's clock restarted
+LARGEST_CLOCK_DRIFT: Final = 200e-6  # largest drift of a crystal, with margin [1]
+# A message this early means that the device's clock restarted
+RESTART_JUMP_NS: Final = 500_000_000
 BACK_NS: Final = 100_000_000  # beyond any reordering of a network: the device's clock was set back
 
 
@@ -57,7 +58,7 @@ class OneWayClock:
     def stamp_arrival(self, device_ns: int, arrival_ns: int) -> int:
         """Add a message and return its graph time, never later than its arrival. [ns]"""
         ahead = self._predict_fastest(device_ns) - arrival_ns
-        if self._lows and (ahead > JUMP_NS or ahead < -20 * JUMP_NS):
+        if self._lows and (ahead > RESTART_JUMP_NS or ahead < -20 * RESTART_JUMP_NS):
             self.discard_estimate()
         self._update_line(device_ns, arrival_ns - device_ns)
         return min(self.to_graph_time(device_ns), arrival_ns)
@@ -83,6 +84,8 @@ class OneWayClock:
         self._from = device_ns
         slope = 0.0
         if len(lows) >= ENOUGH:
-            slope = float(np.clip(np.polyfit(times, lows, 1)[0], -FASTEST, FASTEST))
+            slope = float(
+                np.clip(np.polyfit(times, lows, 1)[0], -LARGEST_CLOCK_DRIFT, LARGEST_CLOCK_DRIFT)
+            )
         self._slope = slope
         self._offset = difference + float(np.min(lows - slope * times))

@@ -45,7 +45,7 @@ Scratch = MutableSequence[float] | NDArray[np.float64]
 # Priority: altitude, heading, speed. The small roll weight makes the vertical rotors share load.
 # Moments are scaled by a 0.1 m arm so that all weights compare newtons.
 WEIGHTS: Wrench = (1.0, 0.0, 100.0, 10.0, 0.0, 1000.0)
-ALIKE: PerRotor = (1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
+EQUAL_WEIGHTS: PerRotor = (1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
 
 
 class Rotors(NamedTuple):
@@ -63,7 +63,7 @@ class Rotors(NamedTuple):
     a: PerRotor
     b: PerRotor
     # Reverse thrust divided by forward thrust at the same duty, by slot [1]
-    reverse: PerRotor = ALIKE
+    reverse: PerRotor = EQUAL_WEIGHTS
     weights: Wrench = WEIGHTS  # w, by axis
     sink: float = 0.0  # heave per newton of surge, caused by the forward-pushing rotors [N/N]
 

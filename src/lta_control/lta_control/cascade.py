@@ -14,8 +14,8 @@ from lta_config.settings import setting, Settings
 from lta_control.attitude import Quaternion, up_in_body, Vector, yaw_from_quaternion
 from lta_control.pid import pid_step, PidGains
 
-SOON = 1.0  # s; look-ahead: climb rate times this counts as height
-LEAST_PUSH = 0.3  # share of the surge force that always remains (tuned)
+CLIMB_LOOKAHEAD = 1.0  # s; look-ahead: climb rate times this counts as height
+LEAST_SURGE_SHARE = 0.3  # share of the surge force that always remains (tuned)
 SLOPE_TIME = 0.1  # s; filter of the derivative terms: less noise against more delay
 
 
@@ -81,7 +81,7 @@ class Setpoint(NamedTuple):
     speed: float  # forward airspeed [m/s]
 
 
-FLOOR = Setpoint(0.0, 0.0, 0.0)  # to rest on the ground
+FLOOR_SETPOINT = Setpoint(0.0, 0.0, 0.0)  # to rest on the ground
 
 
 class WrenchDemand(NamedTuple):
@@ -230,8 +230,8 @@ def cascade_step(
     drag = drag_force(surge_drag[0], surge_drag[1], speed)
     # A hull pushed from below leans back and is lifted by the thrust. Altitude has priority: wind
     # is stronger higher up, and only weight brings the drone down again.
-    above = measured.altitude - setpoint.altitude + SOON * measured.climb
-    left = min(max(1.0 - above / gains.rise_limit, LEAST_PUSH), 1.0)
+    above = measured.altitude - setpoint.altitude + CLIMB_LOOKAHEAD * measured.climb
+    left = min(max(1.0 - above / gains.rise_limit, LEAST_SURGE_SHARE), 1.0)
     yaw, rate_memory = pid_step(
         gains.yaw_rate,
         memory.yaw_rate,

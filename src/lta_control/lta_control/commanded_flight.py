@@ -25,7 +25,7 @@ from lta_control.actions.tasks import (
     TaskResult,
     TO_PLACES,
 )
-from lta_control.cascade import CascadeMeasurement, FLOOR, Setpoint
+from lta_control.cascade import CascadeMeasurement, FLOOR_SETPOINT, Setpoint
 from lta_control.flight_step import FOOT, has_landed, LandingWatch, watch_landing
 from lta_control.guidance import GuidanceInputs, refuse_failures
 from lta_control.mission import fly_phase, MissionSettings, select_light
@@ -44,7 +44,7 @@ from lta_control.reserve_policy import apply_reserve
 from lta_control.strategies.protocol import NavigationStrategy
 from lta_vlc.settings import NO_WISH
 
-HIGHEST = 100.0  # m, of a take-off
+HIGHEST_TAKE_OFF = 100.0  # m, of a take-off
 FASTEST_BEACON = 100e3  # Hz
 # s without sinking after which a landing is reported: later than the controller ends it, as its
 # wrong end in the air would pass and a wrong report would not
@@ -165,7 +165,7 @@ class CommandedFlight:
         return now.measured is not None and not self._stands(now.measured)
 
     def _stands(self, measured: CascadeMeasurement) -> bool:
-        return has_landed(measured.altitude, measured.climb, FLOOR, self._ground_height)
+        return has_landed(measured.altitude, measured.climb, FLOOR_SETPOINT, self._ground_height)
 
     @refuse_failures
     def choose_setpoint(self, inputs: GuidanceInputs) -> Setpoint:
@@ -176,7 +176,7 @@ class CommandedFlight:
         if measured is None:
             self.progress = TaskProgress()
             self.fail('the estimate is unknown')
-            return FLOOR._replace(heading=inputs.sight.heading)
+            return FLOOR_SETPOINT._replace(heading=inputs.sight.heading)
         self._update_progress(inputs, measured)
         self._rest_on_the_ground(measured, inputs.sight.interval)
         self._apply_reserve(inputs)
@@ -203,7 +203,7 @@ class CommandedFlight:
             if now.located is None or not now.located.tracked:
                 return 'no tracker sees the drone'
             lowest = self._find_lowest(now.settings)
-            return find_route_fault(route, self._room, lowest, HIGHEST)
+            return find_route_fault(route, self._room, lowest, HIGHEST_TAKE_OFF)
         if not 0.0 <= value <= FASTEST_BEACON:
             return f'a lamp cannot flicker at {value:g} Hz; give 0 to {FASTEST_BEACON:g}'
         return ''
@@ -218,10 +218,10 @@ class CommandedFlight:
             return 'the drone flies already'
         height = value or settings.altitude
         lowest = self._find_lowest(settings)  # as the climb ends `reached` below its height
-        if not lowest < height <= HIGHEST:
+        if not lowest < height <= HIGHEST_TAKE_OFF:
             return (
                 f'the hull centre cannot fly {height:g} m above the ground; give more than '
-                f'{lowest:.2f}, at most {HIGHEST:g}'
+                f'{lowest:.2f}, at most {HIGHEST_TAKE_OFF:g}'
             )
         return ''
 

@@ -38,12 +38,12 @@ from lta_control.bias_calibration import (
 from lta_control.odometry.air_reckoning import advance_position
 from lta_control.odometry.airspeed import airspeed_step, AirspeedEstimate, HullDragModel
 from lta_control.odometry.ground_state import GroundSettings
-from lta_control.per_rotor import NONE, PerRotor
+from lta_control.per_rotor import NO_ROTORS, PerRotor
 
 FASTEST_TURN = math.radians(3000.0)  # rad/s; the BMI088 measures 2000 deg/s
 HARDEST_PULL = 400.0  # m/s2; it measures 24 g
-LEVEL = 0.1  # cosine of the tilt below which climb and heave are not separated
-PATIENCE = 5.0  # rest times without motion, after which a tilt is accepted and a turn refused
+LEVEL_COSINE = 0.1  # cosine of the tilt below which climb and heave are not separated
+REST_PATIENCE = 5.0  # rest times without motion, after which a tilt is accepted and a turn refused
 
 
 class EstimatorSettings(Settings):
@@ -123,7 +123,7 @@ class MotionEstimate(NamedTuple):
     altitude: AltitudeEstimate = AltitudeEstimate()
     airspeed: AirspeedEstimate = AirspeedEstimate()
     position: tuple[float, float] = (0.0, 0.0)
-    duties: PerRotor = NONE  # reached by the motors
+    duties: PerRotor = NO_ROTORS  # reached by the motors
     flight_time: float = 0.0  # since the calibration ended [s]
     sensors: HeightSensors = HeightSensors()
 
@@ -149,7 +149,7 @@ def air_relative_velocity(estimate: MotionEstimate) -> Vector:
     surge, sway = estimate.airspeed.surge, estimate.airspeed.sway
     climb = estimate.altitude.climb
     # Solve climb = up . velocity for the heave
-    return surge, sway, (climb - (ux * surge + uy * sway)) / uz if uz > LEVEL else climb
+    return surge, sway, (climb - (ux * surge + uy * sway)) / uz if uz > LEVEL_COSINE else climb
 
 
 def is_any_motor_turning(duties: PerRotor) -> bool:
@@ -252,7 +252,7 @@ def _calibrate_at_rest(
         candidate = compute_biases(rest, height, settings.air_density)
         turns, long = (
             is_turning(candidate, body.rate_bias),
-            rested >= PATIENCE * settings.rest_time,
+            rested >= REST_PATIENCE * settings.rest_time,
         )
         ready = not turns and (long or not is_tilted(candidate, body.force_bias))
         if ready or long:

@@ -8,13 +8,13 @@ from lta_control.phases import Mission, Phase
 from lta_control.reserve import FlightPermission
 from lta_graph.health import HealthFact, HealthLevel
 
-RESTING = {
+REST_REASONS = {
     FlightState.OFF: 'off',
     FlightState.WAITING: 'armed; waits for a setpoint above the floor',
     FlightState.ON_GROUND: 'on the ground',
     FlightState.LANDED: 'on the ground, as it no longer sinks',
 }
-STOPPED = {
+STOP_REASONS = {
     FlightState.OVERTURNED: 'the drone turned over',
     FlightState.BLIND: 'the height is unknown, as its sensors repeat their readings or send none',
     FlightState.NOT_FINITE: 'the estimate or the setpoint contains NaN or infinity',
@@ -26,7 +26,7 @@ def describe_stop(state: int) -> str:
     """Return why the motors have stopped for good, and what to do; '' if they have not."""
     if not is_stopped(state):
         return ''
-    why = STOPPED[FlightState(state)]
+    why = STOP_REASONS[FlightState(state)]
     return f'{why}: the motors are off; restart the controller to fly again'
 
 
@@ -37,8 +37,8 @@ def describe_motors(
     now, level = FlightState(state), HealthLevel.OK
     if is_stopped(state):
         level, text = HealthLevel.ERROR, describe_stop(state)
-    elif now in RESTING:
-        text = RESTING[now]
+    elif now in REST_REASONS:
+        text = REST_REASONS[now]
     elif now is FlightState.FLYING:
         text = f'flying by {steers}'
     else:

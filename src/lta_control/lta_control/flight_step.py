@@ -39,12 +39,13 @@ from lta_control.laws.protocol import ControlLaw, ControlMotion, LawInputs, LawM
 from lta_control.sighting import DeadReckonedMotion
 
 TILT_LIMIT = 1.0  # rad; beyond it the drone counts as overturned
-DESCENT = 0.2  # m below the drone: the setpoint of a slow descent that goes on until the floor
+# m below the drone: the setpoint of a slow descent that goes on until the floor
+DESCENT_DEPTH = 0.2
 FOOT = 0.03  # m above the standing height that still counts as on the floor
-STILL = 0.05  # m/s of climb or descent that still count as standing
+STANDING_SPEED = 0.05  # m/s of climb or descent that still count as standing
 STANDSTILL = 6.0  # s without sinking after which a landing has ended
 SINKING = 0.02  # m below the lowest height; less is no descent
-RISING = 0.1  # m above the lowest height; the drone flies again
+TAKE_OFF_RISE = 0.1  # m above the lowest height; the drone flies again
 NO_HEIGHT = 1e6  # m; above all heights
 UNTRACKED = ControlMotion()  # without a tracker
 
@@ -239,7 +240,7 @@ def control_motors(
 def follow_setpoint(rules: FlightRules, inputs: ControlInputs) -> tuple[Setpoint, int]:
     """Return the setpoint to follow, and whether it flies, holds or lands the drone."""
     # A descent stays below the drone, so that it goes on until the floor
-    newest, below = inputs.setpoint, inputs.motion.position[2] - DESCENT
+    newest, below = inputs.setpoint, inputs.motion.position[2] - DESCENT_DEPTH
     if inputs.must_land:
         # Whoever sends them, its headings are not followed
         heading = yaw_from_quaternion(inputs.motion.attitude)
@@ -343,7 +344,7 @@ def has_landed(altitude: float, climb: float, setpoint: Setpoint, standing_heigh
     `altitude` [m] and `climb` [m/s] are those of the hull centre, `standing_height` its altitude
     when the drone stands. [m]
     """
-    down = altitude < standing_height + FOOT and abs(climb) < STILL
+    down = altitude < standing_height + FOOT and abs(climb) < STANDING_SPEED
     return down and setpoint.altitude <= standing_height
 
 
@@ -359,7 +360,7 @@ def watch_landing(
     """
     if not is_landing:
         return LandingWatch(NO_HEIGHT, 0.0)
-    if altitude < watch.lowest - SINKING or altitude > watch.lowest + RISING:
+    if altitude < watch.lowest - SINKING or altitude > watch.lowest + TAKE_OFF_RISE:
         return LandingWatch(altitude, 0.0)
     return LandingWatch(watch.lowest, watch.still + dt)
 

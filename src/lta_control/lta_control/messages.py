@@ -21,7 +21,7 @@ from lta_control.attitude import (
     Vector,
     yaw_from_quaternion,
 )
-from lta_control.cascade import CascadeMeasurement, FLOOR, Setpoint
+from lta_control.cascade import CascadeMeasurement, FLOOR_SETPOINT, Setpoint
 from lta_control.estimator import (
     air_relative_velocity,
     EstimatorInputs,
@@ -52,7 +52,7 @@ DiodeReadings = tuple[tuple[tuple[float, float], ...], tuple[float, ...]]
 MOST_VARIANCE = 0.5 * UNKNOWN_VARIANCE  # of an estimate that is there
 BAROMETER = 30e3, 125e3  # Pa, the range of the BMP388
 # m; upper bound for the range finder of a small drone, whatever the message declares
-FARTHEST = 100.0
+LONGEST_RANGE = 100.0
 FARTHEST_PLACE = 1e4  # m from the origin, and m/s: beyond any hall
 YAW_DRIFT = 1e-3  # of the heading after the calibration [rad/s]: as measured in simulated flights
 # Of the first heading [rad]: the gyroscope's noise turns it by 3e-4 rad within a second
@@ -85,7 +85,7 @@ def to_inputs(step: InboxStep, commanded: PerRotor) -> EstimatorInputs:
 
 def to_distance(message: Range) -> float:
     """Return a distance, or NaN outside the sensor's range (REP-117). [m]"""
-    farthest = min(message.max_range, FARTHEST)
+    farthest = min(message.max_range, LONGEST_RANGE)
     return mask_out_of_range(float(message.range), message.min_range, farthest)
 
 
@@ -255,7 +255,9 @@ def to_control_inputs(
     blind = is_height_lost(odom)
     ready = has_estimate(odom.pose.covariance[0]) and not blind
     if pose is None or velocity is None:
-        return ControlInputs(motion, ready, blind, False, FLOOR, 0.0, armed, must_land, dt)
+        return ControlInputs(
+            motion, ready, blind, False, FLOOR_SETPOINT, 0.0, armed, must_land, dt
+        )
     # The older of the two messages counts
     age = max(stamp_age(from_stamp(half.header.stamp), now_ns) for half in (pose, velocity))
     setpoint = to_setpoint(pose, velocity)

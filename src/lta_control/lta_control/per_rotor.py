@@ -13,7 +13,7 @@ from lta_config.errors import BadInput
 SLOTS = 8
 
 PerRotor = tuple[float, float, float, float, float, float, float, float]
-NONE: PerRotor = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+NO_ROTORS: PerRotor = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 def pad_to_slots(values: Iterable[float]) -> PerRotor:
@@ -28,4 +28,4 @@ def pad_to_slots(values: Iterable[float]) -> PerRotor:
             f'The vehicle has {len(numbers)} rotors, but at most {SLOTS} are supported; remove '
             'some from the vehicle file.'
         )
-    return cast('PerRotor', numbers + NONE[len(numbers) :])
+    return cast('PerRotor', numbers + NO_ROTORS[len(numbers) :])

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 import math
 from typing import cast
 
-from lta_control.allocation import ALIKE, Column, Columns, Rotors, WEIGHTS, Wrench
+from lta_control.allocation import Column, Columns, EQUAL_WEIGHTS, Rotors, WEIGHTS, Wrench
 from lta_control.attitude import Vector
 from lta_control.estimator import EstimatorModel
 from lta_control.odometry.airspeed import HullDragModel
@@ -33,7 +33,7 @@ def build_rotors(vehicle: Vehicle, weights: Wrench = WEIGHTS) -> Rotors:
         lowest_heave=_lowest_heave(vehicle, low, high),
         a=a,
         b=b,
-        reverse=cast('PerRotor', reverse + ALIKE[len(reverse) :]),
+        reverse=cast('PerRotor', reverse + EQUAL_WEIGHTS[len(reverse) :]),
         weights=weights,
         sink=_heave_per_surge(vehicle),
     )

@@ -11,9 +11,9 @@ from pathlib import Path
 
 from lta_config.errors import BadInput, unknown_name_error
 
-INDEX = Path('share/ament_index/resource_index')
-MARKERS = INDEX / 'packages'
-MIDDLEWARES = INDEX / 'rmw_typesupport'
+AMENT_INDEX = Path('share/ament_index/resource_index')
+PACKAGE_MARKERS = AMENT_INDEX / 'packages'
+MIDDLEWARES = AMENT_INDEX / 'rmw_typesupport'
 OUR_PREFIX = 'lta_'
 
 
@@ -30,9 +30,9 @@ def find_package_prefix(package: str) -> Path:
     """
     # The first prefix wins, so an overlay hides its underlay
     for prefix in list_prefixes():
-        if (prefix / MARKERS / package).is_file():
+        if (prefix / PACKAGE_MARKERS / package).is_file():
             return prefix
-    ours = list_resources(MARKERS, OUR_PREFIX)
+    ours = list_resources(PACKAGE_MARKERS, OUR_PREFIX)
     # Offer only our packages: a ROS installation has hundreds
     if ours:
         raise unknown_name_error('package', package, ours)

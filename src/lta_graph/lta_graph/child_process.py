@@ -18,7 +18,7 @@ from lta_graph.launch_plan import LaunchProcess
 KEPT_LINES = 20  # last lines of each stream, for error messages
 PR_SET_PDEATHSIG = 1  # linux/prctl.h
 # Several nodes with one thread per core each would slow each other down
-THREADS = ('OPENBLAS_NUM_THREADS', 'OMP_NUM_THREADS', 'MKL_NUM_THREADS')
+THREAD_VARIABLES = ('OPENBLAS_NUM_THREADS', 'OMP_NUM_THREADS', 'MKL_NUM_THREADS')
 _LIBC = ctypes.CDLL(None)  # loaded here, because loading is unsafe between fork and exec
 
 
@@ -126,7 +126,7 @@ class ChildProcess:
 
 def build_node_environment() -> dict[str, str]:
     """Return the environment of nodes: unbuffered output and one linear-algebra thread each."""
-    return {**os.environ, 'PYTHONUNBUFFERED': '1', **dict.fromkeys(THREADS, '1')}
+    return {**os.environ, 'PYTHONUNBUFFERED': '1', **dict.fromkeys(THREAD_VARIABLES, '1')}
 
 
 def build_command_line(process: LaunchProcess) -> list[str]:

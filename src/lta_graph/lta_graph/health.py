@@ -18,7 +18,7 @@ from lta_config.errors import to_one_line
 
 ENDS_RUN: Final = 'ends_run'  # value in `state`: whether the node's fault ends the others, too
 MAX_NEWS: Final = 100  # changes of status that are kept until the next report
-NUMBERS: Final = re.compile(r'[0-9.]+')  # which may differ between reports of one fault
+NUMBER_PATTERN: Final = re.compile(r'[0-9.]+')  # which may differ between reports of one fault
 CLOCK_TOLERANCE: Final = 0.3  # s; a stamp further ahead of ours means a changed clock
 
 
@@ -46,7 +46,7 @@ class HealthFact:
         """Level and message without numbers, as the same fault has others; '' if all is well."""
         if self.level == HealthLevel.OK:
             return ''
-        return f'{self.level}: {NUMBERS.sub("#", self.message)}'
+        return f'{self.level}: {NUMBER_PATTERN.sub("#", self.message)}'
 
     def parse_numbers(self, *names: str) -> tuple[float, ...] | None:
         """Return values as finite numbers; None if one is missing or invalid."""

@@ -10,11 +10,11 @@ between these.
 
 import math
 
-WORD = 0xFFFFFFFF
+WORD_MASK = 0xFFFFFFFF
 # Key parity and rotation constants of Threefry-2x32, from the paper
 PARITY = 0x1BD11BDA
-TURNS = (13, 15, 26, 6, 17, 29, 16, 24)
-GROUPS = 5  # of four turns each
+ROTATIONS = (13, 15, 26, 6, 17, 29, 16, 24)
+ROUND_GROUPS = 5  # of four turns each
 # 2^-32
 SCALE = 1.0 / 4294967296.0
 
@@ -27,16 +27,16 @@ def threefry(key: int, stream: int, first: int, second: int) -> tuple[int, int]:
     sequence; 32 bits each.
     """
     keys = (key, stream, PARITY ^ key ^ stream)
-    x, y = (first + key) & WORD, (second + stream) & WORD
-    for group in range(GROUPS):
+    x, y = (first + key) & WORD_MASK, (second + stream) & WORD_MASK
+    for group in range(ROUND_GROUPS):
         for k in range(4):
-            turn = TURNS[4 * (group % 2) + k]
+            turn = ROTATIONS[4 * (group % 2) + k]
             # The mask emulates 32-bit overflow, because Python's integers are unbounded
-            x = (x + y) & WORD
-            y = (((y << turn) & WORD) | (y >> (32 - turn))) ^ x
+            x = (x + y) & WORD_MASK
+            y = (((y << turn) & WORD_MASK) | (y >> (32 - turn))) ^ x
         # Key injection after every four rounds
-        x = (x + keys[(group + 1) % 3]) & WORD
-        y = (y + keys[(group + 2) % 3] + group + 1) & WORD
+        x = (x + keys[(group + 1) % 3]) & WORD_MASK
+        y = (y + keys[(group + 2) % 3] + group + 1) & WORD_MASK
     return x, y
 
 

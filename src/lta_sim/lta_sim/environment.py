@@ -9,8 +9,8 @@ from lta_model.effects.air import stationary_memory, TURBULENCE
 from lta_model.light.view import LightView, Pose
 from lta_model.scenario import Scenario
 from lta_model.state import IRRADIANCE, NOISE, RIGID, SURROUNDINGS, VOLTAGE, WIND, WIND_RATE
-from lta_sim.kernels.kernel import LAYOUT
 from lta_sim.scene_model import load_wind_record
+from lta_sim.simulated_vehicle import LAYOUT
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray

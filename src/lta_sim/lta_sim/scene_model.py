@@ -22,9 +22,9 @@ from lta_sim.wind_record import WindRecord
 import numpy as np
 
 # Of a wall as `effects.walls` has it, assumed: foil that gives centimetres under newtons.
-STIFFNESS = 100.0  # N/m
-RELAXATION = 0.05  # s
-FRICTION = 0.3
+WALL_STIFFNESS = 100.0  # N/m
+WALL_RELAXATION = 0.05  # s
+WALL_FRICTION = 0.3
 WARMED = SUPERHEAT.name
 
 
@@ -92,9 +92,9 @@ def _wall_parameters(scenario: Scenario, radius: float, half_height: float) -> d
         'ceiling': height,
         'radius': radius,
         'half_height': half_height,
-        'stiffness': STIFFNESS,
-        'relaxation': RELAXATION,
-        'friction': FRICTION,
+        'stiffness': WALL_STIFFNESS,
+        'relaxation': WALL_RELAXATION,
+        'friction': WALL_FRICTION,
     }
 
 

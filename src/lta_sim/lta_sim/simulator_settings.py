@@ -3,8 +3,9 @@
 from lta_config.settings import setting, Settings
 from lta_model.scenario import LARGEST_OFFSET
 
-DEFAULT = 'default'  # value of `wait_for`
-DESCRIPTION = 'description'  # another: a node that publishes once, so that nobody waits for more
+WAIT_FOR_DEFAULT = 'default'  # value of `wait_for`
+# Another: a node that publishes once, so that nobody waits for more
+WAIT_FOR_DESCRIPTION = 'description'
 
 
 class SimulatorSettings(Settings):
@@ -42,7 +43,7 @@ class SimulatorSettings(Settings):
         fixed=True,
     )
     wait_for: str = setting(
-        DEFAULT,
+        WAIT_FOR_DEFAULT,
         'Nodes to wait for before the flight starts, by their roles in the topic table and '
         'separated by spaces; empty: none. "default": in lockstep every node that reads an output '
         'of the simulator by the topic table, in real time none. "description": the publishers of '

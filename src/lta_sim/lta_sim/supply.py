@@ -22,11 +22,14 @@ import numpy as np
 from numpy.random import Generator
 
 Electrics = tuple[float, float]  # voltage [V] and current [A]; negative discharges
-NOTHING = np.zeros(1)
+NO_SCRATCH = np.zeros(1)
 DARK_SECOND = SupplyInputs(0.0, (0.0,) * 8, 0.0, 0.0, 1.0)  # without rotors
-INPUTS = TupleLayout(DARK_SECOND)
-STATE = TupleLayout(SupplyState(resting_flow(1.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
-FED, VOLTAGE = STATE.part_slice('flow.fed').start, STATE.part_slice('flow.voltage').start
+SUPPLY_INPUTS = TupleLayout(DARK_SECOND)
+SUPPLY_STATE = TupleLayout(SupplyState(resting_flow(1.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+FED_PLACE, VOLTAGE_PLACE = (
+    SUPPLY_STATE.part_slice('flow.fed').start,
+    SUPPLY_STATE.part_slice('flow.voltage').start,
+)
 
 
 @final
@@ -50,24 +53,26 @@ class Supply:
         self._irradiance, self._periods, self._elapsed = 0.0, 0, 0.0
         begin = SupplyState(resting_flow(charge), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         self._begun = total_stored_energy(self._parts.cell, begin.flow)
-        self._memory = STATE.write(begin)
-        self._meantime = np.empty(INPUTS.size)
+        self._memory = SUPPLY_STATE.write(begin)
+        self._meantime = np.empty(SUPPLY_INPUTS.size)
         # Packing into the buffer is faster than building an array
-        self._pack = struct.Struct(f'{INPUTS.size}d').pack_into
+        self._pack = struct.Struct(f'{SUPPLY_INPUTS.size}d').pack_into
         constants = SupplyConstants(self._parts, vehicle.loads, navigation, faults)
         layout = TupleLayout(constants)
         self._constants = layout.write(constants)
-        self._step = compile_core(advance_supply, layout, STATE, INPUTS)
+        self._step = compile_core(advance_supply, layout, SUPPLY_STATE, SUPPLY_INPUTS)
 
     def prepare(self) -> None:
         """Compile the step or load it from disk, without draining the cell."""
         # On a copy of the state
-        self._step(self._constants, self._memory.copy(), INPUTS.write(DARK_SECOND), NOTHING)
+        self._step(
+            self._constants, self._memory.copy(), SUPPLY_INPUTS.write(DARK_SECOND), NO_SCRATCH
+        )
 
     @property
     def _account(self) -> SupplyState:
         """The state."""
-        return STATE.read(self._memory)
+        return SUPPLY_STATE.read(self._memory)
 
     @property
     def flow(self) -> PowerFlow:
@@ -77,12 +82,12 @@ class Supply:
     @property
     def is_fed(self) -> bool:
         """Whether the supply holds."""
-        return bool(self._memory[FED])
+        return bool(self._memory[FED_PLACE])
 
     @property
     def voltage(self) -> float:
         """Voltage of the cell. [V]"""
-        return self._memory.item(VOLTAGE)
+        return self._memory.item(VOLTAGE_PLACE)
 
     @property
     def cell_voltage_and_current(self) -> Electrics:
@@ -104,7 +109,7 @@ class Supply:
     def feed_loads(self, thrusts: Sequence[float], seconds: float) -> None:
         """Supply the rotors, with the thrusts of all slots [N], for a control period. [s]"""
         self._pack(self._meantime.data, 0, self._irradiance, *thrusts, 0.0, self._periods, seconds)
-        self._step(self._constants, self._memory, self._meantime, NOTHING)
+        self._step(self._constants, self._memory, self._meantime, NO_SCRATCH)
         self._periods += 1
         self._elapsed = self._periods * seconds
 

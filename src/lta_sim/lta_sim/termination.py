@@ -14,7 +14,7 @@ from lta_sim.readings import FlightOutcome
 OUTCOMES = tuple(FlightOutcome)
 FLYING, REACHED, TIMEOUT, ESCAPED = range(4)  # places in OUTCOMES
 Place = tuple[float, float, float]
-ROUNDING = 1e-6  # s, of times that are compared
+TIME_ROUNDING = 1e-6  # s, of times that are compared
 LIFT_OFF = 0.01  # m above the start that count as lift-off, with which the flight begins
 
 
@@ -108,7 +108,7 @@ def is_at_lamp(goal: EndConditions, lamp: Place, x: float, y: float, z: float) -
 
 def has_stayed(goal: EndConditions, since: float, time: float) -> bool:
     """Return whether a drone that came to the last lamp at `since` is reckoned to stay. [s]"""
-    return time - since >= goal.stay - ROUNDING
+    return time - since >= goal.stay - TIME_ROUNDING
 
 
 def evaluate_outcome(

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Numbers = tuple[float, ...]  # position, quaternion, velocity, rates: the first 13 of a state
-CHANNELS = ('clock', 'pose_time', 'pose')
+TRACKER_CHANNELS = ('clock', 'pose_time', 'pose')
 NANOSECONDS = 1e9
 
 
@@ -44,7 +44,7 @@ class SimulatedTracker:
     """A tracker that observes one flight."""
 
     def __init__(self, chains: Mapping[str, Chain]) -> None:
-        self._clock, self._time, self._pose = (chains[name] for name in CHANNELS)
+        self._clock, self._time, self._pose = (chains[name] for name in TRACKER_CHANNELS)
         self._late = bool(self._clock or self._time)
         self._now_ns = 0
         self._motion: Numbers = ()

@@ -14,8 +14,6 @@ behind obstacles reduce the limit further; only a simulated flight shows by how 
 """
 
 from collections.abc import Callable
-from functools import cache
-from itertools import combinations, product
 import math
 
 from lta_config.constants import STANDARD_GRAVITY
@@ -33,20 +31,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linprog
 
-CLEAR = 1e3  # m above the floor, outside any ground effect
-FASTEST = 60.0  # m/s; bound of the winds
-FINE = 1e-4  # m/s
+CLEAR_HEIGHT = 1e3  # m above the floor, outside any ground effect
+FASTEST_WIND = 60.0  # m/s; bound of the winds
+SPEED_TOLERANCE = 1e-4  # m/s
 HEADINGS = tuple(math.radians(15 * k) for k in range(24))
 PITCHES = tuple(math.radians(3 * k) for k in range(-27, 28))
-LEANS = tuple(
-    math.radians(0.5 * k) for k in range(-60, 61)
-)  # pitch angles of a freely hanging hull
+# Pitch angles of a freely hanging hull
+LEANS = tuple(math.radians(0.5 * k) for k in range(-60, 61))
 NOT_AIR = ('weight_and_buoyancy', 'net_lift', 'helium_leak', 'superheat', 'moving_mass')
-
-FEW = 2  # thrusts beyond the balances up to which corners are searched
-SINGULAR = 1e-12  # determinant of a basis without a corner
-SLACK = 1e-7  # N, as the tolerance of linprog
-
 Array = NDArray[np.float64]
 
 
@@ -57,7 +49,9 @@ def air_wrench(
     c, s = math.cos(pitch), math.sin(pitch)
     x, y = speed * math.cos(heading), speed * math.sin(heading)
     # Level velocity expressed in the pitched body axes
-    state = pack_state((0.0, 0.0, CLEAR), velocity=(x * c, y, x * s), memory=initial_memory())
+    state = pack_state(
+        (0.0, 0.0, CLEAR_HEIGHT), velocity=(x * c, y, x * s), memory=initial_memory()
+    )
     state[QUATERNION] = (0.0, math.sin(0.5 * pitch), 0.0, math.cos(0.5 * pitch))
     acting = kernel.effect_wrenches(state, model, (0.0,))
     # Only aerodynamic effects count; weight and buoyancy are in the balance
@@ -94,7 +88,7 @@ def _level_speed_limit(vehicle: Vehicle, model: VehicleModel, heading: float) ->
         x, y, *_ = air_wrench(model, speed, heading)
         return bool(force + x * math.cos(heading) + y * math.sin(heading) >= 0.0)
 
-    return 0.0 if force <= 0.0 else _bisect_speed(holds, 0.0, FASTEST)
+    return 0.0 if force <= 0.0 else _bisect_speed(holds, 0.0, FASTEST_WIND)
 
 
 def _pitched_speed_limit(vehicle: Vehicle, model: VehicleModel) -> float:
@@ -104,7 +98,7 @@ def _pitched_speed_limit(vehicle: Vehicle, model: VehicleModel) -> float:
         return any(_is_balanced(vehicle, model, speed, pitch) for pitch in PITCHES)
 
     # What holds need not be monotonic: lift may carry a heavy vehicle only at speed
-    grid = [0.0, *np.geomspace(0.1, FASTEST, 60).tolist()]
+    grid = [0.0, *np.geomspace(0.1, FASTEST_WIND, 60).tolist()]
     # From the fastest down: only the highest held speed matters, and each test is costly.
     held = next((k for k in reversed(range(len(grid))) if holds(grid[k])), None)
     if held is None:
@@ -121,7 +115,7 @@ def _bisect_speed(
     holds: Callable[[float], bool],
     low: float,
     high: float,
-    fine: float = FINE,
+    fine: float = SPEED_TOLERANCE,
 ) -> float:
     """Return the speed between two at which a condition ceases to hold."""
     if holds(high):
@@ -145,11 +139,18 @@ def rise_speed(vehicle: Vehicle) -> float:
         return math.inf
     model = vehicle.build_model()
 
+    latest = 0.0  # lean that balanced last: near it, the search for the next ends soonest
+
     def holds(speed: float) -> bool:
-        return any(_is_balanced(vehicle, model, speed, lean, free=True) for lean in LEANS)
+        nonlocal latest
+        for lean in sorted(LEANS, key=lambda each: abs(each - latest)):
+            if _is_balanced(vehicle, model, speed, lean, free=True):
+                latest = lean
+                return True
+        return False
 
     # From the slowest up: faster than it tumbles, a hull can balance again on its way over
-    grid = np.linspace(0.0, min(thrust_speed(vehicle), FASTEST), 21).tolist()
+    grid = np.linspace(0.0, min(thrust_speed(vehicle), FASTEST_WIND), 21).tolist()
     end = next((k for k in range(1, len(grid)) if not holds(grid[k])), None)
     return math.inf if end is None else _bisect_speed(holds, grid[end - 1], grid[end], 0.005)
 
@@ -197,45 +198,10 @@ def _most_forward_thrust(
     wrench: Array, axes: list[int], balance: Array, tops: list[float]
 ) -> float:
     """Return the largest forward force subject to balance on `axes`; -inf if none balances. [N]"""
-    held, needed = wrench[axes], balance[axes]
-    free = len(tops) - len(axes)
-    # Dependent balances, as of rotors that push along few lines, have no regular corner
-    if 0 <= free <= FEW and np.linalg.matrix_rank(held) == len(axes):
-        return _search_corners(wrench[0], held, needed, np.array(tops))
+    bounds = [(0.0, top) for top in tops]
     # linprog minimises
-    solution = linprog(-wrench[0], A_eq=held, b_eq=needed, bounds=[(0.0, top) for top in tops])
+    solution = linprog(-wrench[0], A_eq=wrench[axes], b_eq=balance[axes], bounds=bounds)
     return -math.inf if solution.status or solution.fun is None else float(-solution.fun)
-
-
-def _search_corners(forward: Array, held: Array, needed: Array, tops: Array) -> float:
-    """
-    Solve the linear programme by its corners, which is fast for few rotors.
-
-    A corner has all but as many thrusts as there are balances at one of their bounds.
-    """
-    inside, outside, ends = _list_corners(len(tops), len(needed))
-    bounds = tops[outside] * ends
-    matrices = held[:, inside].transpose(1, 0, 2)
-    # A singular basis has no corner of its own
-    regular = np.abs(np.linalg.det(matrices)) > SINGULAR
-    inside, outside, bounds = inside[regular], outside[regular], bounds[regular]
-    rest = needed - np.einsum('acf,cf->ca', held[:, outside], bounds)
-    solved = np.linalg.solve(matrices[regular], rest[:, :, None])[:, :, 0]
-    within = np.all((solved >= -SLACK) & (solved <= tops[inside] + SLACK), axis=1)
-    forces = np.sum(forward[inside] * solved, axis=1) + np.sum(forward[outside] * bounds, axis=1)
-    return float(np.max(forces[within], initial=-math.inf))
-
-
-@cache
-def _list_corners(count: int, balances: int) -> tuple[Array, Array, Array]:
-    """Return, by corner, the thrusts in the basis, the others, and whether those are at full."""
-    rows = [
-        (basis, [k for k in range(count) if k not in basis], ends)
-        for basis in combinations(range(count), balances)
-        for ends in product((0.0, 1.0), repeat=count - balances)
-    ]
-    inside, outside, ends = zip(*rows, strict=True)
-    return np.array(inside), np.array(outside, dtype=int), np.array(ends)
 
 
 def static_wind_limit(vehicle: Vehicle) -> float:

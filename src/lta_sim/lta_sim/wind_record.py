@@ -19,10 +19,10 @@ from lta_config.errors import BadInput
 import numpy as np
 from numpy.typing import NDArray
 
-HEADER = ['t', 'u', 'v', 'w']
+WIND_HEADER = ['t', 'u', 'v', 'w']
 MOST_ROWS = 5_000_000  # half a day at 100 Hz
 STRONGEST = 60.0  # m/s; bound of the wind effects
-LONGEST = 3.0  # of the usual interval; a longer one is a gap
+LONGEST_INTERVAL = 3.0  # of the usual interval; a longer one is a gap
 
 Array = NDArray[np.float64]
 
@@ -91,16 +91,16 @@ def _read_rows(path: Path, stream: TextIO) -> Array:
         cells = [cell.strip() for cell in text.split(',')]
         if header is None:
             header = cells
-            if header != HEADER:
+            if header != WIND_HEADER:
                 raise BadInput(
                     f'The wind file {path} begins with "{text[:40]}" instead of the header '
-                    f'"{",".join(HEADER)}"; make this header its first line.'
+                    f'"{",".join(WIND_HEADER)}"; make this header its first line.'
                 )
             continue
         numbers.extend(_parse_numbers(path, count, cells))
-        if len(numbers) > len(HEADER) * MOST_ROWS:
+        if len(numbers) > len(WIND_HEADER) * MOST_ROWS:
             raise BadInput(f'The wind file {path} has more than {MOST_ROWS} rows; shorten it.')
-    return np.array(numbers).reshape(-1, len(HEADER))
+    return np.array(numbers).reshape(-1, len(WIND_HEADER))
 
 
 def _parse_numbers(path: Path, count: int, cells: list[str]) -> list[float]:
@@ -110,7 +110,7 @@ def _parse_numbers(path: Path, count: int, cells: list[str]) -> list[float]:
     except ValueError:
         row = []
     # 'nan' and 'inf' are valid for float()
-    if len(row) != len(HEADER) or not np.isfinite(row).all():
+    if len(row) != len(WIND_HEADER) or not np.isfinite(row).all():
         raise BadInput(
             f'The wind file {path} has "{",".join(cells)[:60]}" in line {count}; the line '
             'must have four finite numbers (t,u,v,w).'
@@ -133,7 +133,7 @@ def _check_order(path: Path, time: Array) -> None:
             'sort its rows by time, and give each time only once.'
         )
     where, usual = int(np.argmax(steps)), float(np.median(steps))
-    if steps[where] > LONGEST * usual:
+    if steps[where] > LONGEST_INTERVAL * usual:
         raise BadInput(
             f'The wind file {path} has a gap of {steps[where]:g} s after t = {time[where]:g} s, '
             f'where rows are {usual:g} s apart; add the missing rows, or end the file there.'

@@ -33,14 +33,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-STILL = np.zeros(RIGID)  # state derivative of a held drone
+STILL_DERIVATIVE = np.zeros(RIGID)  # state derivative of a held drone
 # Append new ones at the end: the position in this list is part of the seed.
 STREAMS = (
     'start', 'imu', 'range', 'pressure', 'photodiodes', 'battery', 'panel', 'turbulence', 'diodes',
 )  # fmt: skip
-TREMOR = 1e-9  # of a drone that is held [m]
+HELD_TREMOR = 1e-9  # of a drone that is held [m]
 SETTLED_NS = 1_000_000_000  # in which motors reach the thrust of their duty
-SENSED = ('pressure', 'photodiodes', 'battery', 'ground_truth/odom', 'illuminance')
+TIMED_SENSORS = ('pressure', 'photodiodes', 'battery', 'ground_truth/odom', 'illuminance')
 
 
 @final
@@ -136,7 +136,9 @@ class World:
         self._start_ns, self._control_ns = table.start_ns, table.control_ns
         self._period = table.control_ns * 1e-9
         self._range_ns = table['range'].period_ns
-        self._rhythm = {name: (table[name].latency_ns, table[name].period_ns) for name in SENSED}
+        self._rhythm = {
+            name: (table[name].latency_ns, table[name].period_ns) for name in TIMED_SENSORS
+        }
         self._shape = (table.light.sample_rate.si, table.light.samples)
         field = scenario.light_field
         diodes = self.vehicle.diodes.draw_gains(self._chance['diodes'])
@@ -266,7 +268,7 @@ class World:
         readings = SensorReadings(self.stamp_ns)
         self._craft.evaluate_state()
         # A held drone does not accelerate, whatever its thrusts
-        rate = STILL if self.is_held else self._craft.rate
+        rate = STILL_DERIVATIVE if self.is_held else self._craft.rate
         readings.force, readings.rates = self._imu.read(self.state, rate, self.elapsed)
         # Later range readings are taken inside `advance`, on their own grid.
         if self.steps == 0:
@@ -396,7 +398,7 @@ class World:
         if self.is_held:  # motors, gas and turbulence continue while the drone is held
             self.state[:RIGID] = place
             # No hand is that still: a height that repeats to the bit is that of a stuck tracker
-            self.state[2] += TREMOR if self.steps % 2 else -TREMOR
+            self.state[2] += HELD_TREMOR if self.steps % 2 else -HELD_TREMOR
 
     def _predict_state(self, span_ns: int) -> Array:
         """Return the state after a duration under the present command. [ns]"""

@@ -62,7 +62,7 @@ class DiodeFault(Flag):
 UNUSABLE_FAULTS = (
     DiodeFault.SATURATED | DiodeFault.FLAT | DiodeFault.NOT_A_NUMBER
 )  # the diode cannot be used for any beacon
-FAULTS = tuple(map(DiodeFault, range(16)))  # by value
+FAULTS_BY_VALUE = tuple(map(DiodeFault, range(16)))  # by value
 
 
 def detect_sample_faults(looked: SampleStatistics) -> NDArray[np.uint8]:
@@ -159,7 +159,7 @@ def demodulate_block(
             for one in zip(tones.amplitude, snr, tones.own * bins.width, strict=True)
         ),
         tuple((tones.frequency * bins.width).tolist()),
-        tuple(FAULTS[fault] for fault in faults.tolist()),
+        tuple(FAULTS_BY_VALUE[fault] for fault in faults.tolist()),
         looked.level,
     )
 

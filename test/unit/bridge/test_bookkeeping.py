@@ -5,7 +5,7 @@ import struct
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_bridge.log_time_assigner import JUMP_NS, LogTimeAssigner, read_stamp
+from lta_bridge.log_time_assigner import LARGEST_JUMP_NS, LogTimeAssigner, read_stamp
 from lta_config.topics import load_topic_table
 import pytest
 
@@ -91,7 +91,7 @@ def test_losses_are_counted_from_the_start_in_lockstep_alone():
     assert books[False].lost == {'imu': 1}
 
 
-@pytest.mark.parametrize('jump', [JUMP_NS + 1, 10**18])
+@pytest.mark.parametrize('jump', [LARGEST_JUMP_NS + 1, 10**18])
 @pytest.mark.parametrize('lockstep', [True, False])
 def test_a_wild_stamp_moves_no_time_and_counts_as_itself(jump, lockstep):
     books = LogTimeAssigner(TABLE, lockstep)

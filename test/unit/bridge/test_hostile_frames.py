@@ -8,7 +8,7 @@ from light_frames import build_frame, field_lengths, frame_bytes, KINDS
 from lta_bridge.teensy import mavlink
 from lta_bridge.teensy.board_clock import ClockExchange
 from lta_bridge.teensy.frame_parser import FrameParser
-from lta_bridge.teensy.health_diagnostics import describe_health, TASK
+from lta_bridge.teensy.health_diagnostics import describe_health, LIGHT_BOARD_TASK
 from lta_bridge.teensy.light_board import LightBoard, LightPeaks, QUESTIONS
 from lta_bridge.teensy.sender_filter import LOYAL_NS, SenderFilter
 from lta_config.schema.vehicle_file import load_vehicle_file
@@ -268,7 +268,9 @@ def test_a_link_is_silent_after_half_a_second_and_its_own_trouble_comes_first():
         fact = describe_health(reader, now, active)
         return fact.level, fact.message
 
-    assert describe_health(None, 0, True) == HealthFact(TASK, HealthLevel.WARN, 'not configured')
+    assert describe_health(None, 0, True) == HealthFact(
+        LIGHT_BOARD_TASK, HealthLevel.WARN, 'not configured'
+    )
     assert told(10**9) == (HealthLevel.WARN, 'nothing received yet')
     link.heard_ns = 10**9
     assert told(10**9) == (

@@ -5,7 +5,7 @@ import struct
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_bridge.live.address import build_app_url, check_port_available
-from lta_bridge.live.feed import FASTEST, RateLimiter, TopicThrottle
+from lta_bridge.live.feed import RateLimiter, SCREEN_RATE, TopicThrottle
 from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table
 import pytest
@@ -57,7 +57,7 @@ def test_a_fast_flight_is_thinned_and_the_gaps_are_counted():
         wall.now += 0.001
         if feed.admit_message('odom', cdr(START + 10 * k * MS), has_viewers=True) is not None:
             shown.append(k)
-    assert FASTEST - 1 <= feed.sent['odom'] == len(shown) <= FASTEST + 2
+    assert SCREEN_RATE - 1 <= feed.sent['odom'] == len(shown) <= SCREEN_RATE + 2
     assert feed.left_out['odom'] == shown[-1] - shown[0] + 1 - len(shown)
 
 

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lta_bridge.live.encoding import encode_frame_transforms, encode_scene_update
 from lta_bridge.live.frames import build_vehicle_frame, list_sensor_frames, rotation_from_x
-from lta_bridge.live.path_trace import MOST, PathTrace
+from lta_bridge.live.path_trace import PathTrace, TRACE_POINTS
 from lta_bridge.live.room_shapes import draw_lamp, draw_static_scene, draw_walls, half_power_angle
 from lta_bridge.live.scene import LiveScene, SceneState
 from lta_bridge.live.shapes import (
@@ -199,7 +199,7 @@ def test_a_long_path_stays_short_and_reaches_to_the_end():
     track = PathTrace()
     for k in range(100_000):
         track.add_position((0.01 * k, 0.0, 0.0))
-    assert MOST / 2 <= len(track.points) <= MOST
+    assert TRACE_POINTS / 2 <= len(track.points) <= TRACE_POINTS
     assert track.points[0] == ORIGIN
     assert math.dist(track.points[-1], (999.99, 0.0, 0.0)) <= 2 * track.step
     (line,) = track.to_entity('map').shapes

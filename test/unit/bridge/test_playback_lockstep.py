@@ -17,7 +17,7 @@ from lta_bridge.playback.node_selection import (
     list_supporting_roles,
     select_nodes,
 )
-from lta_bridge.playback.pending_answers import NEVER, PendingAnswers
+from lta_bridge.playback.pending_answers import NEVER_NS, PendingAnswers
 from lta_bridge.playback.recording import RecordedMessage
 from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table
@@ -140,7 +140,7 @@ def test_no_recording_keeps_a_replay_waiting_and_all_is_answered_once(drawn, see
     steps, owed, left = played(messages, cast, seed)
     assert left == []
     assert owed.total_pending == 0
-    assert owed.oldest_due() == NEVER
+    assert owed.oldest_due() == NEVER_NS
     for role in cast.nodes:
         trigger = TABLE.trigger_topic(role)
         if trigger in cast.played:
@@ -224,7 +224,7 @@ def test_whoever_owes_the_oldest_answer_is_named():
     assert (owed.register_answer('motors'), owed.oldest_due()) == (10, 20)
     assert (owed.register_answer('odom'), owed.register_answer('motors')) == (20, 20)
     assert owed.register_answer('odom') is None  # more than was owed
-    assert (owed.total, owed.total_pending, owed.latest_play_time(5)) == (4, 0, NEVER)
+    assert (owed.total, owed.total_pending, owed.latest_play_time(5)) == (4, 0, NEVER_NS)
 
 
 def test_a_cast_is_every_topic_of_its_roles_and_refuses_what_cannot_be():

@@ -2,7 +2,7 @@
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lta_bridge.teensy.block_assembler import BlockAssembler, WRAP
+from lta_bridge.teensy.block_assembler import BlockAssembler, ROW_WRAP
 import numpy as np
 import pytest
 
@@ -20,12 +20,12 @@ def fill(blocks, numbers, first=0):
     return [
         block
         for k in numbers
-        for block in blocks.add_rows(k * 1_500_000, (first + k * ROWS) % WRAP, rows(k * ROWS))
+        for block in blocks.add_rows(k * 1_500_000, (first + k * ROWS) % ROW_WRAP, rows(k * ROWS))
     ]
 
 
 @settings(max_examples=30)
-@given(st.integers(1, 400), st.sampled_from([0, WRAP - 7, WRAP - 15 * 100]))
+@given(st.integers(1, 400), st.sampled_from([0, ROW_WRAP - 7, ROW_WRAP - 15 * 100]))
 def test_without_loss_every_row_is_in_its_place_and_time(samples, first):
     blocks = BlockAssembler(samples, 10e3)
     found = fill(blocks, range(200), first)

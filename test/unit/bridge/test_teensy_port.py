@@ -174,7 +174,7 @@ SIZE = 4
 def test_a_stranger_on_the_udp_port_is_neither_heard_nor_answered_and_counted(
     udp_port, people, monkeypatch
 ):
-    monkeypatch.setattr('lta_bridge.teensy.port.MOST', 8)  # a flood ends no read
+    monkeypatch.setattr('lta_bridge.teensy.port.DATAGRAMS_PER_READ', 8)  # a flood ends no read
     clock = [0]
     port = UdpPort(f'udp://127.0.0.1:{udp_port}', lambda: clock[0])
     board, stranger = people(), people()

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lta_bridge.teleop.gamepad import Gamepad
 from lta_bridge.teleop.keyboard import HELD, Keyboard
-from lta_bridge.teleop.messages import JoyDevice, SetpointFollowers, SILENT, TwistDevice
+from lta_bridge.teleop.messages import JoyDevice, SetpointFollowers, SILENT_SENDER, TwistDevice
 from lta_bridge.teleop.steering import (
     HeadingAltitude,
     LEAD_TURN,
@@ -74,8 +74,8 @@ def test_joy_messages_count_while_they_come():
     axes = [0.0] * 6
     axes[LAYOUT.turn] = 1.0
     device.receive(Joy(axes=axes, buttons=[0, 1, 0]), 1.0)
-    assert device.read_sticks(1.0 + SILENT) == Sticks(turn=1.0, give_back=True)
-    assert device.read_sticks(1.01 + SILENT) is None
+    assert device.read_sticks(1.0 + SILENT_SENDER) == Sticks(turn=1.0, give_back=True)
+    assert device.read_sticks(1.01 + SILENT_SENDER) is None
 
 
 def test_a_tap_between_two_looks_counts_once_by_joy():
@@ -104,8 +104,8 @@ def test_a_velocity_is_a_share_of_the_largest_and_has_control_while_messages_com
     assert device.read_sticks(0.0) is None
     send_velocity(device, 1.0, x=0.1, y=0.7, z=-5.0)
     assert device.read_sticks(1.0) == Sticks(0.25, 0.5, -1.0, take=True)
-    assert device.read_sticks(0.99 + SILENT) is not None
-    assert device.read_sticks(1.0 + SILENT) is None
+    assert device.read_sticks(0.99 + SILENT_SENDER) is not None
+    assert device.read_sticks(1.0 + SILENT_SENDER) is None
 
 
 @pytest.mark.parametrize(

@@ -7,14 +7,14 @@ from lta_control.allocation import (
     Rotors,
     thrusts_to_duties,
 )
-from lta_control.per_rotor import NONE, pad_to_slots
+from lta_control.per_rotor import NO_ROTORS, pad_to_slots
 from lta_control.vehicle_parameters import build_rotors
 from lta_model.vehicle import load_vehicle, Vehicle
 import pytest
 
 ROTORS = build_rotors(load_vehicle('gtmab'))
 FULL = 0.0915 + 0.0677
-REST = NONE
+REST = NO_ROTORS
 
 
 def give(surge=0.0, heave=0.0, yaw=0.0, rotors=ROTORS, start=REST):
@@ -23,7 +23,7 @@ def give(surge=0.0, heave=0.0, yaw=0.0, rotors=ROTORS, start=REST):
 
 def test_the_rotors_of_the_file():
     assert ROTORS.number == 4
-    assert ROTORS.low == NONE
+    assert ROTORS.low == NO_ROTORS
     assert ROTORS.high == pytest.approx(pad_to_slots((FULL,) * 4), rel=1e-12)
     assert (ROTORS.a, ROTORS.b) == (pad_to_slots((0.0915,) * 4), pad_to_slots((0.0677,) * 4))
     assert ROTORS.allocation[0] == (0.0, 0.013, 0.961, 0.188, 0.0, 0.0)
@@ -129,11 +129,11 @@ def test_one_rotor_alone():
     alone = Rotors(
         1,
         ((0.0, 0.0, 0.9, 0.0, 0.0, 0.0), *((0.0,) * 6,) * 7),
-        NONE,
+        NO_ROTORS,
         pad_to_slots((0.2,)),
         0.0,
-        NONE,
-        NONE,
+        NO_ROTORS,
+        NO_ROTORS,
     )
     assert give(heave=0.1, rotors=alone)[0] == pytest.approx(pad_to_slots((1.0 / 9.0,)), rel=1e-7)
     assert give(heave=0.1, rotors=alone._replace(high=pad_to_slots((0.05,))))[0] == pad_to_slots(
@@ -146,7 +146,7 @@ def test_eight_rotors_share_what_they_are_asked():
     corners = ((0.2, 0.2), (0.2, -0.2), (-0.2, -0.2), (-0.2, 0.2))
     up = tuple((0.0, 0.0, 1.0, y, -x, 0.0) for x, y in corners)
     ahead = tuple((1.0, 0.0, 0.0, 0.0, 0.0, -y) for _, y in corners)
-    eight = Rotors(8, up + ahead, NONE, (0.2,) * 8, 0.0, (0.1,) * 8, (0.1,) * 8)
+    eight = Rotors(8, up + ahead, NO_ROTORS, (0.2,) * 8, 0.0, (0.1,) * 8, (0.1,) * 8)
     thrusts, given = give(surge=0.2, heave=0.4, yaw=0.008, rotors=eight)
     assert thrusts[:4] == pytest.approx((0.1,) * 4, rel=1e-7)
     # A yaw of 0.008 N m is 0.01 N more on each of the two on the right, and less on the left.
@@ -180,4 +180,4 @@ def test_reversed_thrust_is_a_ratio_of_each_rotor_and_one_in_unused_slots():
 
 def test_zero_thrust_is_zero_duty_even_without_a_thrust_curve():
     assert one_duty(0.0, 0.0, 0.0) == 0.0
-    assert duties(ROTORS, NONE) == NONE
+    assert duties(ROTORS, NO_ROTORS) == NO_ROTORS

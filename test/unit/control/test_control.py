@@ -5,7 +5,7 @@ from lta_control.cascade import CascadeMeasurement, Setpoint
 from lta_control.flight_step import has_landed
 from lta_control.laws.cascade import CascadeLawConstants, CascadeLawMemory, control_step
 from lta_control.odometry.air_reckoning import step_duration
-from lta_control.per_rotor import NONE
+from lta_control.per_rotor import NO_ROTORS
 from lta_control.pid import PidGains
 from lta_control.vehicle_parameters import build_rotors
 from lta_model.vehicle import load_vehicle
@@ -47,7 +47,7 @@ def test_the_shortfall_acts_at_the_next_step():
     _, later = control(AT_REST._replace(speed=0.3), memory=memory)
     # ki e and ki / kp times the shortfall cancel: nothing winds up.
     assert later.cascade.speed == pytest.approx(memory.cascade.speed, abs=1e-6)
-    assert once == NONE
+    assert once == NO_ROTORS
 
 
 def test_every_axis_is_told_its_own_shortfall():

@@ -6,7 +6,7 @@ from lta_control.cascade import CascadeMeasurement, Setpoint
 from lta_control.flight_step import has_landed, LandingWatch, STANDSTILL, watch_landing
 from lta_control.gains_file import load_gains
 from lta_control.laws.cascade import CascadeLawConstants, CascadeLawMemory, control_step
-from lta_control.per_rotor import NONE
+from lta_control.per_rotor import NO_ROTORS
 from lta_control.vehicle_parameters import build_rotors
 from lta_model.vehicle import load_vehicle, Vehicle
 import pytest
@@ -41,7 +41,7 @@ def fly(rotors, gains, setpoints, lift=LIFT, error=0.0, turn=0.0):
         for _ in range(round(30.0 / DT)):
             measured = CascadeMeasurement(z + error, climb, turn, 0.0, 0.0, 0.0, 0.0)
             setpoint = Setpoint(altitude, 0.0, 0.0)
-            duties, force = NONE, 0.0
+            duties, force = NO_ROTORS, 0.0
             landing = watch_landing(landing, z + error, altitude <= STANDING, DT)
             down = has_landed(z + error, climb, setpoint, STANDING)
             if down or landing.still > STANDSTILL:

@@ -16,7 +16,7 @@ from lta_control.estimator import (
 )
 from lta_control.nodes.estimator import describe_calibration
 from lta_control.odometry.airspeed import AirspeedEstimate, HullDragModel
-from lta_control.per_rotor import NONE, pad_to_slots
+from lta_control.per_rotor import NO_ROTORS, pad_to_slots
 from lta_control.vehicle_parameters import build_estimator_model
 from lta_graph.health import HealthLevel
 from lta_model.sensors.imu import error_bounds, ImuSettings
@@ -45,7 +45,7 @@ BODY = EstimatorModel(
     lag_up=0.05,
     lag_down=0.1,
 )
-OFF = NONE
+OFF = NO_ROTORS
 STILL = EstimatorInputs((0.01, -0.02, 0.03), (0.1, -0.2, G + 0.3), math.nan, math.nan, OFF)
 
 

@@ -5,7 +5,7 @@ import math
 from lta_control import flight_step as rules
 from lta_control.allocation import create_working_array
 from lta_control.autopilot import Autopilot, build_drone_constants, ESTIMATE, MEMORY
-from lta_control.cascade import FLOOR, Setpoint
+from lta_control.cascade import FLOOR_SETPOINT, Setpoint
 from lta_control.estimator import EstimatorSettings
 from lta_control.flight_step import (
     control_motors,
@@ -20,7 +20,7 @@ from lta_control.flight_step import (
 from lta_control.gains_file import load_gains
 from lta_control.laws.cascade import CascadeLawMemory, LAW
 from lta_control.laws.protocol import ControlMotion
-from lta_control.per_rotor import NONE
+from lta_control.per_rotor import NO_ROTORS
 from lta_control.sighting import DeadReckonedMotion
 from lta_model.vehicle import load_vehicle
 import numpy as np
@@ -59,8 +59,8 @@ def guided(memory=DroneMemory(), setpoint=UP):  # noqa: B008 - never changed
 
 
 def test_the_motors_wait_for_estimate_and_setpoint():
-    assert duties(run(guided(), 9)) == NONE  # the tenth step ends the rest
-    assert duties(run(DroneMemory(), 30)) == NONE
+    assert duties(run(guided(), 9)) == NO_ROTORS  # the tenth step ends the rest
+    assert duties(run(DroneMemory(), 30)) == NO_ROTORS
     flying = run(guided(), 12)
     assert all(0.0 < u <= 1.0 for u in duties(flying)[:2])
     assert duties(flying)[4:] == (0.0,) * 4
@@ -70,8 +70,8 @@ def test_standing_they_are_off_and_forget():
     flying = run(guided(), 20)
     assert flying.pilot.law != CascadeLawMemory()
     standing = run(guided(flying, Setpoint(0.3, 0.0, 0.0)), 1)
-    assert duties(standing) == NONE
-    np.testing.assert_array_equal(standing.pilot.law.thrusts, NONE)
+    assert duties(standing) == NO_ROTORS
+    np.testing.assert_array_equal(standing.pilot.law.thrusts, NO_ROTORS)
     assert standing.pilot.law.cascade[:3] == (0.0, 0.0, 0.0)
 
 
@@ -84,7 +84,7 @@ def test_they_stop_where_a_landing_no_longer_sinks():
     assert any(duties(turning))
     landed = run(turning, 200, high)
     assert landed.measured.altitude > DRONE.rules.standing_height + 0.03
-    assert duties(landed) == NONE
+    assert duties(landed) == NO_ROTORS
     assert any(duties(run(guided(landed), 1, high)))
 
 
@@ -114,9 +114,9 @@ def test_turned_over_they_stay_off():
     over = flying._replace(estimate=flying.estimate._replace(attitude=TILTED))
     after = run(over, 1)
     assert stopped(after)
-    assert duties(after) == NONE
+    assert duties(after) == NO_ROTORS
     upright = after._replace(estimate=flying.estimate)
-    assert duties(run(upright, 5)) == NONE
+    assert duties(run(upright, 5)) == NO_ROTORS
     leaning = math.sin(0.49), 0.0, 0.0, math.cos(0.49)
     almost = flying._replace(estimate=flying.estimate._replace(attitude=leaning))
     assert not stopped(run(almost, 1))
@@ -134,14 +134,14 @@ def test_the_estimator_sees_the_duties_of_the_step_before(monkeypatch):
     for _ in range(40):
         memory = run(memory, 1)
         given.append(duties(memory))
-    assert told == [NONE, *given[:-1]]
+    assert told == [NO_ROTORS, *given[:-1]]
     assert any(map(any, given))
 
 
 def test_the_autopilot_is_the_same_step_compiled():
     """Its memory equals that of the plain function bit by bit, also while sensors are lost."""
     generator, pilot, memory = np.random.default_rng(6), Autopilot(DRONE), DroneMemory()
-    np.testing.assert_array_equal(duties(pilot.memory), NONE)
+    np.testing.assert_array_equal(duties(pilot.memory), NO_ROTORS)
     for k in range(600):
         if k % 20 == 7:
             setpoint = Setpoint(*generator.normal(0.5, 0.5, 3).tolist())
@@ -178,7 +178,7 @@ def test_any_number_of_rotors_flies_the_same_code(number):
     slots = DRONE.law.rotors._replace(
         number=number,
         allocation=columns + ((0.0,) * 6,) * empty,
-        low=NONE,
+        low=NO_ROTORS,
         high=(0.15,) * number + (0.0,) * empty,
         a=(0.08,) * number + (0.0,) * empty,
         b=(0.07,) * number + (0.0,) * empty,
@@ -219,7 +219,7 @@ def test_instead_replaces_the_newest_duties_in_the_memory():
     pilot.step(*STILL[:4])
     pilot.record_applied_duties((0.1, 0.2, 0.3, 0.4))
     assert pilot.duties == (0.1, 0.2, 0.3, 0.4)
-    command = memory.pilot.law.command._replace(duties=(0.1, 0.2, 0.3, 0.4, *NONE[4:]))
+    command = memory.pilot.law.command._replace(duties=(0.1, 0.2, 0.3, 0.4, *NO_ROTORS[4:]))
     law = memory.pilot.law._replace(command=command)
     told = memory._replace(pilot=memory.pilot._replace(law=law))
     assert numbers(pilot.memory) == numbers(told)
@@ -281,12 +281,15 @@ def test_armed_with_an_estimate_and_a_setpoint_above_the_floor_it_flies():
 
 def test_armed_in_the_hands_it_waits_for_a_setpoint_above_the_floor():
     """Also where it is to land: a setpoint that is old, or one of two navigators."""
-    for changes in ({'setpoint': FLOOR}, {'age': 4.0}, {'must_land': True}):
+    for changes in ({'setpoint': FLOOR_SETPOINT}, {'age': 4.0}, {'must_land': True}):
         waiting = control(steps=3, **changes)
         assert (state(waiting), waiting.law) == (FlightState.WAITING, LAW.start)
         assert state(control(waiting)) is FlightState.FLYING
     # Disarming begins anew
-    assert state(control(control(control(), armed=False), setpoint=FLOOR)) is FlightState.WAITING
+    assert (
+        state(control(control(control(), armed=False), setpoint=FLOOR_SETPOINT))
+        is FlightState.WAITING
+    )
 
 
 @pytest.mark.parametrize(

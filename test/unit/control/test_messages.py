@@ -25,7 +25,7 @@ from lta_control.messages import (
 )
 from lta_control.odometry.airspeed import AirspeedEstimate
 from lta_control.odometry.ground_state import GroundMotion
-from lta_control.per_rotor import NONE, pad_to_slots
+from lta_control.per_rotor import NO_ROTORS, pad_to_slots
 from lta_control.reserve import (
     decide_permission,
     explain_restriction,
@@ -184,7 +184,7 @@ def test_duties_survive_the_way_there_and_back(count):
     message = from_duties(Range().header.stamp, names, duties)
     assert list(message.name) == names
     assert list(message.duty) == list(duties[:count])
-    assert to_duties(message, names, NONE) == duties
+    assert to_duties(message, names, NO_ROTORS) == duties
 
 
 def test_distances_at_the_limits_of_a_sensor_are_valid():

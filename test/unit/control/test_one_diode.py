@@ -6,10 +6,10 @@ from lta_control.strategies import dither, gradient
 from lta_control.strategies.dither import DitherSettings, DitherState
 from lta_control.strategies.gradient import (
     add_pair,
-    EMPTY,
+    EMPTY_SAMPLES,
     GradientSettings,
     GradientState,
-    NONE,
+    NO_SAMPLE,
     PAIRS,
     steepest_heading,
 )
@@ -57,7 +57,7 @@ def test_des_scans_by_level_and_climbs_by_rate():
 
 def plane(a, b, c, places):
     pairs = [(float(x), float(y), float(a * x + b * y + c)) for x, y in places]
-    return (NONE,) * (PAIRS - len(pairs)) + tuple(pairs)
+    return (NO_SAMPLE,) * (PAIRS - len(pairs)) + tuple(pairs)
 
 
 def test_the_paper_s_plane_without_a_constant_points_away_from_the_origin():
@@ -116,7 +116,7 @@ def test_the_plane_is_a_ridge_regression_of_the_newest_pairs():
     [((-0.001, 0.03), 1.0), ((0.001, 0.039), 0.0), ((0.001, 0.041), 1.0), ((0.021, 0.03), 1.0)],
 )
 def test_a_cell_is_2_cm_wide_in_both_directions(place, more):
-    before = (*EMPTY[1:], (0.001, 0.03, 10.0))
+    before = (*EMPTY_SAMPLES[1:], (0.001, 0.03, 10.0))
     pairs, added = add_pair(before, 1.0, (*place, 30.0), 0.02)
     assert added == more
     assert pairs[-1] == (*place, 30.0 if more else 20.0)
@@ -131,7 +131,9 @@ BRIGHTER = ((0.0, 0.0, 1.0), (0.1, 0.0, 2.0), (0.0, 0.1, 1.0))  # brighter along
 
 def ascending(**changes):
     """Return the memory of a drone with three pairs that flies along a heading of 0.5 rad."""
-    memory = GradientState(0.5, 1.0, 2.0, 0.4, 0.5, 0.7, 0.0, False, 3.0, EMPTY[3:] + BRIGHTER)
+    memory = GradientState(
+        0.5, 1.0, 2.0, 0.4, 0.5, 0.7, 0.0, False, 3.0, EMPTY_SAMPLES[3:] + BRIGHTER
+    )
     return memory._replace(**changes)
 
 

@@ -5,7 +5,7 @@ import math
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_energy.monitoring.faults import Latch, ROUNDING, update_latch
+from lta_energy.monitoring.faults import Latch, STAMP_ROUNDING, update_latch
 from lta_energy.monitoring.monitor import EnergyEstimate, update_estimate
 from lta_energy.monitoring.report import report_energy
 from lta_graph.health import HealthLevel
@@ -231,7 +231,7 @@ def test_a_latch_changes_only_when_its_condition_has_lasted(conditions, rise, fa
         latch = update_latch(latch, condition, 0.1, rise, fall)
         lasted = lasted + 0.1 if condition != before.on else 0.0
         assert (latch.on != before.on) == (
-            lasted > 0.0 and lasted + ROUNDING >= (rise if condition else fall)
+            lasted > 0.0 and lasted + STAMP_ROUNDING >= (rise if condition else fall)
         )
         if latch.on != before.on:
             assert latch.on is condition

@@ -56,8 +56,8 @@ def test_time_to_full_by_hand():
         pytest.approx(missing / 0.5),
         0.0,
     )
-    assert outlook.estimate_charging_time(CELL, known(), 0.5, 0.0) == outlook.NEVER
-    assert outlook.estimate_discharge_time(CELL, known(), -0.5, 0.0) == outlook.NEVER
+    assert outlook.estimate_charging_time(CELL, known(), 0.5, 0.0) == outlook.NEVER_REACHED
+    assert outlook.estimate_discharge_time(CELL, known(), -0.5, 0.0) == outlook.NEVER_REACHED
 
 
 @pytest.mark.parametrize('charging', [False, True])
@@ -179,10 +179,10 @@ def test_a_charge_that_is_not_sure_at_all_is_none():
 def test_no_power_neither_empties_nor_fills():
     assert (
         outlook.estimate_discharge_time(CELL, known(), 0.0, 0.1)
-        == outlook.NEVER
+        == outlook.NEVER_REACHED
         == (math.inf, math.inf)
     )
-    assert outlook.estimate_charging_time(CELL, known(), 0.0, 0.1) == outlook.NEVER
+    assert outlook.estimate_charging_time(CELL, known(), 0.0, 0.1) == outlook.NEVER_REACHED
     # Below nothing a power pulls no cell down: 3.0 V is below the chart.
     assert outlook.empty_charge(CELL, known(), -9.0) == 0.0
     stiff = CELL.model_copy(update={'discharge_cutoff': 3.69})

@@ -2,7 +2,7 @@
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from lta_graph.ros import listener
-from lta_graph.ros.listener import DiagnosticsListener, DISCOVERY, LOADING_TIME, SILENCE_TIME
+from lta_graph.ros.listener import ALL_NODES_TIME, DiagnosticsListener, LOADING_TIME, SILENCE_TIME
 import pytest
 
 
@@ -58,7 +58,7 @@ def test_silence_means_nothing_before_all_have_spoken_and_could_speak_again(cloc
 def test_one_that_never_speaks_does_not_keep_silence_meaningless_for_ever(clock):
     ears = DiagnosticsListener('lta1')
     ears._on_diagnostics(said('lta1/estimator'))
-    clock[0] += DISCOVERY + 0.01
+    clock[0] += ALL_NODES_TIME + 0.01
     assert ears.find_silent_nodes(['estimator', 'theirs']) == []
     clock[0] += SILENCE_TIME + 0.01
     assert ears.find_silent_nodes(['estimator', 'theirs']) == ['estimator']

@@ -9,13 +9,13 @@ from lta_config.topics import load_topic_table
 from lta_graph.health import HealthLevel
 from lta_graph.rejections import LONGEST_REASON, RejectionCount
 from lta_graph.ros.message_validation import (
+    FAULT_FINDERS,
     find_fault,
     find_message_type,
-    JUMP_NS,
-    LARGEST,
-    LENGTHS,
+    LARGEST_VALUE,
     MessageValidator,
-    NUMBERS,
+    NUMERIC_FIELDS,
+    STAMP_JUMP_NS,
 )
 from lta_graph.ros.stamps import to_stamp
 from lta_msgs import msg as msgs
@@ -39,13 +39,13 @@ def test_an_empty_message_of_any_topic_can_be_judged():
 
 def test_every_field_that_is_looked_at_is_one():
     kinds = {row.type.split('/')[2]: find_message_type(row) for row in TABLE.topics.values()}
-    for name, paths in NUMBERS.items():
+    for name, paths in NUMERIC_FIELDS.items():
         for path in paths:
             part = kinds[name]() if name in kinds else None
             for word in path.split('.') if part else ():
                 part = getattr(part, word)
-    assert LENGTHS.keys() <= kinds.keys()
-    assert NUMBERS.keys() - {'Joy'} <= kinds.keys()
+    assert FAULT_FINDERS.keys() <= kinds.keys()
+    assert NUMERIC_FIELDS.keys() - {'Joy'} <= kinds.keys()
 
 
 @given(
@@ -56,7 +56,7 @@ def test_every_field_that_is_looked_at_is_one():
 def test_one_number_of_six_is_enough(value, field, axis):
     message = IMU()
     setattr(getattr(message, field), axis, value)
-    assert (find_fault(message) == '') == (abs(value) <= LARGEST)
+    assert (find_fault(message) == '') == (abs(value) <= LARGEST_VALUE)
 
 
 @pytest.mark.parametrize(
@@ -108,7 +108,7 @@ def test_a_stamp_that_jumps_is_counted_where_stamps_are_looked_at():
     row = TABLE['imu']
     for looks in (True, False):
         sound = MessageValidator(stamps=looks)
-        for at in (1, 2, 3 + 2 * JUMP_NS, 4, 5):
+        for at in (1, 2, 3 + 2 * STAMP_JUMP_NS, 4, 5):
             message = IMU()
             message.header.stamp = to_stamp(10**12 + at)
             sound.validate(row, 'imu', message)
@@ -130,7 +130,7 @@ def test_invalid_content_is_told_and_a_jump_of_the_stamp_is_not_that():
     validator = MessageValidator(stamps=True)
     row, message = TABLE['imu'], IMU()
     assert validator.validate(row, 'imu', message)
-    message.header.stamp = to_stamp(2 * JUMP_NS)
+    message.header.stamp = to_stamp(2 * STAMP_JUMP_NS)
     assert validator.validate(row, 'imu', message)
     message.angular_velocity.x = math.nan
     assert not validator.validate(row, 'imu', message)

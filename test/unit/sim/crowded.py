@@ -9,7 +9,7 @@ from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import BodyEffect, InertiaEffect, KernelEffect
 from lta_model.model import VehicleModel
 from lta_model.state import ACTUATORS
-from lta_sim.kernels.kernel import LAYOUT
+from lta_sim.simulated_vehicle import LAYOUT
 import numpy as np
 
 AXES = ('surge', 'sway', 'heave', 'roll', 'pitch', 'yaw')

@@ -3,7 +3,7 @@
 from lta_model.effects import initial_memory
 from lta_model.model import VehicleModel
 from lta_model.state import pack_state
-from lta_sim.kernels.kernel import LAYOUT
+from lta_sim.simulated_vehicle import LAYOUT
 import numpy as np
 
 G = 9.80665

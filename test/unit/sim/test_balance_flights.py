@@ -4,7 +4,8 @@ import math
 
 from lta_model.effect_parameters import build_strips, DragBox
 from lta_model.state import COMMAND, MASS_PLACE, QUATERNION, RATES
-from lta_sim.kernels.kernel import advance, LAYOUT
+from lta_sim.kernels.kernel import advance
+from lta_sim.simulated_vehicle import LAYOUT
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation

@@ -4,13 +4,14 @@ from lta_config.errors import BadInput
 from lta_sim.kernels import kernel
 from lta_sim.kernels.cpu_batch import advance_many, render_batch_source
 from lta_sim.kernels.vehicle_batch import pack_blocks, select_used_numbers, VehicleBatch
+from lta_sim.simulated_vehicle import LAYOUT
 import numpy as np
 import pytest
 
 from . import flat_balloon as balloon
 
 STEP = 2e-3
-SIZE = kernel.LAYOUT.size
+SIZE = LAYOUT.size
 
 
 def scaled(given, generator):
@@ -88,11 +89,11 @@ def test_only_what_some_vehicle_has_on_is_compiled():
         states[[0, 1, 1]], VehicleBatch.from_models(models), duties[[0, 1, 1]], winds[[0, 1, 1]]
     )
     on = set().union(*(model.effect_parameters for model in models))
-    assert used.names == tuple(name for name in kernel.LAYOUT.effects if name in on)
+    assert used.names == tuple(name for name in LAYOUT.effects if name in on)
     values = used.fixed[0]
     assert used.zeros == {k for k in range(values.shape[1]) if not values[:, k].any()}
     source = render_batch_source(used.names, used.zeros, used.rotors)
-    for name in kernel.LAYOUT.effects:
+    for name in LAYOUT.effects:
         assert (f'def {name}_{name}(' in source) == (name in on)
     assert f'for j in range({used.rotors}):' in source
     few = render_batch_source(('strip_damping',), frozenset({0, 1}), 4)

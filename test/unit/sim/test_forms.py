@@ -6,8 +6,8 @@ from lta_model.effects import EFFECTS
 from lta_sim.kernels import kernel, row
 from lta_sim.kernels.compose import render_kernel_source
 from lta_sim.kernels.cpu_batch import advance_many
-from lta_sim.kernels.kernel import LAYOUT
 from lta_sim.kernels.vehicle_batch import VehicleBatch
+from lta_sim.simulated_vehicle import LAYOUT
 import numpy as np
 import pytest
 

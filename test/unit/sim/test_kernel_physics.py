@@ -3,7 +3,8 @@
 import math
 
 from lta_model.state import POSITION, QUATERNION, RATES, VELOCITY
-from lta_sim.kernels.kernel import advance, effect_wrenches, LAYOUT, state_derivative
+from lta_sim.kernels.kernel import advance, effect_wrenches, state_derivative
+from lta_sim.simulated_vehicle import LAYOUT
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation

@@ -1,7 +1,8 @@
 """Flights of a balloon whose lift changes, against closed forms."""
 
 from lta_model.state import IRRADIANCE, POSITION, RATES, SURROUNDINGS, VELOCITY
-from lta_sim.kernels.kernel import advance, LAYOUT
+from lta_sim.kernels.kernel import advance
+from lta_sim.simulated_vehicle import LAYOUT
 import numpy as np
 import pytest
 

@@ -4,7 +4,7 @@ from lta_config.errors import BadInput
 from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import KernelEffect
 from lta_model.model import VehicleModel
-from lta_sim.kernels.kernel import LAYOUT
+from lta_sim.simulated_vehicle import LAYOUT
 import numpy as np
 import pytest
 

@@ -17,9 +17,8 @@ from lta_sim.wind_limits import (
     thrust_speed,
     wind_share_at_hull,
 )
-import numpy as np
 import pytest
-from scipy.optimize import brentq, linprog
+from scipy.optimize import brentq
 
 
 @cache
@@ -129,26 +128,6 @@ def test_a_drone_without_a_known_limit_has_none():
     slippery['aero']['linear_drag']['force'] = drag
     vehicle = Vehicle(VehicleFile.model_validate(slippery))
     assert static_wind_limit(vehicle) == math.inf  # and so is the thrust's
-
-
-def test_corners_solve_the_linear_programme():
-    """Against `linprog`, on programmes of four thrusts and three balances."""
-    chance, solved = np.random.default_rng(4), 0
-    for _ in range(60):
-        wrench, tops = chance.normal(size=(6, 4)), chance.uniform(0.5, 1.5, 4)
-        # About half of these have a solution
-        balance = wrench @ chance.uniform(-0.2, 1.2, 4)
-        axes = [2, 4, 5]
-        found = wind_limits._search_corners(wrench[0], wrench[axes], balance[axes], tops)
-        expected = linprog(
-            -wrench[0], A_eq=wrench[axes], b_eq=balance[axes], bounds=[(0.0, t) for t in tops]
-        )
-        if expected.status == 0:
-            solved += 1
-            assert found == pytest.approx(-expected.fun, abs=1e-6)
-        else:
-            assert found == -math.inf
-    assert 10 < solved < 60
 
 
 @pytest.mark.long

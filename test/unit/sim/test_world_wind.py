@@ -9,7 +9,7 @@ from lta_model.effects.air import stationary_memory, TURBULENCE
 from lta_model.effects.protocol import AirEffectInput
 from lta_model.state import RIGID, SURROUNDINGS
 from lta_sim.environment import draw_initial_memory
-from lta_sim.kernels.kernel import LAYOUT
+from lta_sim.simulated_vehicle import LAYOUT
 import numpy as np
 import pytest
 

@@ -6,7 +6,7 @@ from lta_vlc.demodulation import (
     detect_sample_faults,
     detect_tone_faults,
     DiodeFault,
-    FAULTS,
+    FAULTS_BY_VALUE,
     UNUSABLE_FAULTS,
 )
 from lta_vlc.spectral.spectrum import center_samples, SampleStatistics, scan_spectrum, SpectrumScan
@@ -58,11 +58,11 @@ def test_the_highest_bin_is_chosen_by_the_diodes_of_weight_one():
 def test_more_than_a_hundredth_of_the_samples_at_full_scale_is_saturation():
     level, span = np.array([1.0, 1.0, 2.0, math.nan]), np.array([5.0, 5.0, 0.0, 0.0])
     looked = SampleStatistics(level, span, np.array([0.01, 0.0101, 1.0, 1.0]))
-    assert [FAULTS[k] for k in detect_sample_faults(looked).tolist()] == [
+    assert [FAULTS_BY_VALUE[k] for k in detect_sample_faults(looked).tolist()] == [
         DiodeFault.NONE, DiodeFault.SATURATED, DiodeFault.SATURATED | DiodeFault.FLAT,
         DiodeFault.NOT_A_NUMBER,
     ]  # fmt: skip
-    assert [FAULTS[fault.value] for fault in DiodeFault] == list(DiodeFault)
+    assert [FAULTS_BY_VALUE[fault.value] for fault in DiodeFault] == list(DiodeFault)
     assert DiodeFault.ALIASED not in UNUSABLE_FAULTS  # beacons can be read beside an unknown tone
 
 

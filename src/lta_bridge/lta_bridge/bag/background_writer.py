@@ -22,7 +22,8 @@ from lta_bridge.bag.writer import BagWriter
 FLUSH_PERIOD = 0.8
 NAP = 0.1  # wall seconds between two polls of the queue: batches are cheaper than single messages
 REFRESH_PERIOD = 5.0  # wall seconds between two updates of metadata.yaml
-MOST = 500_000  # queue limit in messages: many small ones cost more memory than their bytes
+# Queue limit in messages: many small ones cost more memory than their bytes
+QUEUED_MESSAGES = 500_000
 
 Item = tuple[str, bytes, int] | Callable[[], None]
 
@@ -91,7 +92,7 @@ class BackgroundWriter:
     def write(self, topic: str, data: bytes, log_time_ns: int) -> bool:
         """Queue one message; return False if there was no room for it. See `BagWriter.write`."""
         waiting = self._taken - self._done + len(data)
-        if waiting > self._room or len(self._queue) >= MOST or self.fault is not None:
+        if waiting > self._room or len(self._queue) >= QUEUED_MESSAGES or self.fault is not None:
             self.dropped[topic] += 1
             return False
         self._taken += len(data)

@@ -8,7 +8,7 @@ from pathlib import Path
 import shutil
 from typing import final
 
-MARGIN = 4_000_000  # bytes left free on the disk beyond what closing needs
+DISK_MARGIN = 4_000_000  # bytes left free on the disk beyond what closing needs
 
 
 @final
@@ -24,7 +24,7 @@ class SplitLimits:
         return 0 < self.size <= size or 0 < self.duration_ns <= age_ns
 
 
-WHOLE = SplitLimits()
+UNSPLIT = SplitLimits()
 
 
 class StorageFault(OSError):
@@ -95,7 +95,7 @@ def check_room(path: Path, needed: int) -> None:
         If it has less.
 
     """
-    if free_space(path) < needed + MARGIN:
+    if free_space(path) < needed + DISK_MARGIN:
         raise DiskNearlyFull(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
 
 

@@ -21,7 +21,7 @@ from lta_bridge.bag.metadata import (
 )
 from lta_bridge.bag.qos import format_offered_qos, OfferedQos
 from lta_bridge.bag.schemas import generate_definition, MessageDefinition
-from lta_bridge.bag.storage import check_room, fsync_file, SplitLimits, StorageFault, WHOLE
+from lta_bridge.bag.storage import check_room, fsync_file, SplitLimits, StorageFault, UNSPLIT
 from lta_config.atomic_file import remove_dead_parts
 from lta_config.errors import BadInput
 
@@ -74,7 +74,7 @@ class BagWriter:
     """
 
     def __init__(
-        self, path: Path, provenance: Mapping[str, str], split: SplitLimits = WHOLE
+        self, path: Path, provenance: Mapping[str, str], split: SplitLimits = UNSPLIT
     ) -> None:
         self.path = prepare_empty_folder(Path(path))
         self._provenance = dict(provenance)
@@ -162,7 +162,7 @@ class BagWriter:
         # Counted before writing, so that lost_count includes a message whose write fails
         record.written += 1
         try:
-            if self._split is not WHOLE:
+            if self._split is not UNSPLIT:
                 self._split_if_due(log_time_ns)
             self._mcap.add_message(
                 record.channel, record.written, log_time_ns, data, publish_time_ns

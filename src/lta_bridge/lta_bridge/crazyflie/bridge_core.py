@@ -9,7 +9,7 @@ import threading
 from typing import Final, final, NamedTuple
 
 from lta_bridge.crazyflie import duties_packet, readings, safety
-from lta_bridge.crazyflie.buoyancy import BuoyancyMonitor, IDLE
+from lta_bridge.crazyflie.buoyancy import BuoyancyMonitor, IDLE_DUTY
 from lta_bridge.crazyflie.device_clock import DeviceClock
 from lta_bridge.crazyflie.duties_packet import find_rotor_indices
 from lta_bridge.crazyflie.link import CrazyflieLink, LogPacket
@@ -29,13 +29,13 @@ from lta_graph.health import stamp_age
 from lta_graph.rejections import RejectionCount
 from lta_model.vehicle import Vehicle
 
-RATE: Final = 50.0  # Hz, tick rate; the firmware needs setpoints at 10 Hz or more
+TICK_RATE: Final = 50.0  # Hz, tick rate; the firmware needs setpoints at 10 Hz or more
 GUARD: Final = 7  # ticks between two messages to the emergency-stop watchdog: 7 Hz
 HOLD_MS: Final = 200  # ms; the drone stops its motors without newer duties after this time
 LETTING_GO: Final = 10  # times that the override is released: the drone does not confirm it
 TURN_GAIN: Final = 1.5  # 1/s from heading error to yaw rate: time constant of about 0.7 s
 FASTEST_TURN: Final = 1.0  # rad/s
-FASTEST: Final = 2.0  # m/s; a stick gives no more
+FASTEST_SETPOINT: Final = 2.0  # m/s; a stick gives no more
 UNTOLD: Final = 2.0  # s; an older voltage counts as unknown
 POWER_OFF: Final = 3  # pm.state of the firmware from which on the cell is low
 
@@ -252,7 +252,9 @@ class BridgeCore:
         ]
         # Of two that are known, the one that is farther up or away decides
         recent = [
-            where for where, age in both if age <= safety.LOST and not math.isnan(where.height)
+            where
+            for where, age in both
+            if age <= safety.LOST_POSITION and not math.isnan(where.height)
         ]
         if len(recent) == len(both):
             height = max(where.height for where in recent)
@@ -328,7 +330,7 @@ class BridgeCore:
                 # Nothing ages where graph time stands still: the clock of a simulation, stopped
                 inputs = inputs._replace(command_age=math.inf)
             passed, self._ticked = max(now - self._ticked, 0.0), now
-            turning = max(self._read_motor_duties(inputs), default=0.0) > IDLE
+            turning = max(self._read_motor_duties(inputs), default=0.0) > IDLE_DUTY
             self._estimated_height, self._tracked_height = (
                 watch_sensor(seen, where.height, turning, passed)
                 for seen, where in (
@@ -350,13 +352,13 @@ class BridgeCore:
     def _watch_landing(self, turning: bool, passed: float, inputs: safety.SafetyInputs) -> float:
         """Return for how long motors have turned to land without the drone sinking. [s]"""
         lands = turning and self.wanted_height <= self._floor
-        height = inputs.height if inputs.place_age <= safety.LOST else math.nan
+        height = inputs.height if inputs.place_age <= safety.LOST_POSITION else math.nan
         self._landing = watch_landing(self._landing, height, lands, passed)
         return self._landing.still
 
     def _read_motor_duties(self, inputs: safety.SafetyInputs) -> tuple[float, ...]:
         """Return the newest duties of M1 to M4; empty if they are not known."""
-        is_fresh = self.motors is not None and inputs.silence <= safety.SILENT
+        is_fresh = self.motors is not None and inputs.silence <= safety.SILENT_LINK
         return self.motors.duties if self.motors is not None and is_fresh else ()
 
     def _watch_buoyancy(self, now: float, inputs: safety.SafetyInputs) -> None:
@@ -371,7 +373,7 @@ class BridgeCore:
         ]
         lifting = max(0.0, *shares) if shares else math.nan
         pressing = max(0.0, *(-share for share in shares)) if shares else math.nan
-        height = inputs.height if inputs.place_age <= safety.LOST else math.nan
+        height = inputs.height if inputs.place_age <= safety.LOST_POSITION else math.nan
         self.buoyancy.observe(now, height, lifting, pressing)
 
     def find_arming_refusal(self, now_ns: int, linked: bool, active: bool) -> str:
@@ -403,7 +405,7 @@ class BridgeCore:
             rate = max(-FASTEST_TURN, min(FASTEST_TURN, TURN_GAIN * command.turn))
             self._link.send_hover_setpoint(
                 # The ramp of a landing scales speed and turn; the height stays until the hand-over
-                order.drive * max(-FASTEST, min(FASTEST, command.speed)),
+                order.drive * max(-FASTEST_SETPOINT, min(FASTEST_SETPOINT, command.speed)),
                 order.drive * rate,
                 max(0.0, min(self.limits.height, command.height)),
             )

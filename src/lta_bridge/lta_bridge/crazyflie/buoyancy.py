@@ -12,12 +12,12 @@ from collections import deque
 import math
 from typing import Final, final
 
-WINDOW: Final = 4.0  # s without lifting thrust
-RISE: Final = 0.1  # m in the second half of the window; less is no motion
+COAST_WINDOW: Final = 4.0  # s without lifting thrust
+LEAST_RISE: Final = 0.1  # m in the second half of the window; less is no motion
 # A drone that coasts upwards slows down by its drag; one that is lighter than air does not
-KEPT: Final = 0.95  # of the rise in the first half
-IDLE: Final = 0.02  # duty, times the vertical share of its axis, of a rotor that does nothing
-GAP: Final = 0.5  # s without a height, after which the window begins anew
+LEAST_RISE_SHARE: Final = 0.95  # of the rise in the first half
+IDLE_DUTY: Final = 0.02  # duty, times the vertical share of its axis, of a rotor that does nothing
+HEIGHT_GAP: Final = 0.5  # s without a height, after which the window begins anew
 
 
 @final
@@ -54,30 +54,30 @@ class BuoyancyMonitor:
             component of its axis; NaN if unknown.
 
         """
-        if not lifting <= IDLE:
+        if not lifting <= IDLE_DUTY:
             # Pushed up, or perhaps: nothing follows from its height
             self._heights.clear()
             self._pushed_since = math.inf
             self.rises = self.is_held_down = False
             return
-        if pressing > IDLE:
+        if pressing > IDLE_DUTY:
             self._pushed_since = min(self._pushed_since, now)
         else:
             self._pushed_since, self.is_held_down = math.inf, False
         if math.isnan(height):
             return
-        if self._heights and now - self._heights[-1][0] > GAP:
+        if self._heights and now - self._heights[-1][0] > HEIGHT_GAP:
             self._heights.clear()
         self._heights.append((now, height))
-        while now - self._heights[0][0] > WINDOW:
+        while now - self._heights[0][0] > COAST_WINDOW:
             self._heights.popleft()
-        if now - self._heights[0][0] >= WINDOW - GAP:
+        if now - self._heights[0][0] >= COAST_WINDOW - HEIGHT_GAP:
             self._judge()
 
     def _judge(self) -> None:
         (began, first), (ended, last) = self._heights[0], self._heights[-1]
         middle = next(h for t, h in self._heights if t >= 0.5 * (began + ended))
-        self.rises = last - middle >= max(RISE, KEPT * (middle - first))
+        self.rises = last - middle >= max(LEAST_RISE, LEAST_RISE_SHARE * (middle - first))
         # A heavy drone may still coast upwards
-        still = max(abs(last - middle), abs(middle - first)) < RISE
+        still = max(abs(last - middle), abs(middle - first)) < LEAST_RISE
         self.is_held_down = self._pushed_since <= began and (self.rises or still)

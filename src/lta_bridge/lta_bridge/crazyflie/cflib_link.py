@@ -45,10 +45,10 @@ else:
     CFLIB = True
 
 PLACE: Final = r'[^/:\s]+:\d{1,5}'  # host:port
-RATE: Final = r'(250K|1M|2M)'
+RADIO_RATES: Final = r'(250K|1M|2M)'
 ADDRESS: Final = r'[0-9A-Fa-f]{1,10}'  # five bytes in hexadecimal
 SCHEMES: Final = {  # URI scheme to a pattern of the rest, as cflib parses it
-    'radio': rf'(\d+|{ADDRESS})/\d{{1,3}}(/{RATE}(/{ADDRESS})?)?(\?rate_limit=\d+)?',
+    'radio': rf'(\d+|{ADDRESS})/\d{{1,3}}(/{RADIO_RATES}(/{ADDRESS})?)?(\?rate_limit=\d+)?',
     'usb': r'\d+',
     'udp': PLACE,
     'tcp': PLACE,

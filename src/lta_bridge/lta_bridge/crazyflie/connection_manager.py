@@ -18,10 +18,10 @@ from lta_config.schema.crazyflie_file import ExpectedParameter
 DEADLINE: Final = 8.0  # s for one attempt; a TOC of 700 entries takes about 5 s by radio
 CONFIRM: Final = 2.0  # s for one parameter
 # Parameters that let motors turn without a command.
-TURNING: Final = ('motorPowerSet.enable', 'powerDist.idleThrust')
-FIRST, LONGEST = 0.5, 8.0  # s of pause after a failed attempt
+IDLE_THRUST_PARAMETERS: Final = ('motorPowerSet.enable', 'powerDist.idleThrust')
+FIRST_PAUSE, LONGEST_PAUSE = 0.5, 8.0  # s of pause after a failed attempt
 CONNECTING: Final = 'connecting'  # the reason for no link until the first attempt has ended
-LOOK: Final = 0.1  # s between two looks whether the drone listens
+LISTEN_PERIOD: Final = 0.1  # s between two looks whether the drone listens
 
 
 def enforce_parameters(
@@ -56,7 +56,7 @@ def enforce_parameters(
 
     """
     # First of all: a previous program may have left motors turning
-    for name in TURNING:
+    for name in IDLE_THRUST_PARAMETERS:
         if link.read_parameter(name):
             link.write_parameter(name, 0.0, CONFIRM)
     for name, want in expected.items():
@@ -181,9 +181,11 @@ class ConnectionManager:
 
     def _run(self) -> None:
         until = time.monotonic() + self._patience
-        while time.monotonic() < until and self._is_closed() and not self._leave.wait(LOOK):
+        while (
+            time.monotonic() < until and self._is_closed() and not self._leave.wait(LISTEN_PERIOD)
+        ):
             pass
-        pause = FIRST
+        pause = FIRST_PAUSE
         while not self._leave.is_set():
             self._again.clear()
             self.attempts += 1
@@ -192,12 +194,12 @@ class ConnectionManager:
             with suppress(Exception):  # an unplugged dongle raises various types
                 self._link.close()
             if not failed:
-                pause = FIRST
+                pause = FIRST_PAUSE
                 continue
             self.why = failed
             self._leave.wait(pause)
             # Exponential backoff
-            pause = min(2.0 * pause, LONGEST)
+            pause = min(2.0 * pause, LONGEST_PAUSE)
         self._given_back()
 
     def _hold_connection(self) -> str:

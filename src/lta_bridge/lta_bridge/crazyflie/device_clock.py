@@ -4,7 +4,7 @@ from typing import Final, final
 
 from lta_bridge.one_way_clock import BACK_NS, OneWayClock
 
-WRAP: Final = 1 << 24  # ms; the stamp of a log packet has 24 bits, 4.66 h
+STAMP_WRAP: Final = 1 << 24  # ms; the stamp of a log packet has 24 bits, 4.66 h
 BACK_MS: Final = BACK_NS // 1_000_000
 
 
@@ -39,7 +39,7 @@ class DeviceClock:
             self._newest = stamp_ms
             return stamp_ms
         # Shortest signed distance on the circle of 2^24 ms.
-        ahead = (stamp_ms - self._newest + WRAP // 2) % WRAP - WRAP // 2
+        ahead = (stamp_ms - self._newest + STAMP_WRAP // 2) % STAMP_WRAP - STAMP_WRAP // 2
         if ahead < -BACK_MS:  # too far back for a late packet: the drone has restarted
             self.line.discard_estimate()
             self._newest = stamp_ms

@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 from lta_config.errors import BadInput
 
-MARK = 0x4C  # first byte of every packet
-FULL = 32767  # integer of full duty
+PACKET_MARK = 0x4C  # first byte of every packet
+FULL_DUTY = 32767  # integer of full duty
 FORM = struct.Struct('<BB4hH')
 
 
@@ -39,16 +39,18 @@ def pack_duties(sequence: int, duties: Sequence[float], timeout_ms: int) -> byte
 
     """
     # duty == duty is false for NaN only.
-    steps = [round(FULL * max(-1.0, min(1.0, duty))) if duty == duty else 0 for duty in duties]
-    return FORM.pack(MARK, sequence & 0xFF, *steps, timeout_ms)
+    steps = [
+        round(FULL_DUTY * max(-1.0, min(1.0, duty))) if duty == duty else 0 for duty in duties
+    ]
+    return FORM.pack(PACKET_MARK, sequence & 0xFF, *steps, timeout_ms)
 
 
 def unpack_duties(data: bytes) -> DutiesPacket | None:
     """Return the decoded payload; None if it is not a duties packet."""
-    if len(data) != FORM.size or data[0] != MARK:
+    if len(data) != FORM.size or data[0] != PACKET_MARK:
         return None
     _, sequence, *steps, timeout_ms = FORM.unpack(data)
-    return DutiesPacket(sequence, tuple(step / FULL for step in steps), timeout_ms)
+    return DutiesPacket(sequence, tuple(step / FULL_DUTY for step in steps), timeout_ms)
 
 
 def is_newer(sequence: int, than: int) -> bool:

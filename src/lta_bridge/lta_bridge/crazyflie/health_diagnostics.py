@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from lta_bridge.crazyflie.bridge_core import BridgeCore
 from lta_bridge.crazyflie.buoyancy import BuoyancyMonitor
 from lta_bridge.crazyflie.connection_manager import CONNECTING, ConnectionManager
-from lta_bridge.crazyflie.safety import DELIBERATE, SafetyInputs, SafetyStage, SILENT
+from lta_bridge.crazyflie.safety import DELIBERATE, SafetyInputs, SafetyStage, SILENT_LINK
 from lta_bridge.crazyflie.supervisor_word import explain_fault
 from lta_graph.health import HealthFact, HealthLevel
 
@@ -53,7 +53,7 @@ def _describe_link(
         'packets': bridge.packets,
         'attempts': attempts,
     }
-    alive = inputs.linked and inputs.silence < SILENT
+    alive = inputs.linked and inputs.silence < SILENT_LINK
     silent = f'no packets for {inputs.silence:.1f} s' if inputs.linked else why
     # A start is no fault yet
     missing = HealthLevel.WARN if silent == CONNECTING else HealthLevel.ERROR

@@ -12,7 +12,8 @@ from lta_config.schema.crazyflie_file import CrazyflieFile, ExpectedParameter
 from lta_model.vehicle import Vehicle
 
 OVERRIDE = 'override'
-APP = ('lta.', 'stabilizer.controller')  # parameters of firmware/crazyflie, unused by the override
+# Parameters of firmware/crazyflie, unused by the override
+APP_PARAMETERS = ('lta.', 'stabilizer.controller')
 
 
 def check_tether(command: str, tethered: bool) -> None:
@@ -39,7 +40,9 @@ def select_expected_parameters(
     """Return the expected parameters for a command mode."""
     if command != OVERRIDE:
         return file.expected
-    return {name: want for name, want in file.expected.items() if not name.startswith(APP)}
+    return {
+        name: want for name, want in file.expected.items() if not name.startswith(APP_PARAMETERS)
+    }
 
 
 def required_compensation(vehicle: Vehicle, command: str) -> bool | None:

@@ -10,7 +10,7 @@ from typing import Final
 
 from lta_bridge.crazyflie.log_table import LogBlock, SIZES
 
-MOST: Final = 30  # bytes, largest payload of CRTP
+LARGEST_PAYLOAD: Final = 30  # bytes, largest payload of CRTP
 LOG, DATA = 5, 2  # port and channel of log packets
 STAMPED: Final = 4  # bytes before the values of a log packet: block, 24 bits of milliseconds
 # Ports that a drone sends on: smallest payload in bytes by channel (firmware, crtp.h).
@@ -40,8 +40,8 @@ def find_packet_fault(port: int, channel: int, data: bytes, sizes: Mapping[int, 
     packets are not checked: those of an earlier connection may still arrive.
     """
     where, size = f'{port}, channel {channel}', len(data)
-    if size > MOST:
-        return f'packet of {size} bytes on CRTP port {where}, above the limit of {MOST}'
+    if size > LARGEST_PAYLOAD:
+        return f'packet of {size} bytes on CRTP port {where}, above the limit of {LARGEST_PAYLOAD}'
     fewest = CHANNELS.get(port, {}).get(channel)
     if fewest is None:
         return f'packet on CRTP port {where}, which a Crazyflie does not use'

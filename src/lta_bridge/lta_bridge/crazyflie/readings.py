@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 # SI values of the firmware's units
 MILLIBAR: Final = 100.0  # Pa
 MILLIMETRE: Final = 1e-3  # m
-FULL_RATIO: Final = 65535.0
+MOTOR_FULL_RATIO: Final = 65535.0
 NO_RETURN: Final = 5.0  # m; the firmware treats a longer distance as an outlier (zranger2.c)
 
 # Plausible ranges in the firmware's units: the sensors' limits with a margin for calibration
@@ -28,7 +28,7 @@ REACH: Final = {
     'stateEstimate': (-720.0, 720.0),  # deg
     'pm': (-1.0, 30.0),  # V, and the power state
 }
-WHOLE: Final = {block.name: block.variables.keys() for block in BLOCKS}
+BLOCK_VARIABLES: Final = {block.name: block.variables.keys() for block in BLOCKS}
 Values = Mapping[str, float]
 
 
@@ -62,7 +62,7 @@ class PowerReading(NamedTuple):
 
 def find_value_fault(block: str, values: Values) -> str:
     """Return why the values of a log block cannot be used; empty if they can."""
-    if values.keys() != WHOLE.get(block, ()):
+    if values.keys() != BLOCK_VARIABLES.get(block, ()):
         return f'log block {block} does not have the expected variables'
     for name, value in values.items():
         least, most = REACH.get(name.partition('.')[0], (-math.inf, math.inf))
@@ -96,7 +96,7 @@ def convert_attitude(values: Values) -> tuple[float, float, float, float]:
 
 def convert_motors(values: Values) -> MotorsReading:
     """Convert a motor block: ratios to duties."""
-    duties = tuple(values[f'motor.m{number}'] / FULL_RATIO for number in range(1, 5))
+    duties = tuple(values[f'motor.m{number}'] / MOTOR_FULL_RATIO for number in range(1, 5))
     return MotorsReading(duties, int(values['supervisor.info']))
 
 

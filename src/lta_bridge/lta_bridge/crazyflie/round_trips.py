@@ -16,8 +16,10 @@ import numpy as np
 
 PINGS: Final = 10  # Hz, rate of cflib's pings
 NEWEST: Final = 10 * PINGS  # pings for the present latency: the last 10 s
-MARK, SENT = 0, struct.Struct('<Bd')  # first byte of cflib's ping; its layout with send time [s]
-LONGEST: Final = 10.0  # s; a longer round trip means that the computer's clock was set meanwhile
+# First byte of cflib's ping; its layout with send time [s]
+PING_MARK, SENT = 0, struct.Struct('<Bd')
+# s; a longer round trip means that the computer's clock was set meanwhile
+LONGEST_ROUND_TRIP: Final = 10.0
 
 
 def parse_ping_time(echo: bytes | bytearray) -> float | None:
@@ -25,7 +27,7 @@ def parse_ping_time(echo: bytes | bytearray) -> float | None:
     if len(echo) != SENT.size:
         return None
     mark, sent = SENT.unpack(echo)
-    return float(sent) if mark == MARK else None
+    return float(sent) if mark == PING_MARK else None
 
 
 @final
@@ -37,7 +39,7 @@ class RoundTrips:
 
     def add(self, seconds: float) -> None:
         """Add one round trip; ignore implausible values. [s]"""
-        if 0.0 < seconds < LONGEST:
+        if 0.0 < seconds < LONGEST_ROUND_TRIP:
             self._recent.append(seconds)
 
     @property

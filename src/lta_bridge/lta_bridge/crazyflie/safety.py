@@ -14,15 +14,16 @@ from typing import Final, NamedTuple
 from lta_bridge.crazyflie.supervisor_word import explain_fault, SupervisorBit
 
 STALE: Final = 0.3  # s; an older command is not flown; the firmware levels out at 0.5
-SILENT: Final = 0.5  # s; if the newest log packet is older, the link counts as lost
-LOST: Final = 0.5  # s; an older position estimate counts as unknown
-LOW: Final = 0.3  # s that a low voltage must last: a single sample (10 Hz) may be wrong
+SILENT_LINK: Final = 0.5  # s; if the newest log packet is older, the link counts as lost
+LOST_POSITION: Final = 0.5  # s; an older position estimate counts as unknown
+# s that a low voltage must last: a single sample (10 Hz) may be wrong
+LOW_VOLTAGE_TIME: Final = 0.3
 GROUNDED: Final = 10.0  # s to land without sinking while motors turn; the controller needs 6
 RAMP: Final = 0.5  # s from full command to none
 ASKING: Final = 1.0  # s for the supervisor to confirm that it is armed
-AGAIN: Final = 0.1  # s between two unconfirmed requests
+REQUEST_PERIOD: Final = 0.1  # s between two unconfirmed requests
 HANDING: Final = 0.3  # s during which the hand-over is repeated: it is not confirmed
-SETTLING: Final = 10.0  # s for the firmware to land after the hand-over
+LANDING_TIME: Final = 10.0  # s for the firmware to land after the hand-over
 LEAVE: Final = 15.0  # s at most to land and to confirm disarming before the link is closed
 STOPS: Final = 10  # emergency stops sent in a row: they are not confirmed
 # Why a person ends a flight, which is no fault
@@ -102,7 +103,7 @@ class SafetyOutputs(NamedTuple):
     stop: bool = False  # whether to send an emergency stop
 
 
-QUIET: Final = SafetyOutputs()
+NO_OUTPUTS: Final = SafetyOutputs()
 
 
 def find_arming_refusal(state: SafetyState, inputs: SafetyInputs, limits: SafetyLimits) -> str:
@@ -118,7 +119,7 @@ def find_arming_refusal(state: SafetyState, inputs: SafetyInputs, limits: Safety
         return 'the bridge node is not active: activate it first'
     if math.isinf(inputs.silence):
         return 'the Crazyflie has not reported its state yet: try again'
-    if inputs.silence > SILENT:
+    if inputs.silence > SILENT_LINK:
         return f'the Crazyflie has sent nothing for {inputs.silence:.1f} s: bring it closer'
     if math.isnan(inputs.voltage):
         return 'the Crazyflie has not reported its battery voltage yet: try again'
@@ -143,10 +144,10 @@ def find_landing_reason(
     """Return why a flight must end at a time [s] despite fresh commands; empty to continue."""
     if not inputs.active:
         return DEACTIVATED
-    if inputs.silence > SILENT:
+    if inputs.silence > SILENT_LINK:
         return f'the Crazyflie has sent nothing for {inputs.silence:.1f} s'
     # low_since is infinite while the voltage is fine, so this is then false
-    if now - state.low_since >= LOW:
+    if now - state.low_since >= LOW_VOLTAGE_TIME:
         is_measured = not math.isnan(inputs.voltage)
         return (
             f'the battery has only {inputs.voltage:.2f} V'
@@ -180,7 +181,7 @@ def find_stale_input(inputs: SafetyInputs) -> str:
         return f'the newest command is {inputs.command_age:.2f} s old'
     if find_missing_position(inputs):
         return 'the position of the drone is not known'
-    if LOST < inputs.place_age < math.inf:
+    if LOST_POSITION < inputs.place_age < math.inf:
         return f'the newest position estimate is {inputs.place_age:.2f} s old'
     return ''
 
@@ -204,10 +205,10 @@ def step_state(
         stop = state.stops > 0 or missed
         return state._replace(stops=max(0, state.stops - 1)), SafetyOutputs(stop=stop)
     if not inputs.linked:
-        return _enter_disarmed(state, now, 'no link'), QUIET
+        return _enter_disarmed(state, now, 'no link'), NO_OUTPUTS
     # A fault that the firmware reports ends the flight on the drone itself: nothing to send
     if explain_fault(inputs.word):
-        return _enter_disarmed(state, now, explain_fault(inputs.word)), QUIET
+        return _enter_disarmed(state, now, explain_fault(inputs.word)), NO_OUTPUTS
     return STEPS[state.stage](state, now, inputs, request, limits)
 
 
@@ -234,7 +235,7 @@ def _step_disarmed(
     if request.arm:
         why = find_arming_refusal(state, inputs, limits)
         if why:
-            return state._replace(why=why), QUIET
+            return state._replace(why=why), NO_OUTPUTS
         return _enter_stage(state, SafetyStage.ARMING, now)._replace(asked_at=now), SafetyOutputs(
             arm=True
         )
@@ -243,9 +244,9 @@ def _step_disarmed(
     armed = inputs.word & SupervisorBit.ARMED and not inputs.word & (
         SupervisorBit.FLYING | SupervisorBit.AUTO_ARM
     )
-    if armed and now - state.asked_at >= AGAIN:
+    if armed and now - state.asked_at >= REQUEST_PERIOD:
         return state._replace(asked_at=now), SafetyOutputs(arm=False)
-    return state, QUIET
+    return state, NO_OUTPUTS
 
 
 def _step_arming(
@@ -261,11 +262,11 @@ def _step_arming(
         return _enter_disarmed(state, now, why), SafetyOutputs(arm=False)
     # Only a word that was sent after the request counts.
     if inputs.word & SupervisorBit.ARMED and now - state.since > inputs.silence:
-        return _enter_stage(state, SafetyStage.READY, now), QUIET
+        return _enter_stage(state, SafetyStage.READY, now), NO_OUTPUTS
     # The radio may have lost the request: repeat it until it is confirmed
-    if now - state.asked_at >= AGAIN:
+    if now - state.asked_at >= REQUEST_PERIOD:
         return state._replace(asked_at=now), SafetyOutputs(arm=True)
-    return state, QUIET
+    return state, NO_OUTPUTS
 
 
 def _step_ready(
@@ -278,7 +279,7 @@ def _step_ready(
     if not inputs.word & SupervisorBit.ARMED:
         return _enter_disarmed(
             state, now, 'the Crazyflie disarmed itself, because it stood still for too long'
-        ), QUIET
+        ), NO_OUTPUTS
     why = (
         ON_REQUEST
         if request.arm is False
@@ -305,7 +306,7 @@ def _step_flying(
     if not inputs.word & SupervisorBit.ARMED:
         return _enter_disarmed(
             state, now, 'the Crazyflie disarmed itself, because its motors were idle'
-        ), QUIET
+        ), NO_OUTPUTS
     why = ON_REQUEST if request.arm is False else find_landing_reason(state, now, inputs, limits)
     stale = find_stale_input(inputs)
     if why or stale:
@@ -339,11 +340,11 @@ def _step_landing(
         return state._replace(curable=curable), SafetyOutputs(drive=1.0 - gone / RAMP, stream=True)
     # A landing counts only after the hand-over was sent.
     landed = not inputs.word & SupervisorBit.FLYING
-    if (landed and gone > RAMP + AGAIN) or gone > RAMP + SETTLING:
+    if (landed and gone > RAMP + REQUEST_PERIOD) or gone > RAMP + LANDING_TIME:
         return _enter_disarmed(state, now, state.why), SafetyOutputs(arm=False)
-    if gone < RAMP + HANDING and now - state.asked_at >= AGAIN:
+    if gone < RAMP + HANDING and now - state.asked_at >= REQUEST_PERIOD:
         return state._replace(asked_at=now), SafetyOutputs(hand_over=True)
-    return state, QUIET
+    return state, NO_OUTPUTS
 
 
 STEPS: Final = {

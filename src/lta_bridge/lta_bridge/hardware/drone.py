@@ -20,7 +20,8 @@ from lta_config.schema.crazyflie_file import CrazyflieFile, ExpectedParameter
 
 DEADLINE: Final = 8.0  # s for the connection, as in the bridge
 LOSSY: Final = 0.01  # packet loss above which to warn
-SLOW: Final = 0.05  # s of round trip; beyond it the bridge's limit of 300 ms for commands is tight
+# s of round trip; beyond it the bridge's limit of 300 ms for commands is tight
+SLOW_ROUND_TRIP: Final = 0.05
 RELEASE: Final = ('firmware.revision0', 'firmware.revision1')
 
 
@@ -178,7 +179,7 @@ def _assess_latency(latency: float) -> HardwareCheck:
             'Repeat the check with a longer --seconds.',
         )
     finding = f'round trip {1e3 * latency:.1f} ms (95th percentile)'
-    if latency > SLOW:
+    if latency > SLOW_ROUND_TRIP:
         return HardwareCheck(
             'latency', 'warn', finding, 'Bring the Crazyflie closer, or use a free radio channel.'
         )

@@ -15,7 +15,7 @@ import time
 from typing import Final, final, NamedTuple, NoReturn
 
 from lta_bridge.crazyflie import readings
-from lta_bridge.crazyflie.bridge_core import BridgeCore, CrazyflieCommand, HOLD_MS, RATE
+from lta_bridge.crazyflie.bridge_core import BridgeCore, CrazyflieCommand, HOLD_MS, TICK_RATE
 from lta_bridge.crazyflie.connection_manager import enforce_parameters
 from lta_bridge.crazyflie.link import CrazyflieLink, LinkFailed, LinkLost, LogPacket
 from lta_bridge.crazyflie.safety import SafetyRequest as Wish
@@ -29,7 +29,7 @@ from lta_model.vehicle import Vehicle
 STARTING: Final = 3.0  # s for telemetry to arrive, and again for the supervisor to arm
 CONFIRMING: Final = 1.0  # s for the supervisor to confirm disarming
 STOPS: Final = 10  # emergency stops to send without that confirmation
-NOTHING: Final = Wish()
+NO_WISH: Final = Wish()
 
 
 @final
@@ -108,12 +108,12 @@ class MotorBench:
             self._bridge.find_arming_refusal(time.time_ns(), True, True)
             and time.monotonic() < until
         ):
-            self._step(NOTHING)
+            self._step(NO_WISH)
         if why := self._bridge.find_arming_refusal(time.time_ns(), True, True):
             raise LinkFailed(why)
         self._step(Wish(arm=True))
         while self._bridge.state.stage is SafetyStage.ARMING:
-            self._step(NOTHING)
+            self._step(NO_WISH)
         if self._bridge.state.stage is not SafetyStage.READY:
             raise LinkFailed(self._bridge.state.why)
 
@@ -123,7 +123,7 @@ class MotorBench:
         began = time.monotonic()
         while (elapsed := time.monotonic() - began) < seconds:
             self._bridge.accept_command(CrazyflieCommand(time.time_ns(), duties=duties))
-            self._step(NOTHING)
+            self._step(NO_WISH)
             tick(elapsed)
             if self._bridge.state.stage is not SafetyStage.FLYING:
                 raise LinkFailed(self._bridge.state.why)
@@ -133,7 +133,7 @@ class MotorBench:
         for packet in self._drain_packets():
             self._bridge.receive_packet(packet)
         self._bridge.tick(time.monotonic(), time.time_ns(), True, True, wish)
-        time.sleep(1.0 / RATE)
+        time.sleep(1.0 / TICK_RATE)
 
     def _drain_packets(self) -> Iterator[LogPacket]:
         with suppress(Empty):
@@ -162,7 +162,7 @@ class MotorBench:
             logged_before = len(self._logged)
             while time.monotonic() - began < CONFIRMING:
                 self._link.request_arming(False)
-                time.sleep(1.0 / RATE)
+                time.sleep(1.0 / TICK_RATE)
                 for _ in self._drain_packets():
                     pass
                 # The first new packet may have been sent before the request.
@@ -173,7 +173,7 @@ class MotorBench:
                     return
             for _ in range(STOPS):
                 self._link.send_emergency_stop()
-                time.sleep(1.0 / RATE)
+                time.sleep(1.0 / TICK_RATE)
 
 
 @contextmanager

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import final, NamedTuple
 
-from lta_bridge.crazyflie.device_clock import WRAP
+from lta_bridge.crazyflie.device_clock import STAMP_WRAP
 from lta_bridge.crazyflie.link import LogPacket
 from lta_bridge.crazyflie.log_table import LogBlock
 import numpy as np
@@ -30,7 +30,9 @@ def compute_stream_statistics(block: LogBlock, packets: Sequence[LogPacket]) -> 
         return StreamStatistics(block.name, nominal, 0.0, len(packets), float(not packets), 0.0)
     stamps = np.array([packet.stamp_ms for packet in packets])
     arrivals = np.array([packet.arrival_ns for packet in packets])
-    gaps = (np.diff(stamps) + WRAP // 2) % WRAP - WRAP // 2  # the 24-bit stamps may wrap
+    gaps = (
+        np.diff(stamps) + STAMP_WRAP // 2
+    ) % STAMP_WRAP - STAMP_WRAP // 2  # the 24-bit stamps may wrap
     span = max(int(gaps.sum()), 1)
     sent = 1 + round(span / block.period_ms)
     uneven = np.abs(1e-9 * np.diff(arrivals) - 1e-3 * gaps)

@@ -6,7 +6,7 @@ from urllib.parse import urlencode
 
 from lta_config.errors import BadInput
 
-APP = 'https://app.foxglove.dev/'
+FOXGLOVE_URL = 'https://app.foxglove.dev/'
 PORT = 8765  # Foxglove's default
 LOCAL = '127.0.0.1'
 
@@ -40,4 +40,4 @@ def check_port_available(host: str, port: int) -> None:
 def build_app_url(port: int) -> str:
     """Return the URL that opens a live view of this machine in Foxglove's web app."""
     query = {'ds': 'foxglove-websocket', 'ds.url': f'ws://localhost:{port}'}
-    return f'{APP}?{urlencode(query, safe=":/")}'
+    return f'{FOXGLOVE_URL}?{urlencode(query, safe=":/")}'

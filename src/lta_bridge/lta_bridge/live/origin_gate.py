@@ -18,9 +18,9 @@ from lta_bridge.live.address import build_port_error
 # Web apps of Foxglove, and its desktop app, whose pages are files
 APPS: Final = ('https://app.foxglove.dev', 'https://app.foxglove.com', 'file://')
 LOCALHOST: Final = ('localhost', '127.0.0.1', '::1')
-PATIENCE: Final = 10.0  # s for a viewer to send its request
+REQUEST_TIME: Final = 10.0  # s for a viewer to send its request
 REFUSAL: Final = b'HTTP/1.1 403 Forbidden\r\nContent-Length: 0\r\nConnection: close\r\n\r\n'
-CHUNK: Final = 1 << 16  # bytes
+REQUEST_BYTES: Final = 1 << 16  # bytes
 
 
 def is_allowed_origin(origin: str | None) -> bool:
@@ -81,7 +81,7 @@ class OriginGate:
         """Read a viewer's request, and serve it or refuse it."""
         # A viewer that leaves, sends no request or a huge one, ends its own connection only
         with closing(writer), suppress(OSError, EOFError, asyncio.LimitOverrunError):
-            head = await asyncio.wait_for(reader.readuntil(b'\r\n\r\n'), PATIENCE)
+            head = await asyncio.wait_for(reader.readuntil(b'\r\n\r\n'), REQUEST_TIME)
             if not all(map(is_allowed_origin, read_origins(head))):
                 writer.write(REFUSAL)
                 await writer.drain()
@@ -99,12 +99,12 @@ class OriginGate:
     def close(self) -> None:
         """Listen no more, and disconnect all viewers."""
         self._loop.call_soon_threadsafe(self._ended.set)
-        self._thread.join(PATIENCE)
+        self._thread.join(REQUEST_TIME)
 
 
 async def pass_on(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
     """Pass on what arrives until one side leaves, no faster than the other side takes it."""
     with suppress(OSError):
-        while data := await reader.read(CHUNK):
+        while data := await reader.read(REQUEST_BYTES):
             writer.write(data)
             await writer.drain()

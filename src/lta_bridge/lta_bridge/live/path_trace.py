@@ -5,7 +5,7 @@ from typing import final
 
 from lta_bridge.live.shapes import PolylineShape, ShapeEntity, Three
 
-MOST = 800  # points
+TRACE_POINTS = 800  # points
 COLOUR = (0.10, 0.45, 0.85, 1.0)
 
 
@@ -27,7 +27,7 @@ class PathTrace:
         if self.points and math.dist(self.points[-1], place) < self.step:
             return
         self.points.append(place)
-        if len(self.points) > MOST:
+        if len(self.points) > TRACE_POINTS:
             del self.points[1::2]
             self.step *= 2.0
 

@@ -17,8 +17,8 @@ from lta_bridge.crazyflie import messages, readings
 from lta_bridge.crazyflie.bridge_core import (
     BridgeCore,
     PositionEstimate,
-    RATE,
     StampedReading,
+    TICK_RATE,
 )
 from lta_bridge.crazyflie.connection_manager import ConnectionManager
 from lta_bridge.crazyflie.drone_lock import DroneLock
@@ -111,7 +111,7 @@ class CrazyflieBridge(DeviceNode):
         self._subscribe_inputs()
         # Ticks follow the wall clock, even if graph time stops.
         steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self.create_timer(1.0 / RATE, self._tick, clock=steady)
+        self.create_timer(1.0 / TICK_RATE, self._tick, clock=steady)
         # Own thread: sensor data continue while a service callback blocks the executor
         threading.Thread(target=self._publish_events, name='crazyflie_pump', daemon=True).start()
 
@@ -191,7 +191,7 @@ class CrazyflieBridge(DeviceNode):
             answer = self._on_emergency_stop(request, Trigger.Response())
             self._stop.send_response(answer, header)
         self._tick()
-        time.sleep(1.0 / RATE)
+        time.sleep(1.0 / TICK_RATE)
 
     def release_device(self) -> None:
         """Land, disarm, and close the link, in this order."""

@@ -39,11 +39,11 @@ from rclpy.clock_type import ClockType
 from rosgraph_msgs.msg import Clock as ClockMessage
 from std_srvs.srv import SetBool, Trigger
 
-AHEAD_NS = 1_000_000_000  # largest lag of a node in lockstep; queues hold 20 s
+LARGEST_LAG_NS = 1_000_000_000  # largest lag of a node in lockstep; queues hold 20 s
 CLOCK_PERIOD = 0.02  # wall seconds between two /clock messages
 TICK = 0.002  # wall seconds between two ticks in real time
-MOST = 2000  # messages per tick at most, so that services are answered
-QUIET = 0.5  # wall seconds to wait for answers after the last message in real time
+MESSAGES_PER_TICK = 2000  # messages per tick at most, so that services are answered
+LAST_ANSWER_TIME = 0.5  # wall seconds to wait for answers after the last message in real time
 
 
 class Player(GraphNode):
@@ -197,15 +197,15 @@ class Player(GraphNode):
         if not self.begun or self._ended:
             return
         # Neither ahead of the playback clock nor too far ahead of an unanswered input
-        until = min(self._pace.now(time.monotonic()), self._owed.latest_play_time(AHEAD_NS))
-        for _ in range(MOST):
+        until = min(self._pace.now(time.monotonic()), self._owed.latest_play_time(LARGEST_LAG_NS))
+        for _ in range(MESSAGES_PER_TICK):
             due = self._reel.next_ns
             if due is None or due > until:
                 break
             self._publish_next()
         self._publish_clock()
         # In real time the number of answers is unknown: wait until they cease
-        late = not self.lockstep and time.monotonic() - self._news < QUIET
+        late = not self.lockstep and time.monotonic() - self._news < LAST_ANSWER_TIME
         if self._reel.next_ns is None and not self._owed.total_pending and not late:
             self._ended, self.running, self.farewell = 'played', False, LONG_ACKNOWLEDGE_TIME
 

@@ -44,10 +44,11 @@ from rclpy.qos import QoSProfile
 
 LOOK_PERIOD = 0.4  # wall seconds between two checks of the graph and of losses
 DISK_PERIOD = 0.1  # wall seconds between two checks of the disk
-QUIET = 15  # polls in a row without a message after which the graph counts as silent: 0.3 s
+SILENT_POLLS = 15  # polls in a row without a message after which the graph counts as silent: 0.3 s
 LINGER = 3.0  # wall seconds to wait for that silence at most
 DISK = 'disk'  # diagnostics task for a slow disk
-SLOW = 0.3  # wall seconds of one write that count as slow; a fault must be reported within 1 s
+# Wall seconds of one write that count as slow; a fault must be reported within 1 s
+SLOW_WRITE = 0.3
 MB = 1_000_000
 
 
@@ -214,7 +215,7 @@ class Recorder(GraphNode):
     def _report_disk(self) -> None:
         """Report a slow or failed disk, soon enough to name a fault within a second."""
         busy = self._writer.busy_time
-        if busy > SLOW:
+        if busy > SLOW_WRITE:
             words = (
                 f'the disk is slow: it has been writing for {busy:.1f} s, and messages are queued'
             )
@@ -245,7 +246,7 @@ class Recorder(GraphNode):
         deadline = time.monotonic() + LINGER
         latest, silent_polls = self._intake.latest, 0
         # Counts polls, not seconds: a busy machine may suspend this process for longer than that
-        while silent_polls <= QUIET and time.monotonic() < deadline:
+        while silent_polls <= SILENT_POLLS and time.monotonic() < deadline:
             yield
             silent_polls = silent_polls + 1 if self._intake.latest == latest else 0
             latest = self._intake.latest

@@ -8,7 +8,7 @@ It is a lifecycle node: `configure` opens the link and synchronizes with the boa
 import time
 
 from builtin_interfaces.msg import Time
-from lta_bridge.teensy.health_diagnostics import describe_health, TASK
+from lta_bridge.teensy.health_diagnostics import describe_health, LIGHT_BOARD_TASK
 from lta_bridge.teensy.light_board import LightBlock, LightBoard, LightPeaks
 from lta_bridge.teensy.reader import BoardReader
 from lta_config.errors import BadInput
@@ -30,7 +30,7 @@ from lta_vlc.settings import DemodulationSettings
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from std_msgs.msg import Header
 
-AGAIN = 0.2  # s between two attempts to open a missing port
+PORT_RETRY_PERIOD = 0.2  # s between two attempts to open a missing port
 
 
 class TeensyBridgeSettings(Settings):
@@ -98,7 +98,7 @@ class TeensyBridge(DeviceNode):
             self._reader = self._open_reader()
         except BadInput as error:
             self.refusal = str(error)
-            self.health.report(TASK, HealthLevel.ERROR, self.refusal)
+            self.health.report(LIGHT_BOARD_TASK, HealthLevel.ERROR, self.refusal)
             return TransitionCallbackReturn.FAILURE
         return super().on_configure(state)
 
@@ -113,7 +113,7 @@ class TeensyBridge(DeviceNode):
             except BadInput:
                 if time.monotonic() >= until or not self.running:
                     raise
-                time.sleep(AGAIN)
+                time.sleep(PORT_RETRY_PERIOD)
 
     def update_health(self) -> None:
         """Report the health of the board and its link."""

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import final
 
-NEVER = 2**63 - 1  # ns
+NEVER_NS = 2**63 - 1  # ns
 
 
 @final
@@ -30,12 +30,12 @@ class PendingAnswers:
         left = (
             times[self.come[name]] for name, times in self._due.items() if self.count_pending(name)
         )
-        return min(left, default=NEVER)
+        return min(left, default=NEVER_NS)
 
     def latest_play_time(self, ahead_ns: int) -> int:
         """Return the time up to which to play, for a given largest lag of the nodes. [ns]"""
         since = self.oldest_due()
-        return NEVER if since == NEVER else since + ahead_ns
+        return NEVER_NS if since == NEVER_NS else since + ahead_ns
 
     def list_oldest_topics(self) -> list[str]:
         """Return the topics of the oldest pending answers."""

@@ -2,7 +2,7 @@
 
 from typing import final
 
-from lta_bridge.playback.pending_answers import NEVER
+from lta_bridge.playback.pending_answers import NEVER_NS
 
 
 @final
@@ -29,7 +29,7 @@ class PlaybackClock:
         if self.paused or self._since is None:
             return self._at
         if self._rate is None:
-            return NEVER
+            return NEVER_NS
         return self._at + round(self._rate * 1e9 * (wall - self._since))
 
     def pause(self, wall: float, played_ns: int) -> None:

@@ -12,7 +12,7 @@ from typing import final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-WRAP = 2**32  # row numbers wrap here
+ROW_WRAP = 2**32  # row numbers wrap here
 RESTART = 5  # consecutive messages with old row numbers after which the board counts as restarted
 
 
@@ -67,7 +67,7 @@ class BlockAssembler:
         """
         if not self._accept_rows(sequence, len(rows)):
             return
-        self._expected = (sequence + len(rows)) % WRAP
+        self._expected = (sequence + len(rows)) % ROW_WRAP
         self.rows += len(rows)
         at = 0
         while at < len(rows):
@@ -91,8 +91,8 @@ class BlockAssembler:
         """Return whether rows are new; after a gap, drop the partial block."""
         expected = sequence if self._expected is None else self._expected
         # Serial number arithmetic: the upper half of the range means "older"
-        ahead = (sequence - expected) % WRAP
-        if ahead >= WRAP // 2:
+        ahead = (sequence - expected) % ROW_WRAP
+        if ahead >= ROW_WRAP // 2:
             self._suspects += 1
             if self._suspects < RESTART:
                 self.old += count

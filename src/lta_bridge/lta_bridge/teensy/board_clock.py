@@ -11,12 +11,14 @@ directions shift the line by half their difference, which no exchange can detect
 from collections import deque
 from typing import final, NamedTuple
 
-FEW = 4  # answers before the clock counts as synchronized: the first may have been slow
-KEPT = 128  # exchanges: half a minute at 4 Hz, in which a crystal's temperature is constant
+LEAST_ANSWERS = 4  # answers before the clock counts as synchronized: the first may have been slow
+# Exchanges: half a minute at 4 Hz, in which a crystal's temperature is constant
+CLOCK_EXCHANGES = 128
 CRYSTAL = 100e-6  # standard deviation of a crystal's drift: twice a common part's 50 ppm
 QUICK = 0.25  # smallest standard deviation of a midpoint, by the fastest round trip
 GRAIN = 20e-6  # s, resolution of timers and schedulers
-SLACK = 2e-3  # s; an answer that contradicts the line by more means that a clock was reset
+# s; an answer that contradicts the line by more means that a clock was reset
+CLOCK_RESET_ERROR = 2e-3
 
 
 class ClockExchange(NamedTuple):
@@ -54,7 +56,7 @@ class BoardClock:
     """
 
     def __init__(self) -> None:
-        self._exchanges: deque[ClockExchange] = deque(maxlen=KEPT)
+        self._exchanges: deque[ClockExchange] = deque(maxlen=CLOCK_EXCHANGES)
         self._base = 0
         self._anchor = 0
         self._offset = 0.0
@@ -65,7 +67,7 @@ class BoardClock:
     @property
     def is_synchronized(self) -> bool:
         """Whether the board has answered often enough."""
-        return len(self._exchanges) >= FEW
+        return len(self._exchanges) >= LEAST_ANSWERS
 
     @property
     def round_trip(self) -> int:
@@ -91,7 +93,7 @@ class BoardClock:
         self.restarts += 1
 
     def _contradicts_fit(self, exchange: ClockExchange) -> bool:
-        slack = 1e9 * (SLACK + 3.0 * self.uncertainty)
+        slack = 1e9 * (CLOCK_RESET_ERROR + 3.0 * self.uncertainty)
         predicted = self.to_host_time(exchange.board)
         # The board read its clock between request and answer
         return not exchange.request_ns - slack <= predicted <= exchange.reply_ns + slack

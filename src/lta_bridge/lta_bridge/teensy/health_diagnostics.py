@@ -4,16 +4,18 @@ from lta_bridge.teensy.light_board import LightBoard
 from lta_bridge.teensy.reader import BoardReader
 from lta_graph.health import HealthFact, HealthLevel
 
-TASK = 'light board'
+LIGHT_BOARD_TASK = 'light board'
 SILENT_NS = 500_000_000  # silence that counts as an error: five blocks
 
 
 def describe_health(reader: BoardReader | None, now_ns: int, active: bool) -> HealthFact:
     """Return the health at a host time [ns]; without a reader it is not configured."""
     if reader is None:
-        return HealthFact(TASK, HealthLevel.WARN, 'not configured')
+        return HealthFact(LIGHT_BOARD_TASK, HealthLevel.WARN, 'not configured')
     level, message = _assess_health(reader, now_ns, active)
-    return HealthFact(TASK, level, message, _collect_diagnostic_values(reader, reader.board))
+    return HealthFact(
+        LIGHT_BOARD_TASK, level, message, _collect_diagnostic_values(reader, reader.board)
+    )
 
 
 def _assess_health(reader: BoardReader, now_ns: int, active: bool) -> tuple[HealthLevel, str]:

@@ -21,12 +21,14 @@ from lta_vlc.spectral.bins import signal_to_noise
 import numpy as np
 from numpy.typing import NDArray
 
-DIALECT = 1  # version of LTA's MAVLink messages
+DIALECT_VERSION = 1  # version of LTA's MAVLink messages
 SYSTEM, COMPONENT = 255, 191  # MAVLink: a ground station, its onboard computer
 BEAT_NS = 1_000_000_000  # between heartbeats
 ASK_NS = 250_000_000  # between time requests
 EAGER_NS = 20_000_000  # between time requests before the clock is synchronized
-OLDEST_NS = AHEAD_NS = 10_000_000_000  # plausible age of a first sample, and lead of its stamp
+OLDEST_NS = LARGEST_LEAD_NS = (
+    10_000_000_000  # plausible age of a first sample, and lead of its stamp
+)
 BACK_NS = 100_000_000  # reordering of datagrams; farther back, the board has restarted
 ANSWER_NS = 1_000_000_000  # age at which an answer to a time request is useless
 QUESTIONS = 8  # open time requests at most, and queued answers to the board's requests
@@ -273,7 +275,7 @@ class LightBoard:
         if self.clock.is_synchronized:
             stamp = self.clock.to_host_time(board_ns)
             # Of a board that has just started anew, or anything: ROS cannot tell every time.
-            if now_ns - OLDEST_NS < stamp < now_ns + AHEAD_NS:
+            if now_ns - OLDEST_NS < stamp < now_ns + LARGEST_LEAD_NS:
                 return stamp
         self.undated += 1
         return None
@@ -297,10 +299,10 @@ class LightBoard:
         self.commit, self.vehicle = message.commit, message.vehicle
         sample_rate = self._light.sample_rate.si
         self._unlike = ''
-        if version != DIALECT:
+        if version != DIALECT_VERSION:
             self._unlike = (
                 f'The light board uses version {version} of the messages, but this bridge uses '
-                f'version {DIALECT}; build both from the same commit.'
+                f'version {DIALECT_VERSION}; build both from the same commit.'
             )
         # Written with `not`, so that a rate of NaN is refused too
         elif not abs(rate - sample_rate) <= 1e-3 * sample_rate:

@@ -15,10 +15,10 @@ from lta_config.errors import BadInput
 import serial
 from serial.tools import list_ports
 
-CHUNK = 65536  # bytes per read at most
+READ_BYTES = 65536  # bytes per read at most
 # Ignored over USB, except 134 baud, at which a Teensy restarts into its boot loader.
 BAUD = 115_200
-MOST = 256  # datagrams per read at most, so that a flood cannot block the reader
+DATAGRAMS_PER_READ = 256  # datagrams per read at most, so that a flood cannot block the reader
 LISTEN: Final = re.compile(
     r'udp://(?P<host>[^/?#:]+):(?P<port>\d{1,5})(\?from=(?P<board>[^&#]+))?'
 )
@@ -95,7 +95,7 @@ class SerialPort:
         """Return what has come, after at most so long. [s]"""
         try:
             select.select([self._port.fileno()], [], [], timeout)
-            return bytes(self._port.read(CHUNK))
+            return bytes(self._port.read(READ_BYTES))
         # pyserial raises TypeError if the port is closed by another thread during the read
         except (OSError, TypeError) as error:
             raise Unplugged(str(error)) from None
@@ -161,8 +161,8 @@ class UdpPort:
         select.select([self._socket], [], [], timeout)
         parts = []
         try:
-            for _ in range(MOST):
-                data, sender = self._socket.recvfrom(CHUNK)
+            for _ in range(DATAGRAMS_PER_READ):
+                data, sender = self._socket.recvfrom(READ_BYTES)
                 if self._accept_sender(sender):
                     self._board = sender
                     parts.append(data)

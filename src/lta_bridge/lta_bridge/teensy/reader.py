@@ -10,7 +10,7 @@ from lta_bridge.teensy.port import BoardPort, open_port, Unplugged
 from lta_config.errors import BadInput
 
 GATHER = 1e-3  # s between reads: waking up for each frame would cost more than parsing it
-IDLE = 0.05  # s that a read waits for bytes
+READ_TIME = 0.05  # s that a read waits for bytes
 BACK_OFF = (0.1, 0.2, 0.5, 1.0)  # s before reopening; the last value repeats
 
 
@@ -91,7 +91,7 @@ class BoardReader:
         """Send due messages, read received bytes, and pause to collect more."""
         if due := self.board.compose_due_messages(self._clock()):
             port.write(due)
-        if data := port.read(IDLE):
+        if data := port.read(READ_TIME):
             for block in self.board.receive_bytes(data, self._clock()):
                 self._publish(block)
         time.sleep(GATHER)

@@ -16,7 +16,7 @@ from lta_config.errors import BadInput
 
 EVENT: Final = struct.Struct('<IhBB')  # time [ms], value, type, number
 BUTTON, AXIS, INITIAL = 0x01, 0x02, 0x80
-FULL: Final = 32767
+FULL_STICK: Final = 32767
 # Devices that are no gamepad of this machine
 KEYBOARD, JOY, CMD_VEL = 'keyboard', 'joy', 'cmd_vel'
 REOPEN: Final = 1.0  # s between two attempts
@@ -65,7 +65,7 @@ class Gamepad:
         for value, kind, number in self._read_events():
             if kind == AXIS:
                 # Left and up are negative in the kernel's events and positive in Joy.
-                self._axes[number] = -value / FULL
+                self._axes[number] = -value / FULL_STICK
             elif kind == BUTTON:
                 self._buttons[number] = value
                 if value:

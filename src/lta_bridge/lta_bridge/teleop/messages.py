@@ -10,13 +10,14 @@ from lta_bridge.teleop.sticks import GamepadLayout, Sticks, to_sticks
 from lta_control.messages import to_cascade_measurement
 from lta_graph.health import stamp_age
 from lta_graph.rejections import RejectionCount
-from lta_graph.ros.command_mux import COMMAND_SOURCE_TASK, HELD
+from lta_graph.ros.command_mux import COMMAND_SOURCE_TASK, HELD_VALUE
 from lta_graph.ros.message_validation import find_fault
 from lta_graph.ros.stamps import from_stamp
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Joy
 
-SILENT: Final = 0.5  # s; joy_node repeats its message at 20 Hz, and so does who sends cmd_vel
+# s; joy_node repeats its message at 20 Hz, and so does who sends cmd_vel
+SILENT_SENDER: Final = 0.5
 
 
 @final
@@ -51,7 +52,7 @@ class JoyDevice:
         """Return the sticks at a time [s]; None after `SILENT` without a message."""
         tapped, self._tapped = self._tapped, set()
         # A pressed button counts even if the device is lost right after it
-        silent = now - self._received_at > SILENT and not tapped
+        silent = now - self._received_at > SILENT_SENDER and not tapped
         if self._newest is None or silent:
             return None
         return to_sticks(self._layout, self._newest.axes, self._newest.buttons, tapped)
@@ -75,7 +76,7 @@ class TwistDevice:
         self._rates, self._frames = rates, frames
         self.unsound = RejectionCount()
         self._newest = Sticks()
-        self._received_at = -SILENT
+        self._received_at = -SILENT_SENDER
 
     def receive(self, message: TwistStamped, now: float, graph_ns: int) -> None:
         """
@@ -91,7 +92,7 @@ class TwistDevice:
             self.unsound.add(f'cmd_vel: {why}')
         elif message.header.frame_id not in self._frames:
             self.unsound.add(f"cmd_vel: in the frame '{message.header.frame_id}', not base_link")
-        elif age > SILENT:
+        elif age > SILENT_SENDER:
             self.unsound.add(f'cmd_vel: its stamp is {age:.1f} s old, or of another clock')
         else:
             rates = self._rates()
@@ -101,7 +102,7 @@ class TwistDevice:
 
     def read_sticks(self, now: float) -> Sticks | None:
         """Return the sticks at a time [s]; None after `SILENT` without a message."""
-        return self._newest if now - self._received_at < SILENT else None
+        return self._newest if now - self._received_at < SILENT_SENDER else None
 
     def close(self) -> None:
         """Do nothing: the subscription belongs to the node."""
@@ -126,9 +127,9 @@ class SetpointFollowers:
                 f': {COMMAND_SOURCE_TASK}'
             ):
                 values = {item.key: item.value for item in status.values}
-                if HELD in values:
+                if HELD_VALUE in values:
                     # Diagnostics values are texts
-                    self._held[status.name] = values[HELD] == str(True)
+                    self._held[status.name] = values[HELD_VALUE] == str(True)
 
     @property
     def is_operator_steering(self) -> bool | None:

@@ -18,7 +18,7 @@ from lta_config.settings import setting, Settings
 from lta_control.cascade import Setpoint, wrap_angle
 
 STOPS: Final = 10  # emergency stops sent in direct succession
-AGAIN: Final = 0.5  # s between further ones
+NEXT_STEP_PAUSE: Final = 0.5  # s between further ones
 LEAD_TURN: Final = 1.0  # rad, largest lead of the desired heading
 LEAD_CLIMB: Final = 0.5  # m, largest lead of the desired altitude
 
@@ -75,7 +75,7 @@ class TeleopOutputs(NamedTuple):
     stop: bool = False  # whether to send an emergency stop
 
 
-SILENT: Final = TeleopOutputs()
+NO_TELEOP: Final = TeleopOutputs()
 
 
 def step_state(
@@ -113,13 +113,13 @@ def step_state(
         )
     if sticks is None or estimate is None:
         # After the loss, steering resumes at the drone's then present heading and altitude.
-        return state._replace(target=None), SILENT
+        return state._replace(target=None), NO_TELEOP
     # Moving a stick takes control at once: an operator in a hurry looks for no button
     takes = sticks.is_deflected or sticks.take
     if sticks.give_back and not takes:
         return TeleopState(TeleopStage.NAVIGATOR, own=True), TeleopOutputs(held=False)
     if state.stage is not TeleopStage.PERSON and not takes:
-        return state, SILENT
+        return state, NO_TELEOP
     target = _lead_target(state.target or estimate, estimate, sticks, rates, dt)
     setpoint = Setpoint(target.altitude, target.heading, rates.speed * sticks.forward)
     return TeleopState(TeleopStage.PERSON, True, target), TeleopOutputs(True, setpoint)
@@ -127,8 +127,8 @@ def step_state(
 
 def _step_stopped(state: TeleopState, now: float) -> tuple[TeleopState, TeleopOutputs]:
     # Repeat for good, since a stop may be lost
-    if state.stops >= STOPS and now - state.stopped_at < AGAIN:
-        return state, SILENT
+    if state.stops >= STOPS and now - state.stopped_at < NEXT_STEP_PAUSE:
+        return state, NO_TELEOP
     return TeleopState(TeleopStage.STOPPED, stops=state.stops + 1, stopped_at=now), TeleopOutputs(
         stop=True
     )

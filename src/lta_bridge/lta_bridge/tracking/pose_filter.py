@@ -13,10 +13,10 @@ from typing import Final, final
 from lta_bridge.one_way_clock import BACK_NS
 from lta_bridge.tracking.pose import angle_between, TrackerPose
 
-UNIT: Final = 0.01  # tolerance of the quaternion's norm, enough for single precision
-SPEED: Final = 5.0  # m/s; over five times the speed of these airships
-SPIN: Final = 10.0  # rad/s
-SLACK: Final = 0.05  # m and rad, tolerance of each step for noise
+NORM_TOLERANCE: Final = 0.01  # tolerance of the quaternion's norm, enough for single precision
+FASTEST_MOTION: Final = 5.0  # m/s; over five times the speed of these airships
+FASTEST_ROTATION: Final = 10.0  # rad/s
+STEP_TOLERANCE: Final = 0.05  # m and rad, tolerance of each step for noise
 FROZEN_NS: Final = 500_000_000  # real poses have noise and do not repeat exactly for so long
 FOUND_NS: Final = 200_000_000  # a jump that lasts this long is accepted as the true position
 
@@ -74,7 +74,7 @@ class PoseFilter:
     def _find_pose_fault(self, stamp_ns: int, pose: TrackerPose) -> PoseFault | None:
         if not all(map(math.isfinite, (*pose.place, *pose.turn))):
             return PoseFault.NOT_A_NUMBER
-        if abs(math.hypot(*pose.turn) - 1.0) > UNIT:
+        if abs(math.hypot(*pose.turn) - 1.0) > NORM_TOLERANCE:
             return PoseFault.NO_ATTITUDE
         if stamp_ns <= 0:
             return PoseFault.NO_STAMP
@@ -118,5 +118,7 @@ class PoseFilter:
 def is_reachable(before: Stamped, after: Stamped) -> bool:
     """Return whether the drone can have moved from one pose to another."""
     dt = 1e-9 * (after[0] - before[0])
-    near = math.dist(before[1].place, after[1].place) <= SPEED * dt + SLACK
-    return near and angle_between(before[1].turn, after[1].turn) <= SPIN * dt + SLACK
+    earlier, later = before[1], after[1]
+    near = math.dist(earlier.place, later.place) <= FASTEST_MOTION * dt + STEP_TOLERANCE
+    angle = angle_between(earlier.turn, later.turn)
+    return near and angle <= FASTEST_ROTATION * dt + STEP_TOLERANCE

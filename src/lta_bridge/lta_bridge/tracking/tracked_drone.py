@@ -9,7 +9,7 @@ from lta_bridge.tracking.pose import compose_poses, normalize_pose, TrackerPose
 from lta_bridge.tracking.pose_filter import PoseFilter
 from lta_graph.health import HealthFact, HealthLevel
 
-TASK: Final = 'tracker'
+TRACKER_TASK: Final = 'tracker'
 SILENT_NS: Final = 500_000_000  # time without a pose that counts as an error
 RECENT_NS: Final = 1_000_000_000  # a rejection is reported this long
 
@@ -94,7 +94,7 @@ class TrackedDrone:
             'drift_ppm': f'{1e6 * clock.drift:.1f}',
         }
         return HealthFact(
-            TASK, *self._assess_health(now_ns), {k: str(v) for k, v in figures.items()}
+            TRACKER_TASK, *self._assess_health(now_ns), {k: str(v) for k, v in figures.items()}
         )
 
     def _assess_health(self, now_ns: int) -> tuple[HealthLevel, str]:

@@ -18,7 +18,7 @@ from lta_control.cascade import (
     WrenchDemand,
 )
 from lta_control.laws.protocol import ControlLaw, Feedback, LawCommand, LawInputs, UNMOVED
-from lta_control.per_rotor import NONE, PerRotor
+from lta_control.per_rotor import NO_ROTORS, PerRotor
 from lta_control.vehicle_parameters import build_rotors, surge_drag_coefficients
 from lta_model.vehicle import Vehicle
 
@@ -36,7 +36,7 @@ class CascadeLawMemory(NamedTuple):
 
     command: LawCommand = LawCommand()
     cascade: CascadeMemory = CascadeMemory()
-    thrusts: PerRotor = NONE
+    thrusts: PerRotor = NO_ROTORS
     shortfall: WrenchDemand = WrenchDemand(0.0, 0.0, 0.0)
 
 

@@ -24,7 +24,7 @@ from lta_control.laws.frames import (
     to_world,
 )
 from lta_control.laws.protocol import ControlLaw, Feedback, LawCommand, LawInputs, UNMOVED
-from lta_control.per_rotor import NONE, PerRotor
+from lta_control.per_rotor import NO_ROTORS, PerRotor
 from lta_control.vehicle_parameters import build_rotors, surge_drag_coefficients
 from lta_model.vehicle import Vehicle
 
@@ -62,7 +62,7 @@ class OmnidirectionalLawMemory(NamedTuple):
     begun: bool = False
     goal: tuple[float, float] = (0.0, 0.0)  # [m]
     integral: Vector = (0.0, 0.0, 0.0)  # world [N]
-    thrusts: PerRotor = NONE
+    thrusts: PerRotor = NO_ROTORS
 
 
 def build_constants(gains: OmnidirectionalGains, vehicle: Vehicle) -> OmnidirectionalLawConstants:

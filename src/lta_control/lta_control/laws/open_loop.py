@@ -19,7 +19,7 @@ from lta_control.allocation import deliver_wrench, Rotors, Scratch
 from lta_control.cascade import drag_force, wrap_angle
 from lta_control.laws.frames import clamp_symmetric
 from lta_control.laws.protocol import ControlLaw, Feedback, LawCommand, LawInputs, UNMOVED
-from lta_control.per_rotor import NONE, PerRotor
+from lta_control.per_rotor import NO_ROTORS, PerRotor
 from lta_control.vehicle_parameters import build_rotors
 from lta_model.vehicle import Vehicle
 
@@ -50,7 +50,7 @@ class OpenLoopLawMemory(NamedTuple):
     begun: bool = False
     altitude: float = 0.0  # [m]
     heading: float = 0.0  # [rad]
-    thrusts: PerRotor = NONE
+    thrusts: PerRotor = NO_ROTORS
 
 
 def build_constants(gains: OpenLoopGains, vehicle: Vehicle) -> OpenLoopLawConstants:

@@ -13,7 +13,7 @@ from typing import Any, final, NamedTuple, Protocol
 from lta_config.settings import Settings
 from lta_control.attitude import Quaternion, Vector
 from lta_control.cascade import Setpoint
-from lta_control.per_rotor import NONE, PerRotor
+from lta_control.per_rotor import NO_ROTORS, PerRotor
 from lta_model.vehicle import Vehicle
 
 UNMOVED: Vector = (0.0, 0.0, 0.0)
@@ -48,7 +48,7 @@ class LawInputs(NamedTuple):
 class LawCommand(NamedTuple):
     """Output of a law: duties by slot, and the position of the moving mass if there is one."""
 
-    duties: PerRotor = NONE
+    duties: PerRotor = NO_ROTORS
     mass_place: Vector = UNMOVED  # body frame [m]
 
 

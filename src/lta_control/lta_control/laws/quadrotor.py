@@ -25,14 +25,14 @@ from lta_control.laws.frames import (
     to_world,
 )
 from lta_control.laws.protocol import ControlLaw, Feedback, LawCommand, LawInputs, UNMOVED
-from lta_control.per_rotor import NONE, PerRotor
+from lta_control.per_rotor import NO_ROTORS, PerRotor
 from lta_control.pid import pid_step, PidGains
 from lta_control.vehicle_parameters import build_rotors
 from lta_model.vehicle import Vehicle
 
 # Priority: tilt, altitude, heading. Moments are scaled by an arm of 1 cm, in yaw of 10 cm.
 MIXER = (0.0, 0.0, 1.0, 1e4, 1e4, 1e2)
-STEEP = 0.5  # smallest cosine of the tilt for which thrust is increased
+LEAST_TILT_COSINE = 0.5  # smallest cosine of the tilt for which thrust is increased
 
 
 class QuadrotorGains(ClimbGains):
@@ -86,7 +86,7 @@ class QuadrotorLawMemory(NamedTuple):
     rates: Vector = (0.0, 0.0, 0.0)  # [rad/s]
     slopes: tuple[float, float] = (0.0, 0.0)  # [rad/s2]
     missing: float = 0.0  # [N]
-    thrusts: PerRotor = NONE
+    thrusts: PerRotor = NO_ROTORS
 
 
 def build_constants(gains: QuadrotorGains, vehicle: Vehicle) -> QuadrotorLawConstants:
@@ -108,7 +108,7 @@ def step(
     error = setpoint.altitude - motion.position[2]
     push, climb = lift_step(gains, memory.climb, error, vz, memory.missing, dt)
     # Divide by the cosine, so that the vertical force survives the tilt.
-    upright = max(up_in_body(motion.attitude)[2], STEEP)
+    upright = max(up_in_body(motion.attitude)[2], LEAST_TILT_COSINE)
     thrust = (constants.weight + push) / upright
     wx, wy = rotate_level_to_world(setpoint.heading, setpoint.speed, 0.0)
     loop = gains.velocity

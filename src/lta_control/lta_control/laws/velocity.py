@@ -21,7 +21,7 @@ from lta_control.cascade import drag_force
 from lta_control.laws.climbing import ClimbGains, lift_step
 from lta_control.laws.frames import rotate_level_to_world, to_body, to_world
 from lta_control.laws.protocol import ControlLaw, Feedback, LawCommand, LawInputs, UNMOVED
-from lta_control.per_rotor import NONE, PerRotor
+from lta_control.per_rotor import NO_ROTORS, PerRotor
 from lta_control.pid import pid_step, PidGains
 from lta_control.vehicle_parameters import build_rotors, surge_drag_coefficients
 from lta_model.vehicle import Vehicle
@@ -61,7 +61,7 @@ class VelocityLawMemory(NamedTuple):
     east: float = 0.0  # [N]
     north: float = 0.0  # [N]
     missing: Vector = (0.0, 0.0, 0.0)  # world [N]
-    thrusts: PerRotor = NONE
+    thrusts: PerRotor = NO_ROTORS
 
 
 def build_constants(gains: VelocityGains, vehicle: Vehicle) -> VelocityLawConstants:

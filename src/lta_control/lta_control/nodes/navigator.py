@@ -51,7 +51,7 @@ from lta_msgs.msg import ActuatorDuty
 from nav_msgs.msg import Odometry
 from std_msgs.msg import Bool, Float64
 
-SILENCE = 10.0  # wall seconds without a step after which a task ends
+SILENCE_TIME = 10.0  # wall seconds without a step after which a task ends
 
 
 class NavigatorParameters(MissionSettings):
@@ -224,7 +224,7 @@ class Navigator(GraphNode):
         super()._monitor_inputs()
         missing = [] if self.lockstep or not self._servers else self.list_missing_inputs()
         # The controller lands long before
-        if missing and time.monotonic() - self._stepped > SILENCE:
+        if missing and time.monotonic() - self._stepped > SILENCE_TIME:
             self._update_tasks(f'no messages on {", ".join(missing)}')
 
 

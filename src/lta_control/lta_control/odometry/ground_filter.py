@@ -56,25 +56,26 @@ from lta_control.odometry.ground_state import (
     X,
     Y,
 )
-from lta_control.odometry.lamp_sighting import LampSighting, NEAREST
+from lta_control.odometry.lamp_sighting import LampSighting, NEAREST_SIGHTING
 
-SLIP = 0.03  # m in one second: error of the position beyond that of the velocity
+POSITION_WALK = 0.03  # m in one second: error of the position beyond that of the velocity
 DRAG_ERROR = 0.2  # relative error of the drag's slope
 STANDS = 0.01  # m/s of a drone that stands still, and m in one second
 CONTACT = 0.04  # m/s in one second: floor or hand against the wind
-ASIDE = 0.1  # m: lamp and diode ring have an extent, which displaces a near lamp
-OVER = 1.2  # m: largest difference of height, which adds to the distance of a near lamp
-FADING = 0.02  # of the logarithm of the brightness in one second
+SOURCE_EXTENT = 0.1  # m: lamp and diode ring have an extent, which displaces a near lamp
+# m: largest difference of height, which adds to the distance of a near lamp
+LAMP_HEIGHT_LIMIT = 1.2
+BRIGHTNESS_WALK = 0.02  # of the logarithm of the brightness in one second
 ASPECT = 1.0  # of ln(brightness) per radian of bearing: the lamp is seen from another side ...
 ASPECT_TIME = 5.0  # ... as long as the bearing changes in one direction [s]
 GATE = 4.0  # standard deviations beyond which a sighting is an outlier
 DOUBT = 1.5  # s of outliers only, after which the lamp is another one
 SEPARATION = 5.0  # Hz: half a bin of the spectrum; lamps differ by more
 # Successive innovations of bearings that point to the same side show a gust. Noise averages out.
-BLOCK = 0.1  # s between two sightings
+SIGHTING_PERIOD = 0.1  # s between two sightings
 SURPRISE_TIME = 1.5  # s over which innovations are averaged
 EXPECTED = 0.07  # square of their normalised mean without gusts
-BESIDE = 0.4  # m of displacement of a near lamp that is no surprise
+UNSURPRISING_OFFSET = 0.4  # m of displacement of a near lamp that is no surprise
 MOST_EXCESS = 1.0  # so that bearings worse than expected do not end all knowledge of the wind
 GUST_DRIFT = 0.4  # m/s in one second, of the drift, at an excess of 1
 GUST_WIND = 1.0  # m/s in one second, of the wind
@@ -124,17 +125,29 @@ def predict_motion(
         model += CONTACT * CONTACT
     model += GUST_DRIFT * GUST_DRIFT * excess
     gusts = settings.gusts * settings.gusts + GUST_WIND * GUST_WIND * excess
-    noise = (SLIP * SLIP, SLIP * SLIP, model, model, gusts, gusts, 0.0, 0.0, 0.0)
+    noise = (
+        POSITION_WALK * POSITION_WALK,
+        POSITION_WALK * POSITION_WALK,
+        model,
+        model,
+        gusts,
+        gusts,
+        0.0,
+        0.0,
+        0.0,
+    )
     for i, density in enumerate(noise):
         after[i][i] += dt * density
     if seen:
-        after[8][8] += dt * (FADING * FADING + 2.0 * ASPECT_TIME * (ASPECT * turn_rate) ** 2)
+        after[8][8] += dt * (
+            BRIGHTNESS_WALK * BRIGHTNESS_WALK + 2.0 * ASPECT_TIME * (ASPECT * turn_rate) ** 2
+        )
     lamp = mean[BEARING], mean[LOG_DISTANCE]
     if seen:
         away = math.exp(mean[LOG_DISTANCE])
         x = away * math.cos(mean[BEARING]) - state.moved[0]
         y = away * math.sin(mean[BEARING]) - state.moved[1]
-        lamp = math.atan2(y, x), math.log(max(math.hypot(x, y), NEAREST))
+        lamp = math.atan2(y, x), math.log(max(math.hypot(x, y), NEAREST_SIGHTING))
     return state._replace(
         mean=(
             mean[X],
@@ -211,8 +224,12 @@ def correct_motion(
         return _restart_lamp(settings, state, sighting, bearing)
     mean, rows = state.mean, state.rows
     square = math.exp(2.0 * mean[LOG_DISTANCE])
-    bearing_noise = sighting.deviation**2 + settings.bearing_noise**2 + ASIDE * ASIDE / square
-    strength_noise = settings.strength_noise**2 + (OVER * OVER / square) ** 2
+    bearing_noise = (
+        sighting.deviation**2 + settings.bearing_noise**2 + SOURCE_EXTENT * SOURCE_EXTENT / square
+    )
+    strength_noise = (
+        settings.strength_noise**2 + (LAMP_HEIGHT_LIMIT * LAMP_HEIGHT_LIMIT / square) ** 2
+    )
     turn = wrap_angle(bearing - mean[BEARING])
     gap = math.log(sighting.strength) - _expect_log_strength(mean)
     turn_size = rows[BEARING][BEARING] + bearing_noise
@@ -221,9 +238,9 @@ def correct_motion(
         if doubted > DOUBT:
             return _restart_lamp(settings, state, sighting, bearing)
         return state._replace(doubted=doubted)
-    usual = turn_size + BESIDE * BESIDE / square
+    usual = turn_size + UNSURPRISING_OFFSET * UNSURPRISING_OFFSET / square
     surprise = turn / math.sqrt(usual) - state.innovation
-    innovation = state.innovation + BLOCK / SURPRISE_TIME * surprise
+    innovation = state.innovation + SIGHTING_PERIOD / SURPRISE_TIME * surprise
     # The measured state is the bearing itself, so P H^T is its row
     mean, rows = _update(mean, rows, rows[BEARING], turn / turn_size, turn_size)
     gains, size = _measure_strength(rows)

@@ -35,7 +35,7 @@ from lta_control.odometry.tracked_motion import OdomMotion
 if TYPE_CHECKING:
     from lta_control.estimator import MotionEstimate
 
-PERIOD = 0.1  # s between predictions of the covariance
+PREDICTION_PERIOD = 0.1  # s between predictions of the covariance
 NEAR_GROUND = 0.03  # m above the height on the floor, up to which the drone may stand
 # A drone on the floor stands still if it turns and climbs no faster, and no motor pushes it
 STILL_RATE = 0.03  # rad/s, 15 times the noise; wind that could move it makes it sway faster
@@ -153,7 +153,7 @@ def ground_step(
     )
     if not ready:
         sighting = None
-    if sighting is None and state.elapsed < PERIOD - 0.5 * dt:
+    if sighting is None and state.elapsed < PREDICTION_PERIOD - 0.5 * dt:
         return state
     # A bearing holds for the middle of its block
     bearing = 0.0 if sighting is None else yaw - yaw_rate * sighting.age + sighting.bearing

@@ -13,10 +13,10 @@ Row = tuple[float, ...]  # one number per state
 Covariance = tuple[float, float, float]  # xx, xy, yy of a vector in the plane
 
 X, Y, DRIFT_X, DRIFT_Y, WIND_X, WIND_Y, BEARING, LOG_DISTANCE, BRIGHTNESS = range(9)
-NOTHING: Row = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+ZERO_ROW: Row = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
-START = 0.01  # m: standard deviation of the origin
-RESTART = 10.0  # m; of the position, where the filter begins again
+START_DEVIATION = 0.01  # m: standard deviation of the origin
+RESTART_DEVIATION = 10.0  # m; of the position, where the filter begins again
 
 
 class GroundSettings(Settings):
@@ -56,7 +56,7 @@ class GroundMotion(NamedTuple):
     """State of the filter; `rows` is empty before the first step."""
 
     # States in the order of the module's constants, and their covariance
-    mean: Row = NOTHING
+    mean: Row = ZERO_ROW
     rows: tuple[Row, ...] = ()
     air: tuple[float, float] = (0.0, 0.0)  # velocity of the drag model [m/s, odom]
     moved: tuple[float, float] = (0.0, 0.0)  # way since the last prediction [m, odom]
@@ -118,7 +118,17 @@ def rotate_covariance(covariance: Covariance, angle: float) -> Covariance:
 def start_ground_motion(settings: GroundSettings) -> GroundMotion:
     """Return the state at rest at the origin, in an unknown wind."""
     wind = settings.wind * settings.wind
-    variances = (START * START, START * START, 0.0, 0.0, wind, wind, 0.0, 0.0, 0.0)
+    variances = (
+        START_DEVIATION * START_DEVIATION,
+        START_DEVIATION * START_DEVIATION,
+        0.0,
+        0.0,
+        wind,
+        wind,
+        0.0,
+        0.0,
+        0.0,
+    )
     return GroundMotion(
         rows=tuple([scale_unit_row(i, variances[i]) for i in range(len(variances))])
     )
@@ -134,11 +144,11 @@ def restart_ground_motion(settings: GroundSettings, state: GroundMotion) -> Grou
     """Return a state that keeps the position, and knows of the motion no more than the prior."""
     place = [each if math.isfinite(each) else 0.0 for each in state.position]
     fresh = start_ground_motion(settings)
-    lost, wind = RESTART * RESTART, fresh.rows[WIND_X][WIND_X]
+    lost, wind = RESTART_DEVIATION * RESTART_DEVIATION, fresh.rows[WIND_X][WIND_X]
     variances = (lost, lost, wind, wind, wind, wind, 0.0, 0.0, 0.0)
     air = state.air if all(map(math.isfinite, state.air)) else (0.0, 0.0)
     return fresh._replace(
-        mean=(*place, *NOTHING[DRIFT_X:]),
+        mean=(*place, *ZERO_ROW[DRIFT_X:]),
         rows=tuple([scale_unit_row(i, variances[i]) for i in range(len(variances))]),
         air=air,
         restarts=state.restarts + 1,
@@ -148,13 +158,16 @@ def restart_ground_motion(settings: GroundSettings, state: GroundMotion) -> Grou
 def place_origin(state: GroundMotion) -> GroundMotion:
     """Return the state at the origin, of which nothing else depends on the position."""
     rows = [(0.0, 0.0, *row[DRIFT_X:]) for row in state.rows]
-    rows[X], rows[Y] = scale_unit_row(X, START * START), scale_unit_row(Y, START * START)
+    rows[X], rows[Y] = (
+        scale_unit_row(X, START_DEVIATION * START_DEVIATION),
+        scale_unit_row(Y, START_DEVIATION * START_DEVIATION),
+    )
     return state._replace(mean=(0.0, 0.0, *state.mean[DRIFT_X:]), rows=tuple(rows))
 
 
 def scale_unit_row(index: int, value: float) -> Row:
     """Return a row of zeros with one value."""
-    row = [0.0] * len(NOTHING)
+    row = [0.0] * len(ZERO_ROW)
     row[index] = value
     return tuple(row)
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 from lta_control.sighting import bearing_deviation, facing_strength, LampPosition
 
 TRUSTED = 0.05  # rad: a lamp partly hidden by the hull is reported with a larger deviation
-NEAREST = 0.3  # m
+NEAREST_SIGHTING = 0.3  # m
 
 
 class LampSighting(NamedTuple):
@@ -43,7 +43,9 @@ def build_sighting(
     strength = facing_strength(axes, finite)
     frequency = frequencies[finite.index(max(finite))]
     # NaN compares false
-    if not (deviation <= TRUSTED and distance > NEAREST and strength > 0.0 and frequency > 0.0):
+    if not (
+        deviation <= TRUSTED and distance > NEAREST_SIGHTING and strength > 0.0 and frequency > 0.0
+    ):
         return None
     xx, xy, yy = lamp.spread
     x, y = lamp.x / distance, lamp.y / distance

@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     from lta_control.strategies.settings import StrategySettings
 
 PAIRS = 40
-NONE = (0.0, 0.0, 0.0)
-EMPTY = (NONE,) * PAIRS
+NO_SAMPLE = (0.0, 0.0, 0.0)
+EMPTY_SAMPLES = (NO_SAMPLE,) * PAIRS
 Pair = tuple[float, float, float]
 
 
@@ -97,7 +97,7 @@ class GradientState(NamedTuple):
 def start(heading: float) -> GradientState:
     """Return the memory before the first light."""
     return GradientState(
-        heading, 0.0, 0.0, 0.0, heading, heading, 0.0, False, 0.0, EMPTY
+        heading, 0.0, 0.0, 0.0, heading, heading, 0.0, False, 0.0, EMPTY_SAMPLES
     )  # fmt: skip
 
 

@@ -36,10 +36,10 @@ from lta_control.strategies.lamp_ekf import (
     bearing_deviation,
     expected_strength,
     initialize_fix,
+    LAMP_HEIGHT,
     LampFilterPrior,
     LampFix,
     normalized_innovation,
-    OVER,
     predict_fix,
     update_fix,
 )
@@ -49,15 +49,17 @@ from lta_control.strategies.wind_triangle import solve_wind_triangle
 if TYPE_CHECKING:
     from lta_control.strategies.settings import StrategySettings
 
-LEAST_PUSH = 0.1  # m/s; least forward airspeed on the way, even where the wind alone would suffice
-AHEAD = 2.0  # rad; a farther heading is commanded step by step, so that the sense of a turn stays
-BAND = 0.12  # m/s; a speed over ground that is not worth a turn about
-CALM = 0.15  # m/s; a wind that the estimate hardly tells from none
-STOPPED = 0.1  # m/s; a speed over ground that the estimate hardly tells from 0
-CLOSE = 3.0  # m from the lamp, where the hull may hide a part of it
-HIDDEN = 40.0  # s without light after which a close lamp is searched
+# m/s; least forward airspeed on the way, even where the wind alone would suffice
+LEAST_AIRSPEED = 0.1
+# rad; a farther heading is commanded step by step, so that the sense of a turn stays
+LARGEST_TURN = 2.0
+SPEED_BAND = 0.12  # m/s; a speed over ground that is not worth a turn about
+CALM_WIND = 0.15  # m/s; a wind that the estimate hardly tells from none
+STILL_SPEED = 0.1  # m/s; a speed over ground that the estimate hardly tells from 0
+CLOSE_RANGE = 3.0  # m from the lamp, where the hull may hide a part of it
+HIDDEN_TIME = 40.0  # s without light after which a close lamp is searched
 GLANCE = 0.1  # rad; error of a bearing where the hull may hide a part of the lamp
-STAY = 2.0  # of the arrival range: hysteresis, so that wind does not undo an arrival
+ARRIVAL_HYSTERESIS = 2.0  # of the arrival range: hysteresis, so that wind does not undo an arrival
 
 
 class HomingSettings(Settings):
@@ -246,7 +248,7 @@ def steer(
     # Close to the lamp its bearing means little, its place is known all the same
     close = is_close(own, memory)
     unsure = memory.searched > 0.0 or (not close and bearing_deviation(memory.fix) > own.certain)
-    hold = max(own.hold, HIDDEN) if close else own.hold
+    hold = max(own.hold, HIDDEN_TIME) if close else own.hold
     lost = memory.lost > hold or (memory.lost > 0.0 and unsure)
     if not memory.has_fix or lost:
         heading, speed = steer_search(settings, memory, sight.interval)
@@ -273,7 +275,7 @@ def build_filter_prior(own: HomingSettings, flight_time: float) -> LampFilterPri
         own.wind,
         gusts,
         # Where it matters: a drone that stops is near the lamp for long
-        OVER if own.brake else 0.0,
+        LAMP_HEIGHT if own.brake else 0.0,
     )
 
 
@@ -308,7 +310,7 @@ def update_with_sight(
         elif fits:
             fix, lost = update_fix(fix, optics, bearing, deviation, strength), 0.0
     away = math.hypot(fix.x, fix.y)
-    limit = own.arrival * (STAY if m.arrived else 1.0)
+    limit = own.arrival * (ARRIVAL_HYSTERESIS if m.arrived else 1.0)
     arrived = has_fix and away <= limit
     return m._replace(
         has_fix=has_fix,
@@ -342,16 +344,16 @@ def steer_to_lamp(
         (fix.wind_x, fix.wind_y),
         min(settings.speed, planned),
         top,
-        -top if near else LEAST_PUSH,
+        -top if near else LEAST_AIRSPEED,
     )
-    if own.brake and m.arrived and math.hypot(fix.wind_x, fix.wind_y) < CALM:
+    if own.brake and m.arrived and math.hypot(fix.wind_x, fix.wind_y) < CALM_WIND:
         return sight.heading, 0.0
     return heading, speed
 
 
 def is_close(own: HomingSettings, m: HomingState) -> bool:
     """Return whether the drone's hull may hide the lamp, which it does not fly past."""
-    return own.brake and m.has_fix and math.hypot(m.fix.x, m.fix.y) < CLOSE
+    return own.brake and m.has_fix and math.hypot(m.fix.x, m.fix.y) < CLOSE_RANGE
 
 
 def stopping_speed(own: HomingSettings, left: float, turn: float) -> float:
@@ -391,12 +393,12 @@ def must_brake(settings: 'StrategySettings', m: HomingState, sight: LightMeasure
     x, y = ground_velocity(m, sight)
     speed = math.hypot(x, y)
     if m.braking:
-        return speed > STOPPED
+        return speed > STILL_SPEED
     away = max(math.hypot(fix.x, fix.y), 1e-6)
     closing = (fix.x * x + fix.y * y) / away
     wind = -(fix.x * fix.wind_x + fix.y * fix.wind_y) / away
     turn = abs(wrap_angle(math.atan2(-y, -x) - sight.heading))
-    too_fast = closing > max(stopping_speed(own, away, turn), BAND)
+    too_fast = closing > max(stopping_speed(own, away, turn), SPEED_BAND)
     return too_fast and coasting_distance(own, closing, wind) > away
 
 
@@ -416,10 +418,10 @@ def brake_ahead(
     top = max(own.top_speed, settings.speed)
     speed = want_x * math.cos(heading) + want_y * math.sin(heading)
     speed = min(max(speed, -top), top)
-    if abs(turn) > AHEAD:
+    if abs(turn) > LARGEST_TURN:
         last = wrap_angle(m.heading - sight.heading)
-        sense = last if abs(last) > 0.25 * AHEAD else turn
-        heading = sight.heading + math.copysign(AHEAD, sense)
+        sense = last if abs(last) > 0.25 * LARGEST_TURN else turn
+        heading = sight.heading + math.copysign(LARGEST_TURN, sense)
     return heading, speed
 
 

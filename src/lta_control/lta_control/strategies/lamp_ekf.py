@@ -26,12 +26,12 @@ from lta_control.cascade import wrap_angle
 
 Row = tuple[float, float, float, float, float]
 
-NEAREST = 0.4  # m; at shorter range a bearing carries no position information
-FARTHEST = 50.0  # m; no lamp is seen from farther away
-ASIDE = 0.1  # m; apparent displacement, because lamp and diode ring have an extent
-OVER = 0.8  # m; assumed height of the lamp above or below the diodes
-SLIP = 0.01  # m; error of dead reckoning in one second
-FADING = 0.15  # of ln(brightness) in one second: the lamp is seen from another side
+NEAREST_BEARING = 0.4  # m; at shorter range a bearing carries no position information
+FARTHEST_LAMP = 50.0  # m; no lamp is seen from farther away
+LAMP_EXTENT = 0.1  # m; apparent displacement, because lamp and diode ring have an extent
+LAMP_HEIGHT = 0.8  # m; assumed height of the lamp above or below the diodes
+RECKONING_WALK = 0.01  # m; error of dead reckoning in one second
+ASPECT_WALK = 0.15  # of ln(brightness) in one second: the lamp is seen from another side
 
 
 class LampFilterPrior(NamedTuple):
@@ -72,7 +72,7 @@ def initialize_fix(
     """
     # Range from ln S = c - 2 ln r
     away = math.exp(0.5 * (optics.brightness - math.log(strength)))
-    away = min(max(away, NEAREST), FARTHEST)
+    away = min(max(away, NEAREST_BEARING), FARTHEST_LAMP)
     cos, sin = math.cos(bearing), math.sin(bearing)
     slope = 0.5 * away  # derivative of the range by ln(brightness)
     variance = optics.unsure * optics.unsure
@@ -111,7 +111,7 @@ def predict_fix(
     )
     c, d, e = _propagate_row(r[2], s), _propagate_row(r[3], s), _propagate_row(r[4], s)
     gusts = optics.gusts * optics.gusts * dt
-    slip, faded = SLIP * SLIP * dt, FADING * FADING * dt
+    slip, faded = RECKONING_WALK * RECKONING_WALK * dt, ASPECT_WALK * ASPECT_WALK * dt
     rows = (
         (a[0] + slip, a[1], a[2], a[3], a[4]),
         (b[0], b[1] + slip, b[2], b[3], b[4]),
@@ -140,7 +140,7 @@ def normalized_innovation(
 
 def expected_strength(fix: LampFix) -> float:
     """Return the strength that the fix predicts for a lamp at height `OVER`. [counts]"""
-    return math.exp(fix.brightness) / (fix.x * fix.x + fix.y * fix.y + OVER * OVER)
+    return math.exp(fix.brightness) / (fix.x * fix.x + fix.y * fix.y + LAMP_HEIGHT * LAMP_HEIGHT)
 
 
 def update_fix(
@@ -162,17 +162,21 @@ def bearing_deviation(fix: LampFix) -> float:
 
 def _squared_range(fix: LampFix) -> float:
     """Return the square of the range. [m2]"""
-    return max(fix.x * fix.x + fix.y * fix.y, NEAREST * NEAREST)
+    return max(fix.x * fix.x + fix.y * fix.y, NEAREST_BEARING * NEAREST_BEARING)
 
 
 def _bearing_noise(fix: LampFix, optics: LampFilterPrior, deviation: float) -> float:
     """Return the variance of a bearing. [rad2]"""
-    return deviation * deviation + optics.bearing_noise**2 + ASIDE * ASIDE / _squared_range(fix)
+    return (
+        deviation * deviation
+        + optics.bearing_noise**2
+        + LAMP_EXTENT * LAMP_EXTENT / _squared_range(fix)
+    )
 
 
 def _strength_noise(fix: LampFix, optics: LampFilterPrior) -> float:
     """Return the variance of ln(strength); near a lamp its unknown height adds to it."""
-    return optics.strength_noise**2 + (OVER * OVER / _squared_range(fix)) ** 2
+    return optics.strength_noise**2 + (LAMP_HEIGHT * LAMP_HEIGHT / _squared_range(fix)) ** 2
 
 
 def _linearize_bearing(fix: LampFix, bearing: float) -> tuple[Row, float]:

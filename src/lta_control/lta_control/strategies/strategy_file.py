@@ -12,10 +12,10 @@ from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy
 from lta_control.strategies.settings import StrategySettings
 
 SUFFIX: Final = '.py'
-DIODES: Final = 8  # of the trial's light
+TRIAL_DIODES: Final = 8  # of the trial's light
 # What every strategy must answer: no light, light to the left, light ahead after a while
 TRIAL: Final = tuple(
-    LightMeasurement(seen, bearing, 0.2, (amplitude,) * DIODES, interval, 0.1, amplitude)
+    LightMeasurement(seen, bearing, 0.2, (amplitude,) * TRIAL_DIODES, interval, 0.1, amplitude)
     for seen, bearing, amplitude, interval in (
         (False, 0.0, 0.0, 0.1), (True, 0.5, 20.0, 0.1), (True, -0.1, 40.0, 5.0),
     )

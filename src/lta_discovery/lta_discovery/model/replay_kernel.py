@@ -31,7 +31,7 @@ from lta_model.effects.protocol import (
 )
 from lta_sim.kernels.compose import build_layout, KernelTarget, render_kernel_source
 from lta_sim.kernels.layout import EffectLayout, KernelAccess, ModelStage
-from lta_sim.kernels.row import ENTRIES, row_slices, RowAccess
+from lta_sim.kernels.row import ROW_ENTRIES, row_slices, RowAccess
 
 LATENT: Final = 'latent'
 _UNITS: Final = ('N', 'N', 'N', 'N m', 'N m', 'N m')
@@ -120,7 +120,7 @@ def _build_scalar_form(
     entries: str, where: Mapping[str, slice], access: KernelAccess, latent: int = 0
 ) -> KernelTarget:
     """Return the scalar form of the model with more entries."""
-    text = _format_constants(where, latent) + ENTRIES + entries.replace('$FREE', FREE)
+    text = _format_constants(where, latent) + ROW_ENTRIES + entries.replace('$FREE', FREE)
     return KernelTarget(
         'from numba import njit\n', INNER_DECORATOR, ENTRY_DECORATOR, access, Template(text)
     )

@@ -18,7 +18,7 @@ from lta_bridge.teensy.frame_parser import FrameParser
 from lta_bridge.teensy.light_board import (
     ACTIVE,
     CONTROLLER,
-    DIALECT,
+    DIALECT_VERSION,
     NO_AUTOPILOT,
     PROTOCOL,
     ROOM,
@@ -121,7 +121,7 @@ class EmulatedBoard:
         drift: float = 0.0,
         faults: FrameFaults | None = None,
         first: int = 0,
-        dialect: int = DIALECT,
+        dialect: int = DIALECT_VERSION,
         bits: int = 12,
         vehicle: int = 0,
     ) -> None:

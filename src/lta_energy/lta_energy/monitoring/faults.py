@@ -36,7 +36,7 @@ EXCITATION = 0.02  # A2; a step of 0.14 A, whose slope a voltage noise of 3 mV b
 REVERSED_SLOPE = -0.5  # of the resistance
 # Voltage change that noise and relaxation can cause without a change of current
 VOLTAGE_WANDER = 0.02  # V
-ROUNDING = 1e-6  # s; of a sum of differences of stamps
+STAMP_ROUNDING = 1e-6  # s; of a sum of differences of stamps
 
 
 class MeterObservation(NamedTuple):
@@ -319,7 +319,7 @@ def update_latch(latch: Latch, condition: bool, dt: float, rise: float, fall: fl
     if condition == latch.on:
         return Latch(latch.on, 0.0)
     since = latch.since + dt
-    if since + ROUNDING >= (rise if condition else fall):
+    if since + STAMP_ROUNDING >= (rise if condition else fall):
         return Latch(condition, 0.0)
     return Latch(latch.on, since)
 

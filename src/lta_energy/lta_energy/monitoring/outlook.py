@@ -83,8 +83,8 @@ class TimeEstimate(NamedTuple):
     deviation: float
 
 
-UNKNOWN = TimeEstimate(math.nan, math.nan)
-NEVER = TimeEstimate(math.inf, math.inf)
+UNKNOWN_TIME = TimeEstimate(math.nan, math.nan)
+NEVER_REACHED = TimeEstimate(math.inf, math.inf)
 
 
 def empty_charge(cell: BatteryModel, state: CellState, power: float) -> float:
@@ -106,7 +106,7 @@ def estimate_discharge_time(
 ) -> TimeEstimate:
     """Estimate the time to empty from the mean power and its standard deviation. [W]"""
     if power <= 0.0:
-        return NEVER
+        return NEVER_REACHED
     energy = energy_between(cell, state, empty_charge(cell, state, power), state.charge)
     return _energy_over_power(cell, state, max(energy, 0.0), power, deviation, 1.0)
 
@@ -116,7 +116,7 @@ def estimate_charging_time(
 ) -> TimeEstimate:
     """Estimate the time to full; the power is negative while the cell is charged. [W]"""
     if power >= 0.0:
-        return NEVER
+        return NEVER_REACHED
     energy = energy_between(cell, state, state.charge, 1.0)
     return _energy_over_power(cell, state, energy, -power, deviation, -1.0)
 

@@ -10,7 +10,7 @@ from lta_energy.monitoring.outlook import (
     estimate_discharge_time,
     mean_load_deviation,
     TimeEstimate,
-    UNKNOWN,
+    UNKNOWN_TIME,
 )
 from lta_graph.health import HealthLevel
 from lta_model.electrical.battery import BatteryModel
@@ -38,7 +38,7 @@ def report_energy(
 ) -> EnergyReport:
     """Derive the report from an estimate."""
     belief, load = estimate.belief, estimate.load
-    empty = full = UNKNOWN
+    empty = full = UNKNOWN_TIME
     if belief is not None:
         deviation = mean_load_deviation(load, settings.smoothing, settings.outlook)
         empty = estimate_discharge_time(cell, belief, load.mean, deviation)

@@ -14,7 +14,7 @@ from lta_control.autopilot import build_drone_constants
 from lta_control.cascade import CascadeGains
 from lta_control.laws import LAWS
 from lta_control.laws.onboard_law import CASCADE
-from lta_control.per_rotor import NONE, pad_to_slots
+from lta_control.per_rotor import NO_ROTORS, pad_to_slots
 from lta_control.strategies.protocol import NavigationStrategy
 from lta_flight.batch.constants_and_tally import BatchPower, FlightConstants
 from lta_flight.batch.targets import BatchSchedule, STEP
@@ -212,7 +212,7 @@ def build_constants(
         lowest=pad_to_slots(-1.0 if reverses else 0.0 for reverses in vehicle.reversible),
         route=index_route(scenario),
         mass_place=(0.0, 0.0, 0.0),
-        duties=NONE,
+        duties=NO_ROTORS,
         reserve=policy.reserve.rule,
         diode_scale=vehicle.diodes.gain_scale,
     )

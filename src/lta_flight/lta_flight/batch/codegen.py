@@ -31,9 +31,9 @@ from lta_model.light.ray_integration import DAYLIGHT_ROW, LAMP_ROWS, scratch_siz
 from lta_model.state import RIGID
 from lta_sim.compiled_sensors import draw_turbulence_memory
 from lta_sim.kernels.compose import KernelTarget, render_kernel_source
-from lta_sim.kernels.kernel import LAYOUT
 from lta_sim.kernels.layout import format_tuple, indent_lines
 from lta_sim.light_link import sample_magnitude
+from lta_sim.simulated_vehicle import LAYOUT
 
 # Merged into their caller, because passing the memory of a flight takes a quarter of the time
 MERGED = {

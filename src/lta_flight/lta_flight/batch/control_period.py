@@ -16,7 +16,7 @@ from lta_control.cascade import Setpoint
 from lta_control.flight_step import DroneMemory, flight_step, guidance_altitude, reckon_motion
 from lta_control.laws.protocol import ControlLaw
 from lta_control.mission import initial_mission, mission_step
-from lta_control.per_rotor import NONE, PerRotor
+from lta_control.per_rotor import NO_ROTORS, PerRotor
 from lta_control.phases import Mission
 from lta_control.reserve import permission_at_reserve
 from lta_control.sighting import DeadReckonedMotion
@@ -321,7 +321,7 @@ def advance_vehicle(
     duties = memory.onboard.pilot.law.command.duties if kernel.closed else constants.duties
     # Without power the motors stop
     if not memory.supply.flow.fed:
-        duties = NONE
+        duties = NO_ROTORS
     command = build_command(constants, duties)
     state, ticks, distance = memory.state, memory.ticks, memory.distance
     for _ in range(schedule.control):

@@ -2,7 +2,7 @@
 
 from lta_control.flight_step import is_stopped
 from lta_control.laws.protocol import ControlLaw
-from lta_control.per_rotor import NONE
+from lta_control.per_rotor import NO_ROTORS
 from lta_control.strategies.protocol import NavigationStrategy
 from lta_flight.batch.constants_and_tally import FlightConstants, FlightTally
 from lta_flight.batch.control_period import (
@@ -55,7 +55,7 @@ def fly(
         strategy,
         kernel.begin,
         state,
-        build_command(constants, NONE),
+        build_command(constants, NO_ROTORS),
         kernel.dark,
         resting_flow(constants.power.charge),
         simulate_range_reading(constants.sensors, inputs.errors, seed, 0, state),

@@ -7,7 +7,7 @@ from typing import final
 from lta_config.compilation.compiler import ENTRY_DECORATOR, INNER_DECORATOR
 from lta_control import allocation
 from lta_model.model import STEP_NS
-from lta_sim.kernels.gpu import STATES
+from lta_sim.kernels.gpu import STATE_ARITHMETIC
 from lta_vlc.reading_model import FIT_SCRATCH
 
 STEP = STEP_NS * 1e-9  # integration step [s]
@@ -59,7 +59,7 @@ class CompileTarget:
 
 # The model of one vehicle, whose constants are a row
 MODEL = Template(
-    f'''{STATES}
+    f'''{STATE_ARITHMETIC}
 
 $INLINE
 def rates(state, fixed, command, surroundings):

@@ -15,7 +15,7 @@ from lta_graph.ros.node import GraphNode
 from std_msgs.msg import Bool
 
 COMMAND_SOURCE_TASK: Final = 'helm'  # health task with the active source of setpoints
-HELD: Final = 'held'  # its value: whether that is the teleoperator
+HELD_VALUE: Final = 'held'  # its value: whether that is the teleoperator
 
 
 @final
@@ -80,7 +80,7 @@ class CommandMux:
             COMMAND_SOURCE_TASK,
             HealthLevel.OK,
             f'the drone follows the setpoints of the {whose}',
-            **{HELD: self.held},
+            **{HELD_VALUE: self.held},
         )
 
     def _on_pose(self, pose: PoseStamped) -> None:

@@ -14,7 +14,7 @@ from rclpy.duration import Duration
 from std_msgs.msg import Header
 
 LISTENER_DEPTH = 100  # messages of all nodes together that may wait until the next look
-DISCOVERY = 10.0  # wall s after the first report for DDS to find all nodes of a busy machine
+ALL_NODES_TIME = 10.0  # wall s after the first report for DDS to find all nodes of a busy machine
 # Wall s for all to report once; compiling the model takes half a minute alone
 LOADING_TIME = 300.0
 LAUNCHER_TASK = 'launcher: processes'  # task under which the launcher reports faults of its nodes
@@ -142,7 +142,7 @@ class DiagnosticsListener:
         """
         now = time.monotonic()
         # After DISCOVERY a node that never reported no longer delays the others
-        patient = self._begun is not None and now - self._begun > DISCOVERY
+        patient = self._begun is not None and now - self._begun > ALL_NODES_TIME
         if self._complete is None and (patient or not self.find_pending_nodes(nodes)):
             self._complete = now
         return self._complete is not None and now - self._complete > SILENCE_TIME

@@ -21,7 +21,7 @@ from rclpy.serialization import deserialize_message
 
 MESSAGES: Final = 'messages'  # health task with the number of invalid messages
 # Fields that must hold finite numbers, by message type
-NUMBERS: Final[Mapping[str, tuple[str, ...]]] = {
+NUMERIC_FIELDS: Final[Mapping[str, tuple[str, ...]]] = {
     'Imu': ('angular_velocity', 'linear_acceleration'),
     'FluidPressure': ('fluid_pressure',),
     'Illuminance': ('illuminance',),
@@ -37,8 +37,8 @@ NUMBERS: Final[Mapping[str, tuple[str, ...]]] = {
     'Joy': ('axes',),
 }
 Numbers = Callable[[Any], Sequence[float]]
-LARGEST: Final = 1e9  # in the unit of any field; no sensor measures more
-JUMP_NS: Final = 2_000_000_000  # largest step between two stamps of a periodic topic
+LARGEST_VALUE: Final = 1e9  # in the unit of any field; no sensor measures more
+STAMP_JUMP_NS: Final = 2_000_000_000  # largest step between two stamps of a periodic topic
 
 
 def find_message_type(topic: Topic) -> Any:  # noqa: ANN401 - a generated class
@@ -90,17 +90,19 @@ def _build_reader(empty: object, path: str) -> Numbers:
 def _list_numeric_parts(kind: Callable[[], object]) -> list[tuple[str, Numbers]]:
     """Return the checked parts of a message type and their readers; cached."""
     name = getattr(kind, '__name__', '')
-    return [(path, _build_reader(kind(), path)) for path in NUMBERS.get(name, ())]
+    return [(path, _build_reader(kind(), path)) for path in NUMERIC_FIELDS.get(name, ())]
 
 
 def _is_plausible(numbers: Sequence[float]) -> bool:
     # The sum is a fast first test. It is NaN if any term is, and NaN compares false
-    return sum(map(abs, numbers)) <= LARGEST or all(abs(number) <= LARGEST for number in numbers)
+    return sum(map(abs, numbers)) <= LARGEST_VALUE or all(
+        abs(number) <= LARGEST_VALUE for number in numbers
+    )
 
 
 def _find_range_fault(message: Any) -> str:  # noqa: ANN401 - a generated class
     # REP-117: infinite stands for an object out of range
-    meant = math.isinf(message.range) or abs(message.range) <= LARGEST
+    meant = math.isinf(message.range) or abs(message.range) <= LARGEST_VALUE
     return '' if meant else 'its range is not a number, or implausibly large'
 
 
@@ -130,7 +132,7 @@ def _find_peaks_fault(message: Any) -> str:  # noqa: ANN401 - a generated class
     return ''
 
 
-LENGTHS: Final[Mapping[str, Callable[[Any], str]]] = {
+FAULT_FINDERS: Final[Mapping[str, Callable[[Any], str]]] = {
     'Range': _find_range_fault,
     'ActuatorDuty': _find_duty_fault,
     'LampPeaks': _find_peaks_fault,
@@ -144,7 +146,7 @@ def find_fault(message: Any) -> str:  # noqa: ANN401 - a generated class
         if not _is_plausible(numbers(message)):
             return f'its {path} has a value that is not a number, or implausibly large'
     kind = type(message).__name__
-    return LENGTHS[kind](message) if kind in LENGTHS else ''
+    return FAULT_FINDERS[kind](message) if kind in FAULT_FINDERS else ''
 
 
 @final
@@ -183,4 +185,4 @@ class MessageValidator:
         by = now - self._newest.get(name, now)
         # Also after a jump, so that a changed clock is reported once
         self._newest[name] = now
-        return f'its time stamp jumps by {1e-9 * by:.1f} s' if abs(by) > JUMP_NS else ''
+        return f'its time stamp jumps by {1e-9 * by:.1f} s' if abs(by) > STAMP_JUMP_NS else ''

@@ -28,12 +28,12 @@ from rclpy.utilities import try_shutdown
 
 POLL: Final = 0.02  # wall seconds between two steps of a node's `run`
 TEARDOWN: Final = 5.0  # s for DDS to shut down; less than the launcher's grace
-HELP: Final = ('-h', '--help')
+HELP_OPTIONS: Final = ('-h', '--help')
 
 
 def asks_for_help(words: Sequence[str]) -> bool:
     """Return whether a command line asks for help, before or after `--ros-args`."""
-    return any(word in HELP for word in words[1:])
+    return any(word in HELP_OPTIONS for word in words[1:])
 
 
 def describe_node(node_class: type[GraphNode], program: str) -> str:

@@ -12,7 +12,7 @@ from rclpy.publisher import Publisher
 CONFLICT_TASK = 'others'  # the health task
 TELEOP = 'teleop'  # the role of which a second may be there: started again after a crash
 # What moves a drone, directly or by the nodes that follow it
-COMMANDS: Final = (
+COMMAND_TOPICS: Final = (
     'motors',
     'setpoint/pose',
     'setpoint/velocity',
@@ -92,7 +92,7 @@ class CommanderWatch:
         """Return the nodes, each with its topics, as a sentence; empty if there are none."""
         topics: dict[str, list[str]] = {}
         robot = self._node.get_namespace().rstrip('/')
-        for topic in COMMANDS:
+        for topic in COMMAND_TOPICS:
             role = self._table[topic].source
             names = list_publishers(self._node, topic)
             owner = f'{robot}/{role}'

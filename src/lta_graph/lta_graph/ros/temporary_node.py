@@ -41,10 +41,10 @@ def join_graph(name: str, namespace: str = '') -> Iterator[tuple[Node, SingleThr
         context.try_shutdown()
 
 
-KINDS: Final = {'std_srvs/srv/SetBool': SetBool, 'std_srvs/srv/Trigger': Trigger}
-PATIENCE: Final = 5.0  # wall seconds in which DDS finds a service on a busy machine
-ANSWER: Final = 30.0  # wall seconds for the answer, on a busy machine
-LOOK: Final = 0.05  # wall seconds between polls of the discovered services
+SERVICE_TYPES: Final = {'std_srvs/srv/SetBool': SetBool, 'std_srvs/srv/Trigger': Trigger}
+DISCOVERY_TIME: Final = 5.0  # wall seconds in which DDS finds a service on a busy machine
+ANSWER_TIME: Final = 30.0  # wall seconds for the answer, on a busy machine
+POLL_PERIOD: Final = 0.05  # wall seconds between polls of the discovered services
 
 
 class ServiceResponse(NamedTuple):
@@ -73,14 +73,14 @@ def call_service(name: str, data: bool | None) -> ServiceResponse:
             raise BadInput(f"The service '{name}' {expected}.")
         client = node.create_client(kind, name)
         # The name was seen already, but the endpoints still have to match
-        client.wait_for_service(PATIENCE)
+        client.wait_for_service(DISCOVERY_TIME)
         request = kind.Request() if data is None else kind.Request(data=data)
         future = client.call_async(request)
-        executor.spin_until_future_complete(future, ANSWER)
+        executor.spin_until_future_complete(future, ANSWER_TIME)
         if not future.done():
             raise BadInput(
-                f"The service '{name}' did not answer within {ANSWER:.0f} s; check that its node "
-                'still runs: a running node publishes its state on /diagnostics.'
+                f"The service '{name}' did not answer within {ANSWER_TIME:.0f} s; check that its "
+                'node still runs: a running node publishes its state on /diagnostics.'
             )
         answer = future.result()
         return ServiceResponse(bool(answer.success), str(answer.message))
@@ -88,18 +88,20 @@ def call_service(name: str, data: bool | None) -> ServiceResponse:
 
 def find_service_class(node: Node, name: str) -> Any:  # noqa: ANN401 - a generated class
     """Return the class of a service, waiting up to `PATIENCE` for discovery."""
-    deadline = time.monotonic() + PATIENCE
+    deadline = time.monotonic() + DISCOVERY_TIME
     while True:
         there = dict(node.get_service_names_and_types())
-        kinds = [KINDS[kind] for kind in there.get(name, []) if kind in KINDS]
+        kinds = [SERVICE_TYPES[kind] for kind in there.get(name, []) if kind in SERVICE_TYPES]
         if kinds:
             return kinds[0]
         if time.monotonic() > deadline:
-            names = sorted(one for one, types in there.items() if set(types) & KINDS.keys())
+            names = sorted(
+                one for one, types in there.items() if set(types) & SERVICE_TYPES.keys()
+            )
             words = (
                 f'available: {", ".join(names)}'
                 if names
                 else 'none is available, so start the nodes first'
             )
             raise BadInput(f"No node offers the service '{name}'; {words}.")
-        time.sleep(LOOK)
+        time.sleep(POLL_PERIOD)

@@ -9,13 +9,13 @@ from lta_graph.blank_message import create_message
 from nav_msgs.msg import Odometry
 from tf2_msgs.msg import TFMessage
 
-MAP: Final = 'map'
+MAP_FRAME: Final = 'map'
 ODOM: Final = 'odom'
 
 
 def add_prefix(prefix: str, frame: str) -> str:
     """Return a frame's name with the prefix of its robot, once; all robots share the map."""
-    return frame if frame in ('', MAP) or frame.startswith(prefix) else prefix + frame
+    return frame if frame in ('', MAP_FRAME) or frame.startswith(prefix) else prefix + frame
 
 
 def prefix_frames(prefix: str, message: Any) -> None:  # noqa: ANN401 - of any type
@@ -66,7 +66,7 @@ def from_start(pose: Sequence[float]) -> TFMessage:
     x, y, _, *turn = pose
     # The estimate counts height from the floor, distance and heading from the start. A fixed frame
     # holds at all times, so its stamp is zero.
-    return TFMessage(transforms=[build_transform(Time(), (MAP, ODOM), (x, y, 0.0), turn)])
+    return TFMessage(transforms=[build_transform(Time(), (MAP_FRAME, ODOM), (x, y, 0.0), turn)])
 
 
 def from_odometry(odom: Odometry) -> TFMessage:

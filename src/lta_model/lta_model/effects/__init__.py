@@ -25,7 +25,7 @@ from lta_model.effects import (
 from lta_model.effects.protocol import ActuatorEffect, Effect, KernelEffect
 from lta_model.state import ACTUATORS
 
-GROUP = 'lta.effects'
+ENTRY_POINT_GROUP = 'lta.effects'
 BUILT_IN_EFFECTS: tuple[Effect, ...] = (
     air.STEADY_WIND,
     air.WIND_PROFILE,
@@ -96,12 +96,12 @@ def merge_installed_effects(library: dict[str, Effect]) -> dict[str, Effect]:
     """
     effects = dict(library)
     # Sorted, so that the memory layout is independent of the installation order
-    for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
+    for point in sorted(entry_points(group=ENTRY_POINT_GROUP), key=lambda point: point.name):
         effect = point.load()
         if not isinstance(effect, Effect):
             raise BadInput(
-                f'The entry point {point.name} of {GROUP} refers to {point.value}, which '
-                'is not an effect; let it refer to a WrenchEffect or another effect class '
+                f'The entry point {point.name} of {ENTRY_POINT_GROUP} refers to {point.value}, '
+                'which is not an effect; let it refer to a WrenchEffect or another effect class '
                 'of lta_model.effects.protocol.'
             )
         if not effect.name.isidentifier():

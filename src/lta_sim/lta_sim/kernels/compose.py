@@ -16,10 +16,10 @@ from lta_config.compilation.extract import SourceExtract
 from lta_model import rigid_body
 from lta_model.effects.protocol import Effect, KernelEffect
 from lta_sim.kernels.layout import EffectLayout, KernelAccess
-from lta_sim.kernels.row import ENTRIES, RowAccess
+from lta_sim.kernels.row import ROW_ENTRIES, RowAccess
 from lta_sim.kernels.stages import build_stages
 
-HEAD = '''"""
+KERNEL_HEAD = '''"""
 The model of a vehicle, written by lta_sim.kernels.compose from the effects; edits here are lost.
 
 A state is a tuple: position, quaternion, velocity, rates, memory of the effects.
@@ -46,7 +46,11 @@ class KernelTarget:
 
 # One vehicle, in its row.
 SCALAR = KernelTarget(
-    'from numba import njit\n', INNER_DECORATOR, ENTRY_DECORATOR, RowAccess(), Template(ENTRIES)
+    'from numba import njit\n',
+    INNER_DECORATOR,
+    ENTRY_DECORATOR,
+    RowAccess(),
+    Template(ROW_ENTRIES),
 )
 
 
@@ -81,4 +85,4 @@ def render_kernel_source(effects: Mapping[str, Effect], form: KernelTarget = SCA
         **_build_template_parts(layout, form, extract),
     }
     glue = form.entries.substitute(texts)
-    return f'{HEAD}{form.imports}\n\n{extract.render_pieces(form.inline)}\n\n{glue}'
+    return f'{KERNEL_HEAD}{form.imports}\n\n{extract.render_pieces(form.inline)}\n\n{glue}'

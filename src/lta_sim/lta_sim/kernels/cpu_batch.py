@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 WIDTH = 16  # vehicles of a block, such that its working numbers stay in the caches
-ENTRIES = '''
+BATCH_ENTRIES = '''
 WIDTH = $width
 
 
@@ -100,7 +100,7 @@ def render_batch_source(
         # No fastmath, which would reorder arithmetic; nogil lets the thread pool run in parallel
         "@njit(error_model='numpy', fastmath=False, nogil=True, cache=True)",
         ColumnAccess('WIDTH', zeros, rotors),
-        Template(Template(ENTRIES).safe_substitute(width=width)),
+        Template(Template(BATCH_ENTRIES).safe_substitute(width=width)),
     )
     return render_kernel_source({name: EFFECTS[name] for name in names}, form)
 

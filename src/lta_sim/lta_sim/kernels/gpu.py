@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 THREADS = 64
 
 # The arithmetic of states that are tuples.
-STATES = '''
+STATE_ARITHMETIC = '''
 $INLINE
 def ahead(state, rate, dt):
     """Return the state after dt at a constant rate."""
@@ -44,7 +44,7 @@ def normalised(state):
     return state[0:3] + (x * n, y * n, z * n, w * n) + state[7:]
 '''
 
-ENTRIES = f'''{STATES}
+GPU_ENTRIES = f'''{STATE_ARITHMETIC}
 
 $INLINE
 def rates(state, fixed, width, i):
@@ -68,12 +68,12 @@ def advance_many(fixed, block, width, dt, steps):
 $stores
 '''
 
-FORM = KernelTarget(
+GPU_TARGET = KernelTarget(
     'from numba import cuda\n',
     '@cuda.jit(device=True)',
     '@cuda.jit',
     ThreadAccess('width'),
-    Template(ENTRIES),
+    Template(GPU_ENTRIES),
 )
 
 
@@ -99,7 +99,7 @@ def require_cuda() -> ModuleType:
 @cache
 def _load_kernel(names: tuple[str, ...]) -> ModuleType:
     """Load the kernel of the given effects only, because registers are scarce."""
-    return load_kernel(render_kernel_source({name: EFFECTS[name] for name in names}, FORM))
+    return load_kernel(render_kernel_source({name: EFFECTS[name] for name in names}, GPU_TARGET))
 
 
 def advance_many(

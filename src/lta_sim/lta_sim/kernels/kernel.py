@@ -12,15 +12,12 @@ from dataclasses import dataclass
 from typing import final
 
 from lta_model.model import VehicleModel
-from lta_sim import simulated_vehicle
-from lta_sim.simulated_vehicle import SimulatedVehicle
+from lta_sim.simulated_vehicle import LAYOUT, SimulatedVehicle
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 State = NDArray[np.float64]
-CALM = (0.0, 0.0, 0.0)
-
-LAYOUT = simulated_vehicle.LAYOUT
+CALM_AIR = (0.0, 0.0, 0.0)
 
 
 @final
@@ -66,7 +63,7 @@ def _build_vehicle(
 
 
 def state_derivative(
-    state: ArrayLike, model: VehicleModel, command: ArrayLike, surroundings: ArrayLike = CALM
+    state: ArrayLike, model: VehicleModel, command: ArrayLike, surroundings: ArrayLike = CALM_AIR
 ) -> State:
     """
     Return d/dt of a state.
@@ -117,7 +114,7 @@ def advance(
 
 
 def evaluate_model(
-    state: ArrayLike, model: VehicleModel, command: ArrayLike, surroundings: ArrayLike = CALM
+    state: ArrayLike, model: VehicleModel, command: ArrayLike, surroundings: ArrayLike = CALM_AIR
 ) -> ModelSnapshot:
     """Return wrenches, thrusts and rates of a vehicle at a state."""
     vehicle = _build_vehicle(state, model, command, surroundings)
@@ -127,14 +124,14 @@ def evaluate_model(
 
 
 def rotor_thrusts(
-    state: ArrayLike, model: VehicleModel, command: ArrayLike, surroundings: ArrayLike = CALM
+    state: ArrayLike, model: VehicleModel, command: ArrayLike, surroundings: ArrayLike = CALM_AIR
 ) -> State:
     """Return the thrust of each rotor: `evaluate_model(...).thrusts`. [N]"""
     return evaluate_model(state, model, command, surroundings).thrusts
 
 
 def effect_wrenches(
-    state: ArrayLike, model: VehicleModel, command: ArrayLike, surroundings: ArrayLike = CALM
+    state: ArrayLike, model: VehicleModel, command: ArrayLike, surroundings: ArrayLike = CALM_AIR
 ) -> Mapping[str, State]:
     """Return the wrench of each wrench effect, body frame. [N, N m]"""
     return evaluate_model(state, model, command, surroundings).wrenches

@@ -19,7 +19,7 @@ from lta_sim.kernels.layout import (
     ModelStage,
 )
 
-ENTRIES = '''
+ROW_ENTRIES = '''
 $INLINE
 def tell(row, first, wrench):
     """Write a wrench."""

@@ -19,7 +19,7 @@ from lta_sim.kernels.rotor_stages import (
 )
 
 # Parameters of an effect that may share a loop: longer ones run out of registers
-SHORT = 8
+JOINED_PARAMETERS = 8
 
 
 @final
@@ -150,7 +150,7 @@ class _StageWriter:
             name,
             self._memory_rates(name, count),
             prelude=(self.format_motion(name),),
-            joins=len(effect.parameters) <= SHORT and is_straight(name, self._extract),
+            joins=len(effect.parameters) <= JOINED_PARAMETERS and is_straight(name, self._extract),
         )
 
 

@@ -9,8 +9,8 @@ from lta_model.effects import BUILT_IN, EFFECTS
 from lta_model.effects.protocol import ActuatorEffect
 from lta_model.model import VehicleModel
 from lta_model.state import ACTUATORS, COMMAND, ROTOR, ROTOR_PLACE, SURROUNDINGS
-from lta_sim.kernels.kernel import LAYOUT
 from lta_sim.kernels.layout import FIXED
+from lta_sim.simulated_vehicle import LAYOUT
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

@@ -33,21 +33,21 @@ from lta_model import messages
 from lta_model.scenario import load_scenario, offset_start
 from lta_model.vehicle import load_vehicle
 from lta_sim.readings import FlightOutcome, SensorReadings
-from lta_sim.simulator_settings import DEFAULT, DESCRIPTION, SimulatorSettings
+from lta_sim.simulator_settings import SimulatorSettings, WAIT_FOR_DEFAULT, WAIT_FOR_DESCRIPTION
 from lta_sim.world import World
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rosgraph_msgs.msg import Clock as ClockMessage
 
 STALE_NS = 300_000_000  # commands older or newer than this stop the motors, as on the real vehicle
-MOST = 100  # characters of a refused command that are reported
-SLIP = 50  # control periods of delay that are caught up
+REPORTED_CHARACTERS = 100  # characters of a refused command that are reported
+LARGEST_CATCH_UP = 50  # control periods of delay that are caught up
 # Control periods that are caught up without a pause: fewer than the queue of a sensor topic holds,
 # as readers in the same process are called only afterwards
-BURST = 4
-SLOW = 0.05  # share of the wall clock that may be lost before a report
+BURST_STEPS = 4
+LOST_TIME_SHARE = 0.05  # share of the wall clock that may be lost before a report
 CLOCK_PERIOD = 0.02  # wall seconds between two /clock
-PATIENCE = 20.0  # wall seconds for the graph of one drone to come up
+GRAPH_START_TIME = 20.0  # wall seconds for the graph of one drone to come up
 
 
 class Simulator(GraphNode):
@@ -92,10 +92,10 @@ class Simulator(GraphNode):
     def run(self) -> Iterator[None]:
         """Wait for the graph, then fly."""
         yield from wait_until_complete(
-            self, self._find_missing_subscribers, PATIENCE * (1 + len(self._peers.names))
+            self, self._find_missing_subscribers, GRAPH_START_TIME * (1 + len(self._peers.names))
         )
         if not self.lockstep:
-            yield from wait_until_settled(self, self._awaited, PATIENCE)
+            yield from wait_until_settled(self, self._awaited, GRAPH_START_TIME)
         self._began = self._anchor = time.monotonic()
         self.begun = True
         self._publish_step()
@@ -110,12 +110,12 @@ class Simulator(GraphNode):
     def _list_awaited_roles(self) -> set[str]:
         """Return the roles of the nodes to wait for; raise `BadInput` for an unknown one."""
         names = self._settings.wait_for.split()
-        roles = [DEFAULT, DESCRIPTION, *self.table.roles]
+        roles = [WAIT_FOR_DEFAULT, WAIT_FOR_DESCRIPTION, *self.table.roles]
         for name in names:
             if name not in roles:
                 raise unknown_name_error('role in wait_for', name, roles)
-        awaited = set(names) - {DEFAULT}
-        if DEFAULT in names and self.lockstep:
+        awaited = set(names) - {WAIT_FOR_DEFAULT}
+        if WAIT_FOR_DEFAULT in names and self.lockstep:
             awaited.update(role for name in self._outputs for role in self.table[name].subscribers)
         return awaited
 
@@ -133,10 +133,10 @@ class Simulator(GraphNode):
             recorded = self._settings.record and is_selected(words, robot, name, self.table[name])
             if recorded and not self._is_subscribed('recorder', name):
                 waiting.add('recorder')
-        if DESCRIPTION in self._awaited and not all(
-            self.count_publishers(name) for name in self.table.published_by(DESCRIPTION)
+        if WAIT_FOR_DESCRIPTION in self._awaited and not all(
+            self.count_publishers(name) for name in self.table.published_by(WAIT_FOR_DESCRIPTION)
         ):
-            waiting.add(DESCRIPTION)
+            waiting.add(WAIT_FOR_DESCRIPTION)
         return sorted(waiting)
 
     def _is_subscribed(self, node: str, name: str) -> bool:
@@ -191,9 +191,9 @@ class Simulator(GraphNode):
         self.health.report(
             'command',
             HealthLevel.ERROR,
-            f'invalid motor command with the duties {repr(duties)[:MOST]} for the rotors '
-            f'{repr(names)[:MOST]}, so the motors are off; send duties for the rotors {expected}, '
-            f'from {self._lowest} to 1',
+            f'invalid motor command with the duties {repr(duties)[:REPORTED_CHARACTERS]} for the '
+            f'rotors {repr(names)[:REPORTED_CHARACTERS]}, so the motors are off; send duties for '
+            f'the rotors {expected}, from {self._lowest} to 1',
         )
 
     def _tick(self) -> None:
@@ -201,10 +201,10 @@ class Simulator(GraphNode):
         period = self.table.control_ns * 1e-9
         # Steps that should have been flown by now
         due = round((time.monotonic() - self._anchor) / period)
-        if due - self._world.steps > SLIP:
+        if due - self._world.steps > LARGEST_CATCH_UP:
             self._skip_delay((due - self._world.steps - 1) * period)
             due = self._world.steps + 1
-        due = min(due, self._world.steps + BURST)
+        due = min(due, self._world.steps + BURST_STEPS)
         while self._world.steps < due and self.running:
             # Without fresh commands the motors stop, as on the real vehicle
             if self._world.stamp_ns - self._commanded_ns > STALE_NS:
@@ -221,7 +221,7 @@ class Simulator(GraphNode):
             self._began = self._anchor
             return
         self._lost += delay
-        if self._lost > SLOW * (time.monotonic() - self._began):
+        if self._lost > LOST_TIME_SHARE * (time.monotonic() - self._began):
             self.health.report(
                 'pace',
                 HealthLevel.WARN,

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from lta_control.flight_step import is_stopped
 from lta_control.laws.protocol import ControlLaw
-from lta_control.per_rotor import NONE
+from lta_control.per_rotor import NO_ROTORS
 from lta_control.phases import Phase
 from lta_control.strategies.protocol import NavigationStrategy
 from lta_flight.batch.constants_and_tally import FlightConstants
@@ -157,7 +157,7 @@ def assess_leg(
         return STOPPED
     # A landing goes on below the reserve, so it is assessed before the charge.
     if leg.kind == LAND:
-        down = state[2] <= constants.place[2] + ON_FOOT and pilot.law.command.duties == NONE
+        down = state[2] <= constants.place[2] + ON_FOOT and pilot.law.command.duties == NO_ROTORS
         return DONE if down else LATE if spent >= leg.limit else FLYING
     if leg.kind == GO and flight.mission.phase == Phase.ARRIVED:
         return DONE

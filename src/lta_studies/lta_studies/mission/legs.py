@@ -18,8 +18,8 @@ from lta_flight.batch.control_period import begin_flight
 from lta_model.electrical.charger import PowerFlow, resting_flow
 from lta_model.state import pack_state, RIGID
 from lta_sim.compiled_sensors import draw_turbulence_memory
-from lta_sim.kernels.kernel import LAYOUT
 from lta_sim.kernels.layout import FIXED
+from lta_sim.simulated_vehicle import LAYOUT
 from lta_studies.mission.leg_codegen import generate_leg_source
 from lta_studies.mission.leg_state import ground_leg_state, LAND, LegPlan, LegState
 import numpy as np

@@ -6,7 +6,7 @@ import math
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from lta_bridge.crazyflie.bridge_core import CrazyflieCommand, PositionEstimate
-from lta_bridge.crazyflie.safety import LOW, SafetyStage
+from lta_bridge.crazyflie.safety import LOW_VOLTAGE_TIME, SafetyStage
 from lta_bridge.crazyflie.safety import SafetyRequest as AskedBy
 from lta_control.altitude import STUCK
 import pytest
@@ -19,7 +19,7 @@ def test_a_cell_that_the_firmware_itself_calls_low_lands_and_arms_nothing(state,
     """pm.h: on battery, charging, charged, low power, shut down."""
     flight = Bridged().fly()
     flight.power = {'pm.vbat': 4.0, 'pm.state': state}
-    for _ in range(round(1e9 * LOW / TICK) + 2):
+    for _ in range(round(1e9 * LOW_VOLTAGE_TIME / TICK) + 2):
         flight.tick()
     assert flight.stage is (SafetyStage.LANDING if low else SafetyStage.FLYING)
     ground = Bridged()

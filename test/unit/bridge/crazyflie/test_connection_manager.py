@@ -62,7 +62,7 @@ def test_each_failure_doubles_the_pause_from_half_a_second_to_eight(keep):
 
 
 @pytest.mark.parametrize(
-    ('patience', 'pauses'), [(0.0, [0.5]), (60.0, [connection_manager.LOOK] * 2 + [0.5])]
+    ('patience', 'pauses'), [(0.0, [0.5]), (60.0, [connection_manager.LISTEN_PERIOD] * 2 + [0.5])]
 )
 def test_the_first_attempt_waits_until_somebody_listens(keep, patience, pauses):
     closed, drone = iter([True, True, False]), Drone(fails=[True])

@@ -9,11 +9,16 @@ from lta_bridge.crazyflie.bridge_core import BridgeCore, CrazyflieCommand, Posit
 from lta_bridge.crazyflie.health_diagnostics import describe_health
 from lta_bridge.crazyflie.link import LogPacket
 from lta_bridge.crazyflie.log_table import BLOCKS
-from lta_bridge.crazyflie.packet_check import block_size, find_packet_fault, MOST, STAMPED
+from lta_bridge.crazyflie.packet_check import (
+    block_size,
+    find_packet_fault,
+    LARGEST_PAYLOAD,
+    STAMPED,
+)
 from lta_bridge.crazyflie.power_model import CrazyfliePowerModel
 from lta_bridge.crazyflie.readings import AirReading, ImuReading, PowerReading
 from lta_bridge.crazyflie.round_trips import parse_ping_time
-from lta_bridge.crazyflie.safety import LOST, LOW, SafetyStage
+from lta_bridge.crazyflie.safety import LOST_POSITION, LOW_VOLTAGE_TIME, SafetyStage
 from lta_bridge.crazyflie.safety import SafetyRequest as AskedBy
 from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 from lta_graph.ros.stamps import to_stamp
@@ -101,7 +106,7 @@ def flying():
 def test_an_estimator_that_falls_silent_lands_though_commands_go_on():
     flight = flying()
     flight.bridge.update_position(PositionEstimate(0.4, 0.0, flight.now))
-    for _ in range(round(LOST * 1e9 / TICK)):
+    for _ in range(round(LOST_POSITION * 1e9 / TICK)):
         flight.tick()
     assert flight.bridge.state.stage is SafetyStage.FLYING
     flight.tick()
@@ -158,7 +163,7 @@ def test_a_voltage_that_is_no_number_is_not_flown_with_for_long():
     bad = GOOD | {'power': {'pm.vbat': math.nan, 'pm.state': 0}}
     while flight.bridge.state.stage is SafetyStage.FLYING:
         flight.tick(good=bad)
-    assert 1e-9 * (flight.now - began) < UNTOLD + LOW + 0.1
+    assert 1e-9 * (flight.now - began) < UNTOLD + LOW_VOLTAGE_TIME + 0.1
     assert 'the battery voltage is no longer reported' in flight.bridge.state.why
     assert flight.bridge.malformed.count > 100
 
@@ -184,7 +189,7 @@ SIZES = {number: block_size(block) for number, block in enumerate(BLOCKS, start=
 def test_any_packet_is_judged_in_words(port, channel, data):
     why = find_packet_fault(port, channel, data, SIZES)
     assert isinstance(why, str)
-    if len(data) > MOST or port in (1, 3, 7, 10, 11, 12, 14):
+    if len(data) > LARGEST_PAYLOAD or port in (1, 3, 7, 10, 11, 12, 14):
         assert why
 
 
@@ -217,7 +222,7 @@ def test_a_drone_speaks_on_its_own_ports_and_says_enough(port, fewest):
     """crtp.h and the handlers of the firmware: what is shorter would end in cflib's log."""
     for channel in range(4):
         least = fewest[channel] if channel < len(fewest) else None
-        for size in range(MOST + 2):
+        for size in range(LARGEST_PAYLOAD + 2):
             fits = least is not None and least <= size <= 30
             if (port, channel) != (5, 2):
                 assert (find_packet_fault(port, channel, bytes(size), SIZES) == '') == fits

@@ -8,7 +8,7 @@ import math
 
 from lta_bridge.crazyflie import readings
 from lta_bridge.crazyflie.safety import (
-    QUIET,
+    NO_OUTPUTS,
     SafetyInputs,
     SafetyLimits,
     SafetyOutputs,
@@ -50,7 +50,7 @@ def flown(now=200.0, asked=NOTHING, state=FLYING, **changed):
 
 
 def test_at_rest_nothing_is_sent():
-    assert QUIET == SafetyOutputs() == NO_ORDER
+    assert NO_OUTPUTS == SafetyOutputs() == NO_ORDER
     assert run(SafetyState(), (0.0, ON_THE_GROUND, NOTHING)) == [(SafetyStage.DISARMED, NO_ORDER)]
     assert run(SafetyState(), (0.0, SafetyInputs(), ARM)) == [(SafetyStage.DISARMED, NO_ORDER)]
 
@@ -271,7 +271,7 @@ def test_the_bits_of_the_word_are_those_of_the_firmware():
     ],
 )
 def test_what_lies_beyond_the_reach_of_a_sensor_was_not_measured(block, name, least, most):
-    values = dict.fromkeys(readings.WHOLE[block], 0.0)
+    values = dict.fromkeys(readings.BLOCK_VARIABLES[block], 0.0)
     if block == 'air':
         values['baro.pressure'] = 1013.25
     for value in (least, most):

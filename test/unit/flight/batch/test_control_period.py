@@ -2,7 +2,7 @@
 
 from lta_config.topics import load_topic_table
 from lta_control.flight_step import DroneMemory
-from lta_control.per_rotor import NONE
+from lta_control.per_rotor import NO_ROTORS
 from lta_flight.batch.batch_flight import build_flight, build_schedule
 from lta_flight.batch.control_period import (
     advance_vehicle,
@@ -26,7 +26,7 @@ STILL = FlightKernel(
     turbulence=False,
     superheat=False,
     rates=lambda *_: (0.0,) * RIGID,
-    thrusts_of=lambda *_: NONE,
+    thrusts_of=lambda *_: NO_ROTORS,
     ahead=lambda state, *_: state,
     mean=lambda a, *_: a,
     normalised=lambda state: state,

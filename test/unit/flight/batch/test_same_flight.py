@@ -14,7 +14,7 @@ from typing import NamedTuple
 from lta_config.topics import load_topic_table
 from lta_control.flight_step import DroneMemory
 from lta_control.laws.cascade import LAW
-from lta_control.per_rotor import NONE, pad_to_slots
+from lta_control.per_rotor import NO_ROTORS, pad_to_slots
 from lta_control.phases import Phase
 from lta_flight.batch import control_period, flight_loop
 from lta_flight.batch.batch_flight import BatchFlight, build_flight, build_schedule
@@ -151,8 +151,8 @@ def iterate_memories(made):
         constants.sensors, made.inputs.errors, 0, 0, state
     )
     memory = begin_flight(
-        made.flight.strategy, kernel.begin, state, build_command(constants, NONE), kernel.dark,
-        resting_flow(constants.power.charge), distance,
+        made.flight.strategy, kernel.begin, state, build_command(constants, NO_ROTORS),
+        kernel.dark, resting_flow(constants.power.charge), distance,
     )  # fmt: skip
     while True:
         memory = control_period.simulate_period(
