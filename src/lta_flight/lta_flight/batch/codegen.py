@@ -24,7 +24,6 @@ from lta_flight.batch.control_period import (
 )
 from lta_flight.batch.flight import amplitude_error
 from lta_flight.batch.flight_loop import fly
-from lta_flight.batch.kernel_access import VehicleAccess
 from lta_flight.batch.targets import BatchSchedule, CompileTarget, MODEL
 from lta_model.effects import EFFECTS, initial_memory
 from lta_model.light.ray_integration import DAYLIGHT_ROW, LAMP_ROWS, scratch_size
@@ -32,6 +31,7 @@ from lta_model.state import RIGID
 from lta_sim.compiled_sensors import draw_turbulence_memory
 from lta_sim.kernels.compose import KernelTarget, render_kernel_source
 from lta_sim.kernels.layout import format_tuple, indent_lines
+from lta_sim.kernels.thread import ThreadAccess
 from lta_sim.light_link import sample_magnitude
 from lta_sim.simulated_vehicle import LAYOUT
 
@@ -121,7 +121,7 @@ def write_flight_source(
     generated = (_write_add_effects(names, extract), *_write_diode_functions(diodes, extract))
     for layout in layouts:
         layout.add_types(extract)
-    form = KernelTarget(target.imports, target.inline, '', VehicleAccess(), MODEL)
+    form = KernelTarget(target.imports, target.inline, '', ThreadAccess(), MODEL)
     model = render_kernel_source({name: EFFECTS[name] for name in names}, form)
     functions = [f'{target.inline}\n{text}' for text in generated]
     cores = extract.render_pieces(target.inline, target.merge, MERGED)

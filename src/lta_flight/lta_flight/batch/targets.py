@@ -7,7 +7,7 @@ from typing import final
 from lta_config.compilation.compiler import ENTRY_DECORATOR, INNER_DECORATOR
 from lta_control import allocation
 from lta_model.model import STEP_NS
-from lta_sim.kernels.gpu import STATE_ARITHMETIC
+from lta_sim.kernels.thread import THREAD_MODEL
 from lta_vlc.reading_model import FIT_SCRATCH
 
 STEP = STEP_NS * 1e-9  # integration step [s]
@@ -59,14 +59,7 @@ class CompileTarget:
 
 # The model of one vehicle, whose constants are a row
 MODEL = Template(
-    f'''{STATE_ARITHMETIC}
-
-$INLINE
-def rates(state, fixed, command, surroundings):
-    """Return d/dt of the state."""
-$bare
-    return $rate
-
+    f'''{THREAD_MODEL}
 
 $INLINE
 def thrusts_of(state, fixed, command, surroundings):

@@ -1,10 +1,9 @@
 """
 Store many vehicles side by side: number k of vehicle i is at k * width + i of a block.
 
-On the CPU a block is WIDTH vehicles wide, and every stage of the model is a loop over its columns,
-which the compiler vectorises. All that a stage reads and writes is in one array with constant
-offsets: the compiler then knows without checks that no row overlaps another. On a GPU the block is
-as wide as the batch and each thread handles one column.
+A block is WIDTH vehicles wide, and every stage of the model is a loop over its columns, which the
+compiler vectorises. All that a stage reads and writes is in one array with constant offsets: the
+compiler then knows without checks that no row overlaps another.
 """
 
 from dataclasses import dataclass
@@ -41,53 +40,6 @@ def _row_offset(name: str, layout: EffectLayout) -> int:
 def _format_column(block: str, first: int, count: int, width: str) -> str:
     """Return the source of a tuple of consecutive numbers of vehicle i."""
     return format_tuple(f'{block}[{first + k} * {width} + i]' for k in range(count))
-
-
-def build_thread_sources(parts: list[ModelStage], layout: EffectLayout) -> dict[str, str]:
-    """Return the source of all stages in sequence, and the arithmetic of states held as tuples."""
-    size = range(layout.size)
-    return {
-        'ahead': format_tuple(f'state[{k}] + dt * rate[{k}]' for k in size),
-        # Same order of operations as in the scalar kernel, so that results agree
-        'mean': format_tuple(f'(a[{k}] + 2.0 * (b[{k}] + c[{k}]) + d[{k}]) / 6.0' for k in size),
-        'bare': indent_lines(line for stage in parts for line in stage.lines),
-        'rate': layout.rate_source,
-    }
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class ThreadAccess:
-    """Access the constants of vehicle i in a block; its state is a local tuple."""
-
-    width: str  # source of the block width
-    loops = False
-
-    def format_number(self, name: str, place: int, layout: EffectLayout, each: int = 0) -> str:
-        """Return the source of one number; `each` is unused, because there are no loops."""
-        del each
-        if name == 'state':
-            return f'state[{place}]'
-        return f'fixed[{_row_offset(name, layout) + place} * {self.width} + i]'
-
-    def format_all_numbers(self, name: str, layout: EffectLayout) -> str:
-        """Return the source of all numbers of a name."""
-        if name == 'u':
-            return name
-        return _format_column('fixed', _row_offset(name, layout), FIXED[name], self.width)
-
-    def build_template_parts(
-        self, parts: list[ModelStage], layout: EffectLayout
-    ) -> dict[str, str]:
-        """Return the code of one thread, with loading and storing of its vehicle."""
-        size = range(layout.size)
-        return {
-            **build_thread_sources(parts, layout),
-            'state': _format_column('block', 0, layout.size, self.width),
-            'stores': indent_lines(
-                (f'block[{k} * {self.width} + i] = state[{k}]' for k in size), 3
-            ),
-        }
 
 
 @final

@@ -13,57 +13,28 @@ from types import ModuleType
 from lta_config.compilation.kernel_cache import load_kernel
 from lta_config.errors import BadInput
 from lta_model.effects import EFFECTS
-from lta_sim.kernels.columns import ThreadAccess
 from lta_sim.kernels.compose import KernelTarget, render_kernel_source
-from lta_sim.kernels.vehicle_batch import pack_blocks, select_used_numbers, VehicleBatch
+from lta_sim.kernels.thread import THREAD_MODEL, ThreadAccess
+from lta_sim.kernels.vehicle_batch import select_used_numbers, VehicleBatch
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 # Few threads per block: each holds a whole vehicle, and they share the registers.
 THREADS = 64
 
-# The arithmetic of states that are tuples.
-STATE_ARITHMETIC = '''
-$INLINE
-def ahead(state, rate, dt):
-    """Return the state after dt at a constant rate."""
-    return $ahead
-
-
-$INLINE
-def mean(a, b, c, d):
-    """Return the mean rate of the classical Runge-Kutta step."""
-    return $mean
-
-
-$INLINE
-def normalised(state):
-    """Return the state with a quaternion of length one."""
-    x, y, z, w = state[3:7]
-    n = 1.0 / math.sqrt(x * x + y * y + z * z + w * w)
-    return state[0:3] + (x * n, y * n, z * n, w * n) + state[7:]
-'''
-
-GPU_ENTRIES = f'''{STATE_ARITHMETIC}
-
-$INLINE
-def rates(state, fixed, width, i):
-    """Return d/dt of the state of vehicle i."""
-$bare
-    return $rate
-
+GPU_ENTRIES = f'''{THREAD_MODEL}
 
 $ENTRY
-def advance_many(fixed, block, width, dt, steps):
-    """Advance vehicle i, a column of the blocks, in thread i."""
+def advance_many(fixed, command_rows, surroundings_rows, state_rows, dt, steps):
+    """Advance vehicle i, a row of the arrays, in thread i."""
     i = cuda.grid(1)
-    if i < width:
-        state = $state
+    if i < state_rows.shape[0]:
+        row, state, command, surroundings = fixed[i], $state, $command, $surroundings
         for _ in range(steps):
-            a = rates(state, fixed, width, i)
-            b = rates(ahead(state, a, 0.5 * dt), fixed, width, i)
-            c = rates(ahead(state, b, 0.5 * dt), fixed, width, i)
-            d = rates(ahead(state, c, dt), fixed, width, i)
+            a = rates(state, row, command, surroundings)
+            b = rates(ahead(state, a, 0.5 * dt), row, command, surroundings)
+            c = rates(ahead(state, b, 0.5 * dt), row, command, surroundings)
+            d = rates(ahead(state, c, dt), row, command, surroundings)
             state = normalised(ahead(state, mean(a, b, c, d), dt))
 $stores
 '''
@@ -72,7 +43,7 @@ GPU_TARGET = KernelTarget(
     'from numba import cuda\n',
     '@cuda.jit(device=True)',
     '@cuda.jit',
-    ThreadAccess('width'),
+    ThreadAccess(),
     Template(GPU_ENTRIES),
 )
 
@@ -125,14 +96,15 @@ def advance_many(
     """
     cuda = require_cuda()
     used = select_used_numbers(states, vehicles, commands, surroundings)
-    count = len(vehicles)
-    # One block as wide as the batch
-    fixed, there = (
-        cuda.to_device(pack_blocks(parts, count).ravel()) for parts in (used.fixed, [used.state])
+    *own, commands, around = used.fixed
+    # Column-major, so that neighbouring threads read neighbouring numbers
+    fixed, ordered, met, there = (
+        cuda.to_device(np.asfortranarray(part))
+        for part in (np.hstack(own), commands, around, used.state)
     )
     # Rounded up; surplus threads of the last block do nothing
-    blocks = -(-count // THREADS)
+    blocks = -(-len(vehicles) // THREADS)
     _load_kernel(used.names).advance_many[blocks, THREADS](
-        fixed, there, count, float(dt), int(steps)
+        fixed, ordered, met, there, float(dt), int(steps)
     )
-    return used.merge_states(there.copy_to_host().reshape(-1, count).T)
+    return used.merge_states(there.copy_to_host())

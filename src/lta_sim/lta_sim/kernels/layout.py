@@ -2,7 +2,7 @@
 Layout of parameters, memory and flags of the effects, and the stages of the model.
 
 A compilation target defines how its source accesses a number (`KernelAccess`): in a row for one
-vehicle (`row`), in columns for many (`columns`).
+vehicle (`row`), in columns for many (`columns`), in tuples for one a thread (`thread`).
 """
 
 from collections.abc import Iterable, Mapping
