@@ -75,16 +75,9 @@ class TupleLayout(Generic[Nested]):
         # Indexing a list is faster than indexing a numpy array
         return cast('Nested', self._build_tuple(array.tolist()))
 
-    def part_slice(self, path: str) -> slice:
-        """Return the slice of a part, such as `estimate.attitude`."""
-        inside = [
-            index
-            for index, own in enumerate(self.paths)
-            if own == path or own.startswith((f'{path}.', f'{path}['))
-        ]
-        if not inside:
-            raise KeyError(path)
-        return slice(inside[0], inside[-1] + 1)
+    def view(self, array: Array) -> Any:  # noqa: ANN401 - a record has any fields
+        """Return numbers, shape (..., n), as records of shape (...) that share their memory."""
+        return array.view(_build_record(self._example))[..., 0]
 
     def add_types(self, extract: SourceExtract) -> None:
         """Add the named tuple types to a source, which `render_expression` needs."""
@@ -100,6 +93,16 @@ class TupleLayout(Generic[Nested]):
         return _render_expression(
             self._example, (f'{array}[{index}]' for index in range(self.size))
         )
+
+
+def _build_record(value: Any) -> np.dtype[Any]:  # noqa: ANN401
+    """Return the type of a record with the fields of nested tuples; other tuples are arrays."""
+    if not isinstance(value, tuple):
+        return np.dtype(np.float64)
+    kinds = [_build_record(item) for item in value]
+    if hasattr(value, '_fields'):
+        return np.dtype(list(zip(value._fields, kinds, strict=True)))
+    return np.dtype((kinds[0] if kinds else np.float64, (len(kinds),)))
 
 
 def _iterate_paths(value: Any, own: str = '') -> Iterator[str]:  # noqa: ANN401

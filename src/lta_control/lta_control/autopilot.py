@@ -40,28 +40,7 @@ import numpy as np
 MEMORY = TupleLayout(DroneMemory())  # with the cascade
 ESTIMATE = TupleLayout(MotionEstimate())
 SENSED = TupleLayout(SensorInputs((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)))
-
-# The memory of the law comes last: all else has the same place whatever the law is
-ESTIMATED = MEMORY.part_slice('estimate')
-MEASURED, SETPOINT = MEMORY.part_slice('measured'), MEMORY.part_slice('setpoint')
-HEADING, READY = (
-    MEMORY.part_slice('measured.heading').start,
-    MEMORY.part_slice('estimate.ready').start,
-)
-PLACE, SPEED = (
-    MEMORY.part_slice('estimate.position').start,
-    MEMORY.part_slice('measured.speed').start,
-)
-YAW_RATE, MODELLED = (
-    MEMORY.part_slice('measured.yaw_rate').start,
-    MEMORY.part_slice('estimate.airspeed.model_surge').start,
-)
-HEIGHT = MEMORY.part_slice('estimate.altitude.height').start
-GUIDED, STATE = MEMORY.part_slice('guided').start, MEMORY.part_slice('pilot.watch.state').start
-TRACKED, IS_TRACKED = SENSED.part_slice('tracked'), SENSED.part_slice('is_tracked').start
-RATES, TURNING = ESTIMATE.part_slice('rates'), ESTIMATE.part_slice('duties')
-CLIMB = ESTIMATE.part_slice('altitude.climb').start
-
+READINGS = 8  # numbers before the tracked motion: rates, force, range and pressure
 TRUTH = 13  # numbers of a tracked motion: position, quaternion, velocity, rates
 
 
@@ -143,13 +122,15 @@ class Autopilot:
         constants, self._layout = TupleLayout(drone), TupleLayout(begin_memory(law))
         self._constants = constants.write(drone)
         self._memory = self._layout.write(begin_memory(law))
-        self._duties = self._layout.part_slice('pilot.law.command.duties')
-        self._mass_place = self._layout.part_slice('pilot.law.command.mass_place')
         self._sensed, self._scratch = np.zeros(SENSED.size), np.zeros(SCRATCH)
+        # Views of the two arrays
+        self._inputs, self._record = SENSED.view(self._sensed), self._layout.view(self._memory)
+        self._estimated, self._measured = self._record['estimate'], self._record['measured']
+        self._command = self._record['pilot']['law']['command']
         self._count, self._standing = drone.body.number, drone.rules.standing_height
         self._step = compile_core(flight_step, constants, self._layout, SENSED, law=law)
         # Packing into the buffer is faster than assigning array elements
-        self._pack = struct.Struct(f'{TRACKED.start}d').pack_into
+        self._pack = struct.Struct(f'{READINGS}d').pack_into
         self._tracked: ControlMotion | None = None
         self._start: tuple[float, ...] = ()
 
@@ -160,8 +141,8 @@ class Autopilot:
         # The rates are the gyroscope's
         motion = motion_from_tracker(truth[:TRUTH], self._start, (0.0, 0.0, 0.0))
         self._tracked = motion
-        self._sensed[TRACKED] = (*motion.position, *motion.attitude, *motion.velocity, 0, 0, 0)
-        self._sensed[IS_TRACKED] = 1.0
+        self._inputs['tracked'] = tuple(motion)
+        self._inputs['is_tracked'] = 1.0
 
     def step(
         self, rates: Vector, force: Vector, distance: float = math.nan, pressure: float = math.nan
@@ -178,81 +159,91 @@ class Autopilot:
 
     def set_setpoint(self, setpoint: Setpoint) -> None:
         """Set the setpoint for the next step."""
-        self._memory[SETPOINT] = setpoint
+        self._record['setpoint'] = tuple(setpoint)
         # The memory is one float array: 1.0 is True
-        self._memory[GUIDED] = 1.0
+        self._record['guided'] = 1.0
 
     def record_applied_duties(self, duties: tuple[float, ...]) -> None:
         """Record the duties that the rotors really received instead of the computed ones."""
-        self._memory[self._duties.start : self._duties.start + self._count] = duties
+        self._command['duties'][: self._count] = duties
 
     @property
     def duties(self) -> tuple[float, ...]:
         """Duties by rotor."""
-        return tuple(self._memory[self._duties].tolist()[: self._count])
+        return tuple(self._command['duties'].tolist()[: self._count])
 
     @property
     def mass_place(self) -> Vector | None:
         """Commanded position of the moving mass; None if the law does not move it. [m, body]"""
         if not self.law.moves_mass:
             return None
-        if not is_flying(int(self._memory[STATE])):
+        if not is_flying(self._flight_state):
             return self._mass_rest
-        x, y, z = self._memory[self._mass_place].tolist()
+        x, y, z = self._command['mass_place'].tolist()
         return x, y, z
 
     @property
     def stopped(self) -> bool:
         """Whether the motors have stopped for good."""
-        return is_stopped(int(self._memory[STATE]))
+        return is_stopped(self._flight_state)
+
+    @property
+    def _flight_state(self) -> int:
+        return int(self._record['pilot']['watch']['state'])
 
     @property
     def heading(self) -> float:
         """Estimated yaw. [rad]."""
-        return self._memory.item(HEADING)
+        return float(self._measured['heading'])
 
     @property
     def modelled_motion(self) -> ModelledMotion:
         """What the filter of the motion over ground takes from the estimator."""
-        item = self._memory.item
-        ready, heading, yaw_rate = bool(item(READY)), item(HEADING), item(YAW_RATE)
-        on_ground = is_on_ground(item(HEIGHT), self._standing)
-        estimate = self._memory[ESTIMATED]
+        estimate, measured = self._estimated, self._measured
+        altitude, airspeed = estimate['altitude'], estimate['airspeed']
+        on_ground = is_on_ground(float(altitude['height']), self._standing)
         stands = on_ground and is_still(
-            estimate[RATES].tolist(), estimate.item(CLIMB), estimate[TURNING].tolist()
+            estimate['rates'].tolist(), float(altitude['climb']), estimate['duties'].tolist()
         )
         return ModelledMotion(
-            ready, heading, yaw_rate, item(MODELLED), item(MODELLED + 1), on_ground, stands
+            bool(estimate['ready']),
+            float(measured['heading']),
+            float(measured['yaw_rate']),
+            float(airspeed['model_surge']),
+            float(airspeed['model_sway']),
+            on_ground,
+            stands,
         )
 
     @property
     def dead_reckoning(self) -> DeadReckonedMotion:
         """Heading, dead-reckoned position and airspeed, as a message would carry them."""
-        item = self._memory.item
+        measured = self._measured
+        x, y = self._estimated['position'].tolist()
         return DeadReckonedMotion(
-            item(HEADING), item(PLACE), item(PLACE + 1), item(SPEED), item(SPEED + 1)
+            float(measured['heading']), x, y, float(measured['speed']), float(measured['sway'])
         )
 
     @property
     def measurement(self) -> CascadeMeasurement | None:
         """The motion that the law is given; None while it is unknown."""
-        if not self._memory[READY]:
+        if not self._estimated['ready']:
             return None
         if not self.law.is_tracked:
-            return CascadeMeasurement(*self._memory[MEASURED].tolist())
+            return CascadeMeasurement(*self._measured.item())
         if self._tracked is None:
             return None
-        p, q, r = self._memory[ESTIMATED][RATES].tolist()
+        p, q, r = self._estimated['rates'].tolist()
         return measure_motion(self._tracked._replace(rates=(p, q, r)))
 
     @property
     def estimate(self) -> MotionEstimate:
         """The estimator's full state."""
-        return ESTIMATE.read(self._memory[ESTIMATED])
+        return ESTIMATE.read(self._memory[: ESTIMATE.size])
 
     def copy_estimate(self) -> Array:
         """Return a copy of the estimate as numbers, in the order of `ESTIMATE`."""
-        return self._memory[ESTIMATED].copy()
+        return self._memory[: ESTIMATE.size].copy()
 
     @property
     def memory(self) -> DroneMemory:

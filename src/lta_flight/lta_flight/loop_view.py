@@ -133,14 +133,11 @@ class LoopView:
     @cached_property
     def estimate(self) -> MotionCurve:
         """The estimated motion, aligned with the truth at the start."""
-        table, time = np.array(self._estimates), np.array(self._times)
-        position, attitude, height, surge = (
-            table[:, ESTIMATE.part_slice(part)]
-            for part in ('position', 'attitude', 'altitude.height', 'airspeed.surge')
-        )
+        estimates, time = ESTIMATE.view(np.array(self._estimates)), np.array(self._times)
         # The estimator keeps x, y and the altitude separately
-        place = np.hstack([position, height])
-        return align_start(build_motion(time, place, attitude, surge[:, 0]), self.truth)
+        place = np.column_stack([estimates['position'], estimates['altitude']['height']])
+        surge = estimates['airspeed']['surge']
+        return align_start(build_motion(time, place, estimates['attitude'], surge), self.truth)
 
     @property
     def altitude_setpoint(self) -> TimeCurve:

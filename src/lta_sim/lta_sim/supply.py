@@ -26,10 +26,6 @@ NO_SCRATCH = np.zeros(1)
 DARK_SECOND = SupplyInputs(0.0, (0.0,) * 8, 0.0, 0.0, 1.0)  # without rotors
 SUPPLY_INPUTS = TupleLayout(DARK_SECOND)
 SUPPLY_STATE = TupleLayout(SupplyState(resting_flow(1.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
-FED_PLACE, VOLTAGE_PLACE = (
-    SUPPLY_STATE.part_slice('flow.fed').start,
-    SUPPLY_STATE.part_slice('flow.voltage').start,
-)
 
 
 @final
@@ -54,6 +50,7 @@ class Supply:
         begin = SupplyState(resting_flow(charge), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         self._begun = total_stored_energy(self._parts.cell, begin.flow)
         self._memory = SUPPLY_STATE.write(begin)
+        self._flow = SUPPLY_STATE.view(self._memory)['flow']
         self._meantime = np.empty(SUPPLY_INPUTS.size)
         # Packing into the buffer is faster than building an array
         self._pack = struct.Struct(f'{SUPPLY_INPUTS.size}d').pack_into
@@ -82,12 +79,12 @@ class Supply:
     @property
     def is_fed(self) -> bool:
         """Whether the supply holds."""
-        return bool(self._memory[FED_PLACE])
+        return bool(self._flow['fed'])
 
     @property
     def voltage(self) -> float:
         """Voltage of the cell. [V]"""
-        return self._memory.item(VOLTAGE_PLACE)
+        return float(self._flow['voltage'])
 
     @property
     def cell_voltage_and_current(self) -> Electrics:

@@ -6,7 +6,6 @@ from typing import NamedTuple
 from lta_config.compilation.flat import compile_core, render_core_source, TupleLayout
 from lta_config.settings import setting, Settings, to_named_tuple
 import numpy as np
-import pytest
 
 
 class Inner(NamedTuple):
@@ -45,11 +44,17 @@ def core(constants, memory, given, scratch):
 def test_the_layout_is_in_order():
     layout = TupleLayout(Outer())
     assert layout.paths == ('pair[0]', 'pair[1]', 'inner.count', 'inner.on', 'last')
-    assert layout.part_slice('inner') == slice(2, 4)
-    assert layout.part_slice('pair') == slice(0, 2)
-    assert layout.part_slice('last') == slice(4, 5)
-    with pytest.raises(KeyError):
-        layout.part_slice('inne')
+
+
+def test_a_record_shares_the_numbers():
+    array = TupleLayout(Outer()).write(Outer((0.3, 0.4), Inner(-7, False), 1.0))
+    record = TupleLayout(Outer()).view(array)
+    assert record['pair'].tolist() == [0.3, 0.4]
+    assert record['inner'].item() == (-7.0, 0.0)
+    record['inner'] = (5.0, 1.0)
+    record['last'] = 2.0
+    assert array.tolist() == [0.3, 0.4, 5.0, 1.0, 2.0]
+    assert TupleLayout(Outer()).view(np.array([array, array]))['last'].tolist() == [2.0, 2.0]
 
 
 def test_there_and_back():
