@@ -3,7 +3,7 @@
 import math
 from typing import NamedTuple
 
-from lta_config.compilation.flat import compile_core, render_core_source, TupleLayout
+from lta_config.compilation.flat import compile_core, TupleLayout
 from lta_config.settings import setting, Settings, to_named_tuple
 import numpy as np
 
@@ -86,20 +86,3 @@ def test_compiled_it_is_the_same_function(monkeypatch, tmp_path):
         assert layouts[1].read(array) == memory
     assert scratch[0] == 3.0
     assert list(tmp_path.rglob('*.nbi'))  # kept
-
-
-def test_the_text_has_all_and_only_its_own():
-    layouts = (
-        TupleLayout(Constants(Weights(), 0.5)),
-        TupleLayout(Outer()),
-        TupleLayout(Given(0.0)),
-    )
-    text = render_core_source(core, *layouts)
-    for kind in ('Constants', 'Weights', 'Outer', 'Inner', 'Given'):
-        assert text.count(f'core_{kind} = namedtuple(') == 1
-    imports = [line for line in text.splitlines() if line.startswith(('import', 'from'))]
-    assert imports == [
-        'from collections import namedtuple',
-        'import math',
-        'from numba import njit',
-    ]

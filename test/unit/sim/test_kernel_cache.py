@@ -1,7 +1,6 @@
 """A kernel on disk is the one that its effects describe, whoever wrote it and whenever."""
 
 from concurrent.futures import ThreadPoolExecutor
-import gc
 import os
 import subprocess
 import sys
@@ -12,30 +11,6 @@ import pytest
 
 TINY = 'def answer():\n    return 42\n'
 COMPILED = f'from numba import njit\n\n\n@njit(cache=True)\n{TINY}'
-
-WATCHED = """
-import gc
-
-from numba import njit
-from numba.extending import overload
-
-SEEN = []
-
-
-def asked():
-    return 42
-
-
-@overload(asked)
-def _asked():
-    SEEN.append(gc.isenabled())
-    return lambda: 42
-
-
-@njit
-def answer():
-    return asked()
-"""
 
 # Run twice: the second process finds the kernel on disk, and then compiles another one
 LOADED = f"""
@@ -124,21 +99,6 @@ def test_it_is_known_whether_a_kernel_has_to_be_compiled(tmp_path):
     assert kernel.answer() == 42
     assert is_cached(COMPILED, tmp_path)
     assert not is_cached(COMPILED.replace('42', '43'), tmp_path)
-
-
-@pytest.mark.parametrize('collects', [True, False])
-def test_the_garbage_collector_rests_while_a_kernel_compiles_and_is_then_as_before(
-    tmp_path, collects
-):
-    kernel = load_kernel(WATCHED, tmp_path)
-    gc.enable() if collects else gc.disable()
-    try:
-        assert kernel.answer() == 42
-        assert gc.isenabled() == collects
-    finally:
-        gc.enable()
-    assert kernel.SEEN
-    assert not any(kernel.SEEN)
 
 
 def test_a_kernel_from_disk_is_loaded_without_what_only_the_compiler_needs(tmp_path):
