@@ -75,8 +75,8 @@ CALLERS = {
     'control_motors': {f'{CONTROL}/flight_step.py', f'{CONTROL}/nodes/controller.py'},
     # In one process the autopilot compiles it.
     'flight_step': {f'{FLIGHT}/batch/control_period.py'},
-    'is_shorted': {'lta_sim/lta_sim/supply.py', 'lta_sim/lta_sim/supply_step.py'},
-    'is_cut_off': {'lta_sim/lta_sim/supply_step.py'},
+    'is_shorted': {'lta_sim/lta_sim/supply.py'},
+    'is_cut_off': {'lta_sim/lta_sim/supply.py'},
     'advance_supply': {f'{FLIGHT}/batch/control_period.py'},
     'deliver_demand': {f'{CONTROL}/laws/cascade.py', f'{STUDIES}/tune/loop_cut.py'},
     'cascade_step': {f'{CONTROL}/laws/cascade.py'},

@@ -1,7 +1,7 @@
 """
 The cell on the perch over a time step: power path, energy totals, and the gauge of its charge.
 
-In flight, `lta_sim.supply_step` calls the same power path (`lta_model.electrical.charger`).
+In flight, `lta_sim.supply` calls the same power path (`lta_model.electrical.charger`).
 
 The gauge is a scalar Kalman filter. Coulomb counting drifts with the errors of the current meter;
 the voltage of a cell at low current gives the charge through the slope of the open-circuit
@@ -68,7 +68,7 @@ def step_circuit(
     )
 
 
-METER_GAIN_ERROR = 0.002  # of the current: INA219 data sheet, as `lta_sim.sensors.power`
+METER_GAIN_ERROR = 0.002  # of the current: INA219 data sheet, as `lta_sim.power_meter`
 METER_OFFSET = 4e-4  # A: the same
 # V, error of a resting voltage: meter, chart and relaxation (assumed)
 RESTING_VOLTAGE_ERROR = 0.01

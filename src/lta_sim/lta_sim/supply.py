@@ -1,25 +1,107 @@
-"""Simulate the electric supply of a flight: power path, solar array, meters, energy totals."""
+"""
+Simulate the electric supply of a flight: power path, solar array, meters, energy totals.
+
+`advance_supply` is one control period, compiled for `Supply` and for batches.
+"""
 
 from collections.abc import Mapping, Sequence
 import struct
-from typing import final
+from typing import Any, final, NamedTuple
 
 from lta_config.compilation.flat import compile_core, TupleLayout
 from lta_energy.monitoring.meters import EnergyBalance
-from lta_model.electrical.charger import PowerFlow, resting_flow, total_stored_energy
-from lta_model.electrical.panel import current_at_voltage
-from lta_model.scenario import FaultTimes, is_shorted
-from lta_model.vehicle import Vehicle
-from lta_sim.sensors import power
-from lta_sim.supply_step import (
-    advance_supply,
-    SupplyComponents,
-    SupplyConstants,
-    SupplyInputs,
-    SupplyState,
+from lta_model.electrical.battery import BatteryModel
+from lta_model.electrical.charger import (
+    advance_power_path,
+    ChargerModel,
+    PowerFlow,
+    resting_flow,
+    total_stored_energy,
 )
+from lta_model.electrical.loads import LoadModel, power_demand
+from lta_model.electrical.panel import current_at_voltage, find_max_power_point, SolarArrayModel
+from lta_model.scenario import FaultTimes, is_cut_off, is_shorted
+from lta_model.vehicle import Vehicle
+from lta_sim import power_meter
 import numpy as np
 from numpy.random import Generator
+
+Thrusts = tuple[float, float, float, float, float, float, float, float]  # zero in unused slots
+
+
+class SupplyComponents(NamedTuple):
+    """Components of the supply."""
+
+    cell: BatteryModel
+    charger: ChargerModel
+    array: SolarArrayModel
+
+
+class SupplyConstants(NamedTuple):
+    """What determines the supply of a flight, except its light and its thrusts."""
+
+    parts: SupplyComponents
+    loads: LoadModel
+    navigation: float  # power of light sensing and computing [W]
+    faults: FaultTimes
+
+
+class SupplyInputs(NamedTuple):
+    """Inputs of one control period."""
+
+    irradiance: float  # on the array [W/m2]
+    thrusts: Thrusts  # [N]
+    payload: float  # [W]
+    step: float  # number of the period, from 0
+    dt: float  # [s]
+
+
+class SupplyState(NamedTuple):
+    """State of the supply."""
+
+    flow: PowerFlow
+    irradiance: float
+    voltage: float
+    current: float
+    harvested: float
+    consumed: float
+    lost: float
+
+
+def advance_supply(
+    constants: SupplyConstants,
+    before: SupplyState,
+    meantime: SupplyInputs,
+    scratch: Any,  # noqa: ANN401
+) -> SupplyState:
+    """Return the supply's state one control period later; `scratch` is not needed."""
+    parts, faults, dt = constants.parts, constants.faults, meantime.dt
+    # Products and no sums, whose rounding would move a fault by a period
+    begun, ended = meantime.step * dt, (meantime.step + 1.0) * dt
+    demand = power_demand(constants.loads, meantime.thrusts, True) + constants.navigation
+    demand += meantime.payload
+    voltage, current = before.voltage, before.current
+    # The search for the maximum power point is slow; light is updated less often than loads
+    if meantime.irradiance != before.irradiance:
+        voltage, current = find_max_power_point(parts.array, meantime.irradiance)
+    now = before.flow
+    begin = PowerFlow(
+        now.charge, now.relaxation, now.voltage, now.current, now.harvested, now.consumed,
+        # An injected fault cuts the supply as a brown-out does
+        now.lost, now.fed and not is_cut_off(faults, begun, ended),
+    )  # fmt: skip
+    available = 0.0 if is_shorted(faults, begun) else voltage * current
+    flow = advance_power_path(parts.cell, parts.charger, begin, available, demand, dt)
+    return SupplyState(
+        flow,
+        meantime.irradiance,
+        voltage,
+        current,
+        before.harvested + flow.harvested * dt,
+        before.consumed + flow.consumed * dt,
+        before.lost + flow.lost * dt,
+    )
+
 
 Electrics = tuple[float, float]  # voltage [V] and current [A]; negative discharges
 NO_SCRATCH = np.zeros(1)
@@ -42,9 +124,10 @@ class Supply:
     ) -> None:
         self._parts = SupplyComponents(vehicle.battery, vehicle.charger, vehicle.panel)
         self._chance, self._faults = chance, faults
-        self._meter = power.PowerMeterSettings()
+        self._meter = power_meter.PowerMeterSettings()
         self.meters = {
-            name: power.draw_errors(self._meter, chance[name]) for name in ('battery', 'panel')
+            name: power_meter.draw_errors(self._meter, chance[name])
+            for name in ('battery', 'panel')
         }
         self._irradiance, self._periods, self._elapsed = 0.0, 0, 0.0
         begin = SupplyState(resting_flow(charge), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -114,13 +197,13 @@ class Supply:
         """Return the reading of the cell's meter, which is behind the load cut-off."""
         # After a cut-off the meter has no supply either and reads zero
         voltage, current = self.cell_voltage_and_current if self.is_fed else (0.0, 0.0)
-        return power.measure_voltage_and_current(
+        return power_meter.measure_voltage_and_current(
             self._meter, self.meters['battery'], voltage, current, self._chance['battery']
         )
 
     def read_array_meter(self) -> Electrics:
         """Return the reading of the array's meter."""
-        return power.measure_voltage_and_current(
+        return power_meter.measure_voltage_and_current(
             self._meter,
             self.meters['panel'],
             *self._array_voltage_and_current(),

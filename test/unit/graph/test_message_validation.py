@@ -6,8 +6,7 @@ from geometry_msgs.msg import Vector3
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.topics import load_topic_table
-from lta_graph.health import HealthLevel
-from lta_graph.rejections import LONGEST_REASON, RejectionCount
+from lta_graph.health import HealthLevel, LONGEST_REASON, RejectionCount
 from lta_graph.ros.message_validation import (
     FAULT_FINDERS,
     find_fault,

@@ -25,8 +25,7 @@ from lta_control.altitude import (
     watch_sensor,
 )
 from lta_control.flight_step import LandingWatch, watch_landing
-from lta_graph.health import stamp_age
-from lta_graph.rejections import RejectionCount
+from lta_graph.health import RejectionCount, stamp_age
 from lta_model.vehicle import Vehicle
 
 TICK_RATE: Final = 50.0  # Hz, tick rate; the firmware needs setpoints at 10 Hz or more

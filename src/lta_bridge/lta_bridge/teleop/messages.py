@@ -8,8 +8,7 @@ from geometry_msgs.msg import TwistStamped
 from lta_bridge.teleop.steering import HeadingAltitude, TeleopRates
 from lta_bridge.teleop.sticks import GamepadLayout, Sticks, to_sticks
 from lta_control.messages import to_cascade_measurement
-from lta_graph.health import stamp_age
-from lta_graph.rejections import RejectionCount
+from lta_graph.health import RejectionCount, stamp_age
 from lta_graph.ros.command_mux import COMMAND_SOURCE_TASK, HELD_VALUE
 from lta_graph.ros.message_validation import find_fault
 from lta_graph.ros.stamps import from_stamp

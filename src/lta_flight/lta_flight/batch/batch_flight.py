@@ -35,7 +35,7 @@ from lta_sim.compiled_sensors import ImuAxes, SensorDatasheets, Six
 from lta_sim.environment import build_steady_wind
 from lta_sim.light_link import build_light_link
 from lta_sim.scene_model import build_scene_model, vehicle_reach
-from lta_sim.supply_step import SupplyComponents, SupplyConstants
+from lta_sim.supply import SupplyComponents, SupplyConstants
 from lta_sim.termination import build_goal
 from lta_sim.wind_record import WindRecord
 from lta_vlc.diodes import build_diode_array

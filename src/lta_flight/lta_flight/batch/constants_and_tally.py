@@ -11,7 +11,7 @@ from lta_model.light.view import LightWeights
 from lta_sim.compiled_sensors import SensorDatasheets
 from lta_sim.environment import SteadyWind
 from lta_sim.light_link import LightLink
-from lta_sim.supply_step import SupplyConstants
+from lta_sim.supply import SupplyConstants
 from lta_sim.termination import EndConditions, GoalProgress
 from lta_vlc.reading_model import DiodeFitInputs, DirectionPrior
 

@@ -43,7 +43,7 @@ from lta_model.state import RIGID
 from lta_sim.compiled_sensors import draw_white_noise, SensorErrors, simulate_range_reading
 from lta_sim.environment import steady_wind_at
 from lta_sim.light_link import add_direct_light, write_reflections
-from lta_sim.supply_step import advance_supply, SupplyInputs, SupplyState
+from lta_sim.supply import advance_supply, SupplyInputs, SupplyState
 from lta_vlc.direction_fit import fit_direction
 import numpy as np
 from numpy.typing import NDArray

@@ -34,7 +34,7 @@ from lta_sim.compiled_sensors import (
     START,
 )
 from lta_sim.counter_rng import draw_uniforms
-from lta_sim.supply_step import SupplyState
+from lta_sim.supply import SupplyState
 from lta_sim.termination import (
     distance_to_goal,
     evaluate_outcome,

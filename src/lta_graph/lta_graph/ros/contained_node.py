@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import Any
 
-from lta_graph.rejections import RejectionCount
+from lta_graph.health import RejectionCount
 from lta_graph.ros.message_validation import decode_message
 from rclpy.node import Node
 from rclpy.service import Service

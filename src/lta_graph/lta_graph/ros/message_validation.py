@@ -15,7 +15,7 @@ from typing import Any, cast, Final, final
 
 from builtin_interfaces.msg import Time
 from lta_config.topics import Topic
-from lta_graph.rejections import RejectionCount
+from lta_graph.health import RejectionCount
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.serialization import deserialize_message
 

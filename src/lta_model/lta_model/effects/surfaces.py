@@ -12,7 +12,7 @@ from lta_model.effects.protocol import (
     Wrench,
     WrenchEffect,
 )
-from lta_model.rotor_forces import rotor_height, rotor_upright, sum_rotor_forces
+from lta_model.rigid_body import rotor_height, rotor_upright, sum_rotor_forces
 from lta_model.state import ROTOR_PLACE
 
 # m/s; below it friction grows linearly with the speed

@@ -7,7 +7,7 @@ from lta_energy.harvest import HarvestCurve
 from lta_energy.irradiance import IrradianceSeries, simulate_irradiance
 from lta_energy.mission import MissionSimulation, PerchConfig
 from lta_energy.schedule import build_fixed_schedule, Schedule, schedule_by_light
-from lta_sim.sensors.power import draw_errors, PowerMeterSettings
+from lta_sim.power_meter import draw_errors, PowerMeterSettings
 from lta_studies.mission.flyer import MissionFlyer
 from lta_studies.mission.gas import draw_slack, find_brightest_light
 from lta_studies.mission.scene import MissionScene

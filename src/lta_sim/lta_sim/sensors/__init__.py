@@ -1,1 +1,0 @@
-"""Sensor models of the simulation that are not in `lta_model.sensors`."""
