@@ -43,7 +43,8 @@ BARRIERS = {
         'test/property/test_crazyflie_safety.py',
     ),
     'old estimate': Barrier(
-        f'{BRIDGE}/crazyflie/safety.py', 'if LOST < inputs.place_age < math.inf:', 'if False:',
+        f'{BRIDGE}/crazyflie/safety.py', 'if LOST_POSITION < inputs.place_age < math.inf:',
+        'if False:',
         'test/property/test_crazyflie_safety.py',
     ),
     'tracker': Barrier(
@@ -52,7 +53,8 @@ BARRIERS = {
     ),
     'rises': Barrier(
         f'{BRIDGE}/crazyflie/buoyancy.py',
-        'self.rises = last - middle >= max(RISE, KEPT * (middle - first))', 'self.rises = False',
+        'self.rises = last - middle >= max(LEAST_RISE, LEAST_RISE_SHARE * (middle - first))',
+        'self.rises = False',
         f'{UNIT}/test_buoyancy.py',
     ),
     'held down': Barrier(
@@ -220,8 +222,8 @@ BARRIERS = {
         'return passed', f'{UNIT}/test_crazyflie_cores.py',
     ),
     'low cell': Barrier(
-        f'{BRIDGE}/crazyflie/safety.py', 'if now - state.low_since >= LOW:', 'if False:',
-        f'{UNIT}/test_safety.py',
+        f'{BRIDGE}/crazyflie/safety.py', 'if now - state.low_since >= LOW_VOLTAGE_TIME:',
+        'if False:', f'{UNIT}/test_safety.py',
     ),
     'low cell before arming': Barrier(
         f'{BRIDGE}/crazyflie/safety.py', 'if inputs.voltage < limits.voltage:', 'if False:',

@@ -249,7 +249,6 @@ BEGUN_WITH = {
     'player': {'rate', 'start', 'end', 'loop', 'paused', 'patience', 'record'},
     'estimator': {'rest_time'},
     'controller': {'armed'},
-    'demodulator': {'learn_gains'},
     'navigator': {'commanded'},
     'recorder': {
         'commanded', 'seed', 'offset_x', 'offset_y', 'split_size', 'split_duration',

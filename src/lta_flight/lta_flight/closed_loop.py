@@ -139,7 +139,7 @@ class ClosedLoop:
         self._aboard = PowerSystem.from_entry(vehicle.file.energy)
         diodes = build_diode_array(vehicle.file.sensors.diodes)
         self._ring = diodes.ring
-        self._finder = DirectionFinder(diodes, learns=policy.demodulation.learn_gains)
+        self._finder = DirectionFinder(diodes)
         self._axes = round_axes(self._ring)
         self._listener = BeaconReceiver(
             policy.demodulation,

@@ -49,12 +49,6 @@ class DemodulationSettings(Settings):
         0.0,
         400.0,
     )
-    learn_gains: bool = setting(
-        False,
-        'Whether to learn the gains of the photodiodes and the exponent of their response as the '
-        'drone turns.',
-        fixed=True,
-    )
 
     @property
     def beacons(self) -> tuple[float, ...]:

@@ -99,10 +99,6 @@ def build_model(vehicle: Vehicle, scenario: Scenario, policy: FlightStack) -> Ve
         raise BadInput(
             '--device supports flying to a lamp, but not along a course; leave --device out.'
         )
-    if policy.demodulation.learn_gains:
-        raise BadInput(
-            '--device does not support demodulator.learn_gains; leave one of the two out.'
-        )
     model = build_scene_model(vehicle, scenario)
     for name in model.effect_parameters:
         effect = EFFECTS[name]

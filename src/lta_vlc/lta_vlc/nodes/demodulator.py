@@ -44,7 +44,7 @@ class Demodulator(GraphNode):
         # After the outputs: messages published before a subscriber is there are lost in real time.
         settings = self._settings.value
         entry = load_vehicle_file(settings.vehicle).sensors.diodes
-        self._finder = LampFinder(build_diode_array(entry), learns=settings.learn_gains)
+        self._finder = LampFinder(build_diode_array(entry))
         self._listener.prepare()  # the first block must be answered at once
         self._finder.prepare()
         inputs = self.table.read_by('demodulator')

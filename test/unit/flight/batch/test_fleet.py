@@ -317,8 +317,6 @@ def test_what_a_batch_does_not_know_it_refuses():
     vehicle, scenario, policy = build_vehicle_scenario_stack(ingredients())
     with pytest.raises(BadInput, match=r'not along a course; leave --device out'):
         build_flight(vehicle, scenario, replace(policy, course=lambda _: Setpoint(1, 0, 0)), TABLE)
-    with pytest.raises(BadInput, match=r'does not support demodulator.learn_gains'):
-        made('demodulator.learn_gains=true')
 
 
 LIT = ('scenario.goal.time_limit=0.5 s', *BRIEF[1:])

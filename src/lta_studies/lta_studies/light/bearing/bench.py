@@ -63,17 +63,6 @@ class BearingBench:
         """Return the diodes of one vehicle with random gains."""
         return self._vehicle.diodes.draw_gains(chance)
 
-    def learn_gains(
-        self, pose: Pose, diodes: PhotodiodeArray, turn: int, chance: Generator
-    ) -> DirectionFinder:
-        """Return the fit after a turn in place, of so many light blocks, that taught it gains."""
-        finder = DirectionFinder(self._believed, learns=True)
-        for k in range(turn):
-            heading = Rotation.from_euler('z', math.tau * k / turn) * Rotation.from_quat(pose[3:])
-            peaks = self._simulate_peaks((*pose[:3], *heading.as_quat()), diodes, chance)
-            finder.find(peaks, self._policy.demodulation.threshold, self._policy.prior)
-        return finder
-
     def _simulate_peaks(self, pose: Pose, diodes: PhotodiodeArray, chance: Generator) -> Peaks:
         """Return the demodulated peaks of one light block, with a random phase of the lamp."""
         view = LightView(self.scenario.light_field, self._vehicle, diodes)
@@ -84,11 +73,7 @@ class BearingBench:
         return demodulate_beacon(block, self._bins)
 
     def estimate_block_bearing(
-        self,
-        pose: Pose,
-        diodes: PhotodiodeArray,
-        chance: Generator,
-        finder: DirectionFinder | None = None,
+        self, pose: Pose, diodes: PhotodiodeArray, chance: Generator
     ) -> BearingReading:
         """
         Simulate one light block and estimate the bearing.
@@ -101,8 +86,6 @@ class BearingBench:
             The true diodes.
         chance : Generator
             Random generator of the noise and of the lamp's phase.
-        finder : DirectionFinder, optional
-            The fit, by default that of the vehicle file.
 
         """
         peaks = self._simulate_peaks(pose, diodes, chance)
@@ -110,7 +93,7 @@ class BearingBench:
         azimuth, elevation = self.true_direction(pose)
         # Both estimators get the same block.
         paper = estimate_bearing(peaks, self._ring, threshold)
-        ours = (finder or self._finder).find(peaks, threshold, prior)
+        ours = self._finder.find(peaks, threshold, prior)
         nan = math.nan
         return BearingReading(
             float(peaks.snr.max()),

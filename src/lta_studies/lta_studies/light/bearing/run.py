@@ -105,11 +105,6 @@ class BearingTrialRequest(StudyRequest, command='light bearing', quick={'poses':
         '--range in metres.',
         default=60.0, low=0.0, high=60.0,
     )  # fmt: skip
-    turn: int = option(
-        'Number of light blocks of a turn in place, before each pose, from which the drone learns '
-        'gains and response of its photodiodes.',
-        default=0, low=0, high=1000,
-    )  # fmt: skip
     seed: int = option('Random seed.', default=1, low=0)
 
     def run(self, run: StudyRun) -> Report:
@@ -118,7 +113,7 @@ class BearingTrialRequest(StudyRequest, command='light bearing', quick={'poses':
 
         # Also checks that the vehicle fits the scenes before any work
         specs = [build_flight_spec(PLACES[name], self.vehicle, 1) for name in self.place]
-        inputs = (self.poses, self.seed, self.turn, self.off_axis, *(s.contents for s in specs))
+        inputs = (self.poses, self.seed, self.off_axis, *(s.contents for s in specs))
         study = Study(self.evaluate, str, STORE, 'combinations')
         trials = run.run_study(study, hash_inputs(*inputs), self.list_cases())
         return build_report(trials, self)
@@ -195,8 +190,7 @@ def simulate_random_poses(
     for k in range(request.poses):
         pose = draw_pose(bench.scenario, distance, where, math.radians(request.off_axis))
         diodes = bench.sample_diode_gains(what)
-        finder = bench.learn_gains(pose, diodes, request.turn, what)
-        readings.append(bench.estimate_block_bearing(pose, diodes, what, finder))
+        readings.append(bench.estimate_block_bearing(pose, diodes, what))
         report_progress((k + 1) / request.poses)
     return readings
 
