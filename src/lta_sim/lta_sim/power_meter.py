@@ -10,38 +10,22 @@ states no noise: half a step is assumed.
 from dataclasses import dataclass
 from typing import final
 
-from lta_config.settings import setting, Settings
 from numpy.random import Generator
 
 
 @final
-class PowerMeterSettings(Settings):
+@dataclass(frozen=True, slots=True)
+class PowerMeterSettings:
     """Steps, limits and errors of the meter; errors are bounds of uniform distributions."""
 
-    voltage_step: float = setting(
-        4e-3, 'Resolution of the voltage measurement (one count).', 'V', 1e-6, 1.0
-    )
-    voltage_noise: float = setting(
-        2e-3, 'Standard deviation of the voltage noise before rounding.', 'V', 0.0, 1.0
-    )
-    current_step: float = setting(
-        1e-4, 'Resolution of the current measurement (one count).', 'A', 1e-7, 1.0
-    )
-    current_noise: float = setting(
-        5e-5, 'Standard deviation of the current noise before rounding.', 'A', 0.0, 1.0
-    )
-    current_range: float = setting(
-        3.2, 'Largest measurable current in either direction.', 'A', 0.01, 100.0
-    )
-    scale: float = setting(
-        0.002,
-        'Largest relative scale error of the measured voltage and current.',
-        low=0.0,
-        high=0.1,
-    )
-    current_offset: float = setting(
-        4e-4, 'Largest zero offset of the measured current.', 'A', 0.0, 0.1
-    )
+    # Of voltage and current: one count, and standard deviation of the noise before rounding [V, A]
+    voltage_step: float = 4e-3
+    voltage_noise: float = 2e-3
+    current_step: float = 1e-4
+    current_noise: float = 5e-5
+    current_range: float = 3.2  # largest current in either direction [A]
+    scale: float = 0.002  # largest relative scale error of voltage and current [1]
+    current_offset: float = 4e-4  # largest zero offset of the current [A]
 
 
 @final

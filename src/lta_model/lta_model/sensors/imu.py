@@ -13,7 +13,6 @@ from typing import final
 
 from lta_config.compilation.compiler import compile_functions
 from lta_config.constants import STANDARD_GRAVITY
-from lta_config.settings import setting, Settings
 from lta_model.measurement_chain import apply_chain, Chain, round_to_step
 from lta_model.rigid_body import rotation_matrix
 import numpy as np
@@ -27,43 +26,21 @@ RADIANS_PER_DEGREE = math.pi / 180.0
 
 
 @final
-class ImuSettings(Settings):
-    """Data sheet values of the sensor; offsets and scale errors bound uniform draws."""
+@dataclass(frozen=True, slots=True)
+class ImuSettings:
+    """Data sheet values; offsets and scale errors are the largest, of uniform distributions."""
 
-    acceleration_noise: Vector = setting(
-        (160e-6, 160e-6, 190e-6), 'Noise density of the accelerometer.', 'g/sqrt(Hz)'
-    )
-    acceleration_bandwidth: float = setting(
-        40.0,
-        'Bandwidth of the accelerometer at a sample rate of 100 Hz, normal mode.',
-        'Hz',
-        0.0,
-        280.0,
-    )
-    acceleration_offset: float = setting(
-        0.020, 'Largest zero offset of an accelerometer axis.', 'g', 0.0, 1.0
-    )
-    acceleration_scale: float = setting(
-        0.01,
-        'Largest relative scale error of an accelerometer axis; assumed equal to that of '
-        'the gyroscope.',
-        low=0.0,
-        high=0.5,
-    )
-    acceleration_range: float = setting(6.0, 'Full scale of the accelerometer.', 'g', 3.0, 24.0)
-    rate_noise: float = setting(
-        0.014, 'Noise density of the gyroscope.', 'deg/s/sqrt(Hz)', 0.0, 1.0
-    )
-    rate_bandwidth: float = setting(
-        32.0, 'Bandwidth of the gyroscope at a sample rate of 100 Hz.', 'Hz', 0.0, 532.0
-    )
-    rate_offset: float = setting(
-        1.0, 'Largest zero offset of a gyroscope axis.', 'deg/s', 0.0, 20.0
-    )
-    rate_scale: float = setting(
-        0.01, 'Largest relative scale error of a gyroscope axis.', low=0.0, high=0.5
-    )
-    rate_range: float = setting(500.0, 'Full scale of the gyroscope.', 'deg/s', 125.0, 2000.0)
+    acceleration_noise: Vector = (160e-6, 160e-6, 190e-6)  # density [g/sqrt(Hz)]
+    # Of the accelerometer at a sample rate of 100 Hz, normal mode, and of the gyroscope [Hz]
+    acceleration_bandwidth: float = 40.0
+    rate_bandwidth: float = 32.0
+    acceleration_offset: float = 0.020  # [g]
+    acceleration_scale: float = 0.01  # relative; assumed equal to that of the gyroscope [1]
+    acceleration_range: float = 6.0  # full scale [g]
+    rate_noise: float = 0.014  # density [deg/s/sqrt(Hz)]
+    rate_offset: float = 1.0  # [deg/s]
+    rate_scale: float = 0.01  # relative [1]
+    rate_range: float = 500.0  # full scale [deg/s]
 
 
 @final

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import final, TypeVar
 
 from lta_config.constants import STANDARD_GRAVITY
-from lta_config.settings import setting, Settings
 from lta_model.measurement_chain import apply_chain, Chain, round_to_step
 import numpy as np
 from numpy.random import Generator
@@ -26,30 +25,16 @@ EXPONENT = STANDARD_GRAVITY * 0.0289644 / (8.31446 * LAPSE)
 
 
 @final
-class PressureSettings(Settings):
-    """The air at the floor, and the errors of the sensor."""
+@dataclass(frozen=True, slots=True)
+class PressureSettings:
+    """The air at the floor, and the errors of the sensor; offset and drift are the largest."""
 
-    floor: float = setting(101325.0, 'Air pressure at the floor.', 'Pa', 30000.0, 110000.0)
-    noise: float = setting(
-        1.2, 'Standard deviation of the noise of a pressure sample.', 'Pa', 0.0, 100.0
-    )
-    offset: float = setting(
-        8.0,
-        'Largest offset of the pressure; a random one is drawn for each flight (uniform).',
-        'Pa',
-        0.0,
-        500.0,
-    )
-    drift: float = setting(
-        0.006,
-        'Largest drift of the pressure; a random one is drawn for each flight (uniform).',
-        'Pa/s',
-        0.0,
-        10.0,
-    )
-    resolution: float = setting(
-        0.33, 'Resolution of the sensor: pressure per count.', 'Pa', 0.001, 10.0
-    )
+    floor: float = 101325.0  # air pressure [Pa]
+    noise: float = 1.2  # standard deviation of a sample [Pa]
+    # Uniform distributions, drawn for each flight [Pa, Pa/s]
+    offset: float = 8.0
+    drift: float = 0.006
+    resolution: float = 0.33  # pressure per count [Pa]
 
 
 @final

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 import math
 from typing import final
 
-from lta_config.settings import setting, Settings
 from lta_model.measurement_chain import apply_chain, Chain, round_to_step
 from lta_model.rigid_body import rotation_matrix
 from numpy.random import Generator
@@ -23,29 +22,15 @@ NOISE_GROWTH = math.log(0.2 / 0.0025) / 1.5  # 1/m; 0.2 m more of noise at 4 m
 
 
 @final
-class RangeSettings(Settings):
+@dataclass(frozen=True, slots=True)
+class RangeSettings:
     """Limits and errors of the sensor."""
 
-    minimum: float = setting(0.04, 'Shortest distance that the sensor can measure.', 'm', 0.0, 1.0)
-    maximum: float = setting(
-        4.0,
-        'Largest distance that the sensor can measure: 4 m in the dark, 0.7 m in strong '
-        'light (long mode).',
-        'm',
-        0.1,
-        5.0,
-    )
-    noise: float = setting(
-        0.0025, 'Standard deviation of a measured distance near the floor.', 'm', 0.0, 0.1
-    )
-    offset: float = setting(
-        0.020,
-        'Largest offset of the distance; a random one is drawn for each flight (uniform).',
-        'm',
-        0.0,
-        0.5,
-    )
-    field_of_view: float = setting(27.0, 'Full angle of the field of view.', 'deg', 1.0, 90.0)
+    minimum: float = 0.04  # shortest distance [m]
+    maximum: float = 4.0  # largest distance: in the dark; 0.7 m in strong light (long mode) [m]
+    noise: float = 0.0025  # standard deviation near the floor [m]
+    offset: float = 0.020  # largest offset, of a uniform distribution drawn for each flight [m]
+    field_of_view: float = 27.0  # full angle [deg]
 
 
 @final
