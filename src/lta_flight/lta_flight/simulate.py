@@ -82,7 +82,7 @@ def simulate_once(
     spec = load_spec(order.vehicle, order.scenario, order.strategy, order.gains)
     spec = spec.with_values(dict(map(parse_assignment, order.changes)))
     if order.commands is None:
-        announce_compilation(spec, watcher)
+        announce_compilation(watcher)
         loop = build_loop(spec, order.seed)
     else:
         loop = build_commanded_loop(spec, order.seed, order.commands, watcher)
@@ -119,11 +119,9 @@ def require_messages() -> None:
         ) from None
 
 
-def announce_compilation(
-    spec: FlightSpec, watcher: FlightObserver, *, commanded: bool = False
-) -> None:
+def announce_compilation(watcher: FlightObserver) -> None:
     """Show that the model will be compiled, which takes long and shows no progress."""
-    if not is_compiled(commanded=commanded):
+    if not is_compiled():
         watcher.wait_for(COMPILING)
 
 
@@ -162,7 +160,7 @@ def build_commanded_loop(
 
     vehicle, scenario, policy = build_vehicle_scenario_stack(spec, hovers=False)
     commands = read_commands(order.bag, vehicle, order.robot, order.begin, order.end)
-    announce_compilation(spec, watcher, commanded=commands.wrenches is not None)
+    announce_compilation(watcher)
     table = load_topic_table().with_start(commands.begin)
     world = World(
         vehicle, scenario, table, seed, spec.strategy,

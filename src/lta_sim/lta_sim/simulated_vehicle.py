@@ -41,27 +41,27 @@ COMMANDED = WrenchEffect(
     ),
     _pass_wrench,
 )
-COMMANDED_EFFECTS = {**EFFECTS, COMMANDED.name: COMMANDED}
-COMMANDED_LAYOUT = build_layout(COMMANDED_EFFECTS)
+SIMULATED_EFFECTS = {**EFFECTS, COMMANDED.name: COMMANDED}
+SIMULATED_LAYOUT = build_layout(SIMULATED_EFFECTS)
 
 
 @cache
-def _build_source(*, commanded: bool) -> str:
-    """Return the source of the kernel with all effects, with or without a commanded wrench."""
+def _build_source() -> str:
+    """Return the source of the kernel with all effects."""
     # A kernel of a vehicle's own effects would save 1 us of the 60 us of a control step, and take
     # 6 s to compile: it pays after half a day of flight (docs/validation.md)
-    return render_kernel_source(COMMANDED_EFFECTS if commanded else EFFECTS)
+    return render_kernel_source(SIMULATED_EFFECTS)
 
 
 @cache
-def _load_kernel(*, commanded: bool) -> ModuleType:
-    """Load the kernel with all effects, with or without a commanded wrench."""
-    return load_kernel(_build_source(commanded=commanded))
+def _load_kernel() -> ModuleType:
+    """Load the kernel with all effects."""
+    return load_kernel(_build_source())
 
 
-def is_compiled(*, commanded: bool) -> bool:
-    """Return whether the kernel with or without a commanded wrench is compiled."""
-    return is_cached(_build_source(commanded=commanded))
+def is_compiled() -> bool:
+    """Return whether the kernel is compiled."""
+    return is_cached(_build_source())
 
 
 @final
@@ -82,11 +82,10 @@ class SimulatedVehicle:
     """
 
     def __init__(self, model: VehicleModel, *, commanded: bool = False) -> None:
-        self.layout = COMMANDED_LAYOUT if commanded else LAYOUT
-        self._places = row_slices(self.layout)
+        self._places = row_slices(SIMULATED_LAYOUT)
         self._row: Array = np.zeros(max(part.stop for part in self._places.values()))
-        self._on = np.append(model.on, np.uint8(1)) if commanded else model.on
-        kernel = _load_kernel(commanded=commanded)
+        self._on = np.append(model.on, np.uint8(commanded))
+        kernel = _load_kernel()
         self._derivative, self._advance = kernel.derivative, kernel.advance
         parameters = self._view_part('parameters')
         parameters[: len(model.parameters)] = model.parameters
@@ -96,7 +95,8 @@ class SimulatedVehicle:
         self.state, self.command = self._view_part('state'), self._view_part('command')
         self.surroundings, self.body = self._view_part('surroundings'), self._view_part('body')
         self.rate, self.thrusts, self.wind = map(self._view_part, ('rate', 'thrusts', 'wind'))
-        self.wrenches = self._view_part('wrenches').reshape(-1, 6)
+        # Of the effects of `LAYOUT`; that of a command comes last
+        self.wrenches = self._view_part('wrenches').reshape(-1, 6)[:-1]
 
     def _view_part(self, name: str) -> Array:
         """Return a view of a part of the row."""

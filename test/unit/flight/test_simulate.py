@@ -90,9 +90,9 @@ def test_nothing_is_made_for_what_cannot_be_flown(tmp_path):
 
 def test_a_model_that_is_compiled_first_is_told_where_no_bar_shows(call, monkeypatch):
     few = ('--no-bag', '--json', '--set', 'scenario.goal.time_limit=0.1 s')
-    monkeypatch.setattr(simulation, 'is_compiled', lambda **_: False)
+    monkeypatch.setattr(simulation, 'is_compiled', lambda: False)
     _, said = call('simulate', *few)
     assert said.err.splitlines()[0] == f'{simulation.COMPILING} ...'
     assert json.loads(said.out)['outcome'] == 'timeout'
-    monkeypatch.setattr(simulation, 'is_compiled', lambda **_: True)
+    monkeypatch.setattr(simulation, 'is_compiled', lambda: True)
     assert simulation.COMPILING not in call('simulate', *few)[1].err
