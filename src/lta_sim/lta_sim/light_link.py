@@ -35,8 +35,7 @@ from lta_model.light.readings import add_direct_readings
 from lta_model.light.scene_geometry import is_in_room, SceneGeometry
 from lta_model.light.view import build_field_geometry, build_reflecting_beam
 from lta_model.sensors.photodiode import noise_variances, PhotodiodeArray, voltage_sensitivity
-from lta_sim.compiled_sensors import GAINS, LIGHT, SWEEP
-from lta_sim.counter_rng import draw_normals, draw_uniforms
+from lta_sim.compiled_sensors import draw_normals, draw_uniforms, GAINS, LIGHT, SWEEP
 from lta_vlc.demodulation import find_peaks
 from lta_vlc.settings import DemodulationSettings
 from lta_vlc.spectral.bins import plan_beacon_bins

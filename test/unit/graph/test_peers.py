@@ -2,7 +2,7 @@
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_graph.peers import Peers
+from lta_graph.ros.peer_listener import Peers
 
 S, MS = 10**9, 10**6
 START, STEP, LEAD = S, 10 * MS, 100 * MS

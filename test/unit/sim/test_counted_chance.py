@@ -3,7 +3,7 @@
 import math
 
 from lta_config.compilation.compiler import compile_functions
-from lta_sim.counter_rng import draw_normals, draw_uniforms, threefry
+from lta_sim.compiled_sensors import draw_normals, draw_uniforms, threefry
 import numpy as np
 import pytest
 

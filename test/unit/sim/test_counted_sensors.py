@@ -12,7 +12,7 @@ from lta_model.scenario import load_scenario
 from lta_model.sensors import imu, pressure, range
 from lta_model.vehicle import load_vehicle
 from lta_sim import compiled_sensors as counted
-from lta_sim.counter_rng import draw_normals
+from lta_sim.compiled_sensors import draw_normals
 from lta_sim.light_link import build_light_link, sample_magnitude, write_ring_light
 from lta_vlc.bearing import estimate_bearing
 from lta_vlc.demodulation import demodulate_beacon, demodulate_block, Peaks, plan_bins

@@ -28,12 +28,12 @@ from lta_model.model import has_diverged
 from lta_model.sensors.imu import specific_force_at
 from lta_model.state import RIGID
 from lta_sim.compiled_sensors import (
+    draw_uniforms,
     SensorErrors,
     simulate_imu_reading,
     simulate_pressure_reading,
     START,
 )
-from lta_sim.counter_rng import draw_uniforms
 from lta_sim.supply import SupplyState
 from lta_sim.termination import (
     distance_to_goal,

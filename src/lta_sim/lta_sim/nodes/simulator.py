@@ -5,8 +5,8 @@ In lockstep the node publishes a state, waits for the duties in answer, and adva
 it follows the wall clock. It also decides when the flight ends: it exits with status 0 and reports
 the outcome when the flight has reached its goal, run out of time or left the room.
 
-The simulators of one launch stay synchronised (see `lta_graph.peers`), and one of them publishes
-/clock for all. A finished vehicle stops and waits until the others have finished.
+The simulators of one launch stay synchronised (see `lta_graph.ros.peer_listener`), and one of them
+publishes /clock for all. A finished vehicle stops and waits until the others have finished.
 """
 
 from collections.abc import Iterator
