@@ -128,8 +128,7 @@ def import_log(
         If the log cannot be imported; nothing is written then.
 
     """
-    from lta_data.importers.progress import ImportProgress
-    from lta_data.importers.run import import_logs, ImportRequest
+    from lta_data.importers.run import import_logs, ImportProgress, ImportRequest
 
     path = Path(source)
     request = ImportRequest(
