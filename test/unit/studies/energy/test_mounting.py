@@ -78,12 +78,13 @@ def linearised(vehicle, amplitude):
     """Return period and damping of pitch and surge as one linear system, by eigenvalues."""
     mass, (ax, _, _, _, aq, _) = vehicle.mass, vehicle.added_mass
     height = float(vehicle.cg[2])
-    about = vehicle.inertia[1, 1] + mass * height**2 + aq
+    effects = vehicle.collect_effects()
+    turning_gas = effects['gas_rotation']['share'] * effects['gas_rotation']['pitch']
+    about = vehicle.inertia[1, 1] + turning_gas + mass * height**2 + aq
     inertia = np.array([[mass + ax, mass * height], [mass * height, about]])
     found = compute_pendulum_mode(vehicle, 'pitch')
     rate = amplitude * math.sqrt(found.stiffness / found.inertia)
     surge = abs(mass * height / (mass + ax)) * rate
-    effects = vehicle.collect_effects()
     turning = effects['rotational_drag']
     strips = effects['strip_damping']
     frame = strips['surge_1'] * abs(strips['z_1']) ** 3
