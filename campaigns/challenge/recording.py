@@ -54,7 +54,7 @@ def _encode_messages(
     columns = COLUMNS.get(topic, ())
     if topic == 'motors':
         constants['name'], lengths['duty'] = list(rotors), len(rotors)
-        columns = tuple(f'duty[{k}]' for k in range(len(rotors)))
+        columns = tuple(f'effort[{k}]' for k in range(len(rotors)))
     # All messages of a topic have the same size; fill them in one array operation
     layout = CdrTemplate(kind, constants, lengths)
     stamps = BEGUN + np.round(time * 1e9).astype(np.int64)

@@ -162,7 +162,7 @@ def test_a_tracked_drone_flies_to_places_until_its_tracker_is_lost(lta, scenario
     outside = f'the place 5.5, 0 m lies outside the room, {room_words}'
     commander.refuse('go_to_pose', to_pose(5.5, 0.0), outside)
     commander.refuse('go_to_pose', to_pose(math.nan, 0.0), 'the place nan, 0, 0 m is not finite')
-    odom = "the frame of a place is map, not 'odom'"
+    odom = "The frame of a place is map, not 'odom'."
     commander.refuse('go_to_pose', to_pose(0.0, 0.0, frame='odom'), odom)
     commander.refuse('follow_path', FollowPath.Goal(), 'there is no place to fly to')
 

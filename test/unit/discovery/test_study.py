@@ -124,7 +124,7 @@ def test_what_cannot_be_told_apart_is_in_the_headline(gtmab: Known, clean: Fligh
     ('present', 'errors', 'coast', 'wrench', 'verdict', 'words'),
     [
         ((), GOOD, COAST, 1.0, 'none', 'nothing that the vehicle file lacks'),
-        ((), GOOD, COAST, 2.6, 'unexplained', 'A force in surge of 1 mN (RMS) acts'),
+        ((), GOOD, COAST, 2.6, 'unexplained', '(RMS) acts that follows nothing that was measured'),
         (('sway by heading',), GOOD, COAST, 1.0, 'unexplained', 'describes: sway by heading.'),
         ((DRAG,), (0.3, 0.2, 0.1, 0.4), COAST, 1.0, 'named', 'lacks linear drag'),
         ((DRAG,), GOOD, 0.04, 1.0, 'not_identifiable', 'inconclusive: linear drag (surge) 0.0300'),

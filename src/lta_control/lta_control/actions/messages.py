@@ -45,7 +45,7 @@ def to_task(goal: Any) -> tuple[TaskKind, float, Route]:  # noqa: ANN401 - of an
 
 def _to_route(header: Any, poses: Any, goal: Any) -> Route:  # noqa: ANN401 - of messages
     if header.frame_id not in MAP:
-        raise BadInput(f"the frame of a place is map, not '{header.frame_id}'")
+        raise BadInput(f"The frame of a place is map, not '{header.frame_id}'.")
     places = [pose.position for pose in poses]
     return Route(tuple(Place(each.x, each.y, each.z) for each in places), goal.tolerance)
 

@@ -25,7 +25,7 @@ GRAVITY: Final = 9.81  # m/s2
 # mass [kg] and inertia [kg m2]; it grows with them (`wrench_floor`)
 FLOOR: Final = np.array([4e-4, 4e-4, 4e-4, 8e-5, 8e-5, 4e-5])
 FLOOR_MASS: Final = 0.415
-FLOOR_INERTIA: Final = np.array([0.039, 0.039, 0.028])
+FLOOR_INERTIA: Final = np.array([0.0351, 0.0348, 0.0202])
 GUESS_LOGARITHMS: Final = np.log(
     np.concatenate([WHITE[[0, 3]], CORRELATED[[0, 3]], [CORRELATION], np.ones(8)])
 )

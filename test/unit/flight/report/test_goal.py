@@ -127,7 +127,7 @@ def test_a_flight_above_the_lamp_says_how_high():
 
 
 def test_a_flight_in_the_sun_tells_what_its_gas_gained():
-    """80 klx and the lamp at 0.017 K m2/W after 140 s, twice the lag: 0.414 kg of air by T."""
+    """80 klx and the lamp at 0.017 K m2/W after 140 s, twice the lag: half of 0.413 kg by T."""
     scenario = load_scenario('sunny_field')
     view = flown(np.full(141, -3.5), scenario)
     assert compute_results(view).gas_lift is None  # the vehicle is not known
@@ -135,7 +135,7 @@ def test_a_flight_in_the_sun_tells_what_its_gas_gained():
     found = compute_results(view)
     irradiance = (92e3 + 15e3 * 0.5 * (1 + math.sin(math.pi / 4))) / 105.0
     assert found.gas_warmth == pytest.approx(0.017 * irradiance * (1.0 - math.exp(-2.0)), rel=0.1)
-    assert found.gas_lift == pytest.approx(0.4129 * found.gas_warmth / 293.15, rel=0.01)
+    assert found.gas_lift == pytest.approx(0.5 * 0.4129 * found.gas_warmth / 293.15, rel=0.01)
     (tile,) = [each for each in build_tiles(found) if each.name == 'Lift by sunlight']
     assert tile.value == f'{1e3 * found.gas_lift:.1f}'
 

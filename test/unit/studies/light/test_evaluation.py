@@ -352,7 +352,7 @@ def test_the_command_takes_sets_without_repeating_the_option(done, folder, capsy
     said = capsys.readouterr()
     page = (folder / 'navigation_scores.md').read_text()
     assert page.startswith('# Scores of navigation')
-    assert 'All flights were already stored; nothing was flown.' in said.err
+    assert 'All flights were already stored; nothing was flown.' in ' '.join(said.out.split())
     monkeypatch.setattr(sys, 'argv', ['lta', 'light', 'evaluate', '--sets', 'indoor'])
     assert app.run_command_line() == 2
     assert "Unknown set 'indoor'; known: ablations, indoors (" in capsys.readouterr().err
