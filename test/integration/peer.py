@@ -33,7 +33,7 @@ TABLE = load_topic_table()
 LIBC = ctypes.CDLL(None)  # before any fork
 PR_SET_PDEATHSIG = 1  # linux/prctl.h
 # What a bridge answers where the machine, and not the drone, was too slow: another try may do.
-HELD_UP = re.compile(r'the Crazyflie has|the newest (command|place)')
+HELD_UP = re.compile(r'the Crazyflie has|no packets from|the newest (command|place)')
 LOGGED = re.compile(r'\[(INFO|WARN|ERROR)\] \[')
 AGAIN = 0.5  # s between two requests to arm
 STARTED: 'list[subprocess.Popen[str]]' = []

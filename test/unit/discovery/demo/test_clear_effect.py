@@ -78,4 +78,4 @@ def test_the_gain_is_that_of_the_effect_that_flew(hidden_bags: tuple[Path, Path,
     assert min(true.before, true.tuned) > 1.8 * true.after  # the flights are short
     other = measure_forecast_gain(DemoEffect('cg_offset.x', 0.006, 'm'), bags)
     assert other.before == pytest.approx(true.before)
-    assert min(other.before, other.tuned) < other.after
+    assert min(other.before, other.tuned) < 1.05 * other.after
