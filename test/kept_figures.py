@@ -2,9 +2,7 @@
 
 import math
 
-from lta_studies.reproduce.agreement import DrawSummary
-from lta_studies.reproduce.stored_row import StoredPicture, StoredRow
-from lta_studies.reproduce.study_result import MeasuredValue
+from lta_studies.reproduce.study_result import DrawSummary, MeasuredValue, StoredPicture, StoredRow
 
 
 def restored(kind, content):

@@ -18,8 +18,8 @@ import math
 from pathlib import Path
 import re
 
-from lta_studies.light.evaluation.intervals import bootstrap_mean
-from lta_studies.mission.report import format_mean
+from lta_report.result_table import format_value
+from lta_studies.light.evaluation.cells import bootstrap_mean
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -154,7 +154,7 @@ def lived(net):
         def mean(name, lives=lives):
             return sum(life[name] for life in lives) / len(lives)
 
-        minutes = format_mean(bootstrap_mean([life['flown'] / 60.0 for life in lives]), 0)
+        minutes = format_value(bootstrap_mean([life['flown'] / 60.0 for life in lives]), 0)
         found[f'flown_{key}'], _, found[f'flown_{key}_ci'] = minutes.partition(' ')
         found[f'flights_{key}'], found[f'in_flight_{key}'] = mean('flights'), mean('in_flight')
         found[f'not_flown_{key}'] = mean('not_flown')

@@ -23,10 +23,10 @@ from lta_report.screenshots import (
     open_page,
     resize_window,
 )
-from lta_studies.light.evaluation.labels import FACTORS
 from lta_studies.light.evaluation.sets import FlightSet, SETS
-from lta_studies.tune import evaluation, helium_limit
-from lta_studies.tune.lamp_flight import LampFlightResult
+from lta_studies.light.evaluation.tables import FACTORS
+from lta_studies.tune import compare, helium_limit
+from lta_studies.tune.compare import LampFlightResult
 import pytest
 import yaml
 
@@ -173,7 +173,7 @@ def tune(folder, call):
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(helium_limit, 'TRIED', 1)
         patched.setattr(helium_limit, 'HALVINGS', 0)
-        patched.setattr(evaluation, 'fly_to_lamp', lambda *_: LampFlightResult(True, 0.3))
+        patched.setattr(compare, 'fly_to_lamp', lambda *_: LampFlightResult(True, 0.3))
         words = ('--budget=2', '--draws=2', '--cases=1', '--workers=1', '--number=climb.kp')
         call('tune', 'gtmab', '--most=0 g', *words, '--out', folder / 'out')
     (folder / 'out' / 'report.html').rename(folder / 'report.html')

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from lta_flight.replay.run import NodeReplayRequest
     from lta_flight.sweep.run import SweepRequest
     from lta_studies.cfd.request import SphereRequest, TunnelRequest
-    from lta_studies.energy.break_even.study import BreakEvenRequest
+    from lta_studies.energy.breakeven import BreakEvenRequest
     from lta_studies.energy.budget.run import BudgetRequest
     from lta_studies.energy.cells.request import CellsRequest
     from lta_studies.energy.hover.run import HoverRequest
@@ -82,7 +82,7 @@ FUNCTIONS = {
     'compare': 'lta_data.compare.request:FlightComparisonRequest',
     'discover': 'lta_discovery.discovery.run:DiscoveryRequest',
     'effects_try': 'lta_discovery.demo.trial_effect:TrialRequest',
-    'energy_breakeven': 'lta_studies.energy.break_even.study:BreakEvenRequest',
+    'energy_breakeven': 'lta_studies.energy.breakeven:BreakEvenRequest',
     'energy_budget': 'lta_studies.energy.budget.run:BudgetRequest',
     'energy_hover': 'lta_studies.energy.hover.run:HoverRequest',
     'energy_mounting': 'lta_studies.energy.mounting.run:MountingRequest',

@@ -9,7 +9,6 @@ from typing import Final
 
 from lta_report.formatting import MISSING, Tile
 from lta_report.html_elements import embed_data, render_footer, render_section, render_tile
-from lta_report.page_frame import read_asset, split_template, write_file
 from lta_report.palette import DARK
 from lta_report.report import (
     Block,
@@ -23,7 +22,7 @@ from lta_report.report import (
     TextSection,
     TextTable,
 )
-from lta_report.results_folder import write_json
+from lta_report.results_folder import read_asset, split_template, write_file, write_json
 from lta_report.screenshots import write_pictures
 from lta_report.script_libraries import embed_plotly, embed_three
 

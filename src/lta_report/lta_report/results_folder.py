@@ -1,17 +1,48 @@
-"""The results folder of a command: its name, atomic writing, and the line that names the page."""
+"""
+The results folder of a command: its name, atomic writing, and the templates of its pages.
+
+A file in `assets` has a style between `<style>` and `</style>`, then further content. Those of the
+frame and of reports have placeholders.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, ExitStack, suppress
 from datetime import datetime
+from importlib.resources import files
 import json
 import os
 from pathlib import Path
 import shlex
-from typing import Any
+from typing import Any, Final
 
 from lta_bridge.bag.writer import prepare_empty_folder
 from lta_config.atomic_file import create_part_folder, replace_atomically, reserve_folder
 from lta_config.errors import BadInput
+
+BEGIN: Final = '<style>\n'
+END: Final = '</style>\n'
+
+
+def read_asset(name: str) -> str:
+    """Return the text of a file in `assets`."""
+    return (files('lta_report') / 'assets' / name).read_text(encoding='utf-8')
+
+
+def split_template(text: str) -> list[str]:
+    """Return style and content of a page's file."""
+    return text.removeprefix(BEGIN).split(END, 1)
+
+
+def write_file(content: str | bytes, out: Path) -> Path:
+    """Write a page or picture and return its path; raise `BadInput` if that fails."""
+    try:
+        with replace_atomically(out) as part:
+            part.write_bytes(content.encode() if isinstance(content, str) else content)
+    except OSError as error:
+        raise BadInput(
+            f"'{out}' cannot be written ({error.strerror}); free disk space, or write elsewhere."
+        ) from error
+    return out
 
 
 def resolve_folder(out: Path | None, name: str) -> Path:

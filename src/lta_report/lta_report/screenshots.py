@@ -8,7 +8,7 @@ from typing import Any, Final, final, Literal, NamedTuple
 
 from lta_config.errors import BadInput, unknown_name_error
 from lta_report.browser import Browser
-from lta_report.page_frame import read_asset, write_file
+from lta_report.results_folder import read_asset, write_file
 
 Theme = Literal['light', 'dark']
 WIDTH: Final = 1280  # px, a laptop

@@ -10,9 +10,8 @@ from lta_config.files import find_file, load_yaml, validate_content
 from lta_config.parameter_override import parse_assignment, replace_parameter
 from lta_config.schema.vehicle_file import VehicleFile
 from lta_model.vehicle import Vehicle
-from lta_vehicle.figures.entries import list_entries, VehicleFileEntry
 from lta_vehicle.figures.figure import DerivedFigure
-from lta_vehicle.figures.sheet import build_sheet, VehicleSheet
+from lta_vehicle.figures.sheet import build_sheet, list_entries, VehicleFileEntry, VehicleSheet
 from lta_vehicle.stale_aero import find_stale_aero
 
 ROOT = 'vehicle.'  # optional path prefix, as in `lta simulate --set`

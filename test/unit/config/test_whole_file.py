@@ -6,8 +6,7 @@ import stat
 
 from lta_config.atomic_file import replace_atomically
 from lta_config.errors import BadInput
-from lta_report.page_frame import write_file
-from lta_report.results_folder import write_json
+from lta_report.results_folder import write_file, write_json
 import pytest
 
 

@@ -1,7 +1,7 @@
 """A log of long work outlives whoever writes it, and is never mixed up or thrown away."""
 
 from lta_config.errors import BadInput
-from lta_report.line_log import LineLog, LogKind
+from lta_report.study_store import LineLog, LogKind
 import pytest
 
 KIND = LogKind('numbers.jsonl', 'count', 'search', '--folder')

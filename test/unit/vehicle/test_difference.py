@@ -6,7 +6,7 @@ from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_model.vehicle import load_vehicle
 from lta_vehicle.difference import compare_vehicles, find_changes, load_vehicle_variant
-from lta_vehicle.views.json_output import encode_difference
+from lta_vehicle.views.sheet_summary import encode_difference
 import pytest
 
 BATTERY = 'layers.propulsion_and_control.battery.mass'

@@ -7,7 +7,7 @@ from lta_config.errors import BadInput
 from lta_config.files import load_yaml
 from lta_flight.flight_spec import build_loop, load_spec
 from lta_model.vehicle import load_vehicle, Vehicle
-from lta_vehicle.sized_vehicle import write_sized_vehicle
+from lta_vehicle.new_vehicle import write_sized_vehicle
 from lta_vehicle.validation import validate_vehicle_file
 from lta_vehicle.vehicle_size import parse_size, VehicleSize
 import pytest

@@ -10,8 +10,7 @@ from lta_model.propulsion import geometric_column
 from lta_model.vehicle import load_vehicle
 from lta_vehicle.difference import compare_vehicles, load_vehicle_variant
 from lta_vehicle.stale_aero import find_stale_columns
-from lta_vehicle.views.json_output import encode_difference
-from lta_vehicle.views.terminal import show_difference
+from lta_vehicle.views.sheet_summary import encode_difference, show_difference
 import pytest
 from rich.console import Console
 

@@ -12,8 +12,7 @@ from lta_vehicle.flight_record import (
     VehiclePath,
     WrenchCommands,
 )
-from lta_vehicle.trim import estimate_heaviness
-from lta_vehicle.trim_report import describe_heaviness, encode_heaviness
+from lta_vehicle.trim import describe_heaviness, encode_heaviness, estimate_heaviness
 import numpy as np
 import pytest
 

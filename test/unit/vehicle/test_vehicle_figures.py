@@ -9,12 +9,10 @@ from lta_model.limits import level_force
 from lta_model.state import pack_state
 from lta_model.vehicle import load_vehicle
 from lta_sim.kernels import kernel
-from lta_vehicle.figures.climb import time_to_climb
-from lta_vehicle.figures.entries import list_entries, list_numbers
 from lta_vehicle.figures.helium_leak import film_area
-from lta_vehicle.figures.pendulum import compute_pendulum_mode
-from lta_vehicle.figures.sheet import build_sheet
-from lta_vehicle.figures.wrench_limit import solve_wrench_limit
+from lta_vehicle.figures.sheet import build_sheet, list_entries, list_numbers
+from lta_vehicle.figures.stability import compute_pendulum_mode
+from lta_vehicle.figures.wrench_limit import solve_wrench_limit, time_to_climb
 from lta_vehicle.views.sheet_summary import describe_vehicle, format_headline
 import numpy as np
 import pytest

@@ -10,7 +10,7 @@ from lta_config.files import find_file, list_shipped_names
 from lta_model.vehicle import load_vehicle
 from lta_vehicle.figures.sheet import build_sheet
 from lta_vehicle.views.report import build_report
-from lta_vehicle.views.terminal import show_sheet
+from lta_vehicle.views.sheet_summary import show_sheet
 import pytest
 from rich.console import Console
 

@@ -8,9 +8,9 @@ from typing import Final
 from lta_data.bag.channels import SignalChannel
 from lta_report.drawing import create_figure, decimate_line, MOST_POINTS
 from lta_report.formatting import format_number, Tile
-from lta_report.page_frame import write_file
 from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, TIME, TRUTH
 from lta_report.report import Grid, Picture, Report
+from lta_report.results_folder import write_file
 from lta_report.screenshots import write_picture
 import numpy as np
 from plotly.graph_objects import Figure, Scatter

@@ -15,9 +15,9 @@ from lta_config.errors import BadInput
 from lta_model.effects.protocol import AXES
 from lta_model.propulsion import select_lifting_rotors
 from lta_model.vehicle import Vehicle
-from lta_vehicle.figures.climb import terminal_speed
-from lta_vehicle.figures.pendulum import compute_pendulum_mode
+from lta_vehicle.figures.stability import compute_pendulum_mode
 from lta_vehicle.figures.thrust_envelope import find_push_limit, find_turn_limit, hover_thrust
+from lta_vehicle.figures.wrench_limit import terminal_speed
 import numpy as np
 from numpy.typing import NDArray
 

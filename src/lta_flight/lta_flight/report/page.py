@@ -21,9 +21,9 @@ from lta_flight.report.scene import render_flight_scene
 from lta_flight.report.track import build_track
 from lta_flight.report.view import FlightView
 from lta_report.flight_scene import render_time_bar
-from lta_report.page_frame import write_file
 from lta_report.report import Grid, Picture, Report, TextSection, TextTable
 from lta_report.report_page import render_report
+from lta_report.results_folder import write_file
 
 FILES: Final = ('vehicle_file', 'scenario_file', 'gains_file', 'strategy_file')
 CHOSEN: Final = ('vehicle', 'scenario', 'strategy', 'seed', 'time')

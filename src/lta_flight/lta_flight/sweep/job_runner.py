@@ -13,8 +13,7 @@ from lta_flight.loop_view import LoopView
 from lta_flight.report.results import compute_results
 from lta_flight.sweep.plan import convert_to_si, SweepJob
 from lta_report.json_value import replace_nonfinite
-from lta_report.line_log import LogKind
-from lta_report.study_store import StoreFormat, StudyStore
+from lta_report.study_store import LogKind, StoreFormat, StudyStore
 from lta_report.workers import ItemFailure
 from pydantic import TypeAdapter
 

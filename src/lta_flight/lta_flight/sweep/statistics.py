@@ -6,6 +6,7 @@ from typing import Any, Final, NamedTuple
 
 from lta_flight.sweep.job_runner import FAILED, SweepRow
 import numpy as np
+from scipy.special import stdtrit
 
 NORMAL_95: Final = 1.959963984540054  # two-sided 95 % quantile of the normal distribution
 GROUPS: Final = 8  # of a randomly drawn parameter, with equal numbers of flights
@@ -22,12 +23,32 @@ class ShareInterval(NamedTuple):
     high: float
 
 
+class MeanInterval(NamedTuple):
+    """A mean with its 95 % confidence interval, NaN of fewer than two values."""
+
+    value: float
+    low: float
+    high: float
+
+
 class ParameterGroup(NamedTuple):
     """Flights with similar values of a parameter: label, position on the axis, rows."""
 
     name: str
     place: float | str
     rows: list[SweepRow]
+
+
+def student_interval(values: Sequence[float]) -> MeanInterval:
+    """Return the mean of values with its 95 % interval (Student's t); NaN of none."""
+    if not len(values):
+        return MeanInterval(math.nan, math.nan, math.nan)
+    count, middle = len(values), float(np.mean(values))
+    if count == 1:
+        return MeanInterval(middle, math.nan, math.nan)
+    # Two-sided 95 %: the 97.5 % quantile of Student's t
+    half = float(stdtrit(count - 1, 0.975) * np.std(values, ddof=1) / math.sqrt(count))
+    return MeanInterval(middle, middle - half, middle + half)
 
 
 def wilson_interval(hits: int, count: int) -> ShareInterval:

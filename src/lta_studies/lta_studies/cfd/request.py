@@ -11,13 +11,13 @@ from lta_config.schema.tunnel_file import load_tunnel_file
 from lta_report.report import Report
 from lta_report.request import argument, option, StudyRequest, StudyRun
 from lta_report.results_folder import resolve_folder
-from lta_studies.cfd.progress import TunnelProgress
-from lta_studies.cfd.solvers import (
+from lta_studies.cfd.cluster import (
     CACHE,
     check_solver_options,
     open_solver,
     refuse_solver_options,
     resolve_cache_folder,
+    TunnelProgress,
 )
 from lta_windtunnel.flow_fields import FlowSlice, read_flow_slice
 from lta_windtunnel.flow_plan import AIR, plan_flows, TunnelFlow
@@ -150,7 +150,7 @@ class SphereRequest(
 
     def run(self, run: StudyRun) -> Report:
         """Return the report of the drag of a sphere."""
-        from lta_studies.cfd.sphere_report import build_report
+        from lta_studies.cfd.sphere import build_report
 
         if self.fidelity is Fidelity.analytic:
             raise BadInput(

@@ -4,15 +4,15 @@ from collections.abc import Sequence
 
 from lta_energy.irradiance import IrradianceSeries, MINUTE
 from lta_energy.mission import ALOFT, ASLEEP, AWAY, EMPTY, PERCHED
+from lta_report.charts import add_level, Curve, draw_bars, item_colour, Level
 from lta_report.drawing import add_legend, create_figure
-from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, SOFT, TRUTH, WALL
+from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, SOFT, TRUTH
 from lta_studies.mission.figures import flight_minutes_by_hour
+from lta_studies.mission.flyer import AWARE
 from lta_studies.mission.run import MissionResult
-from lta_studies.mission.simulate_mission import AWARE
 import numpy as np
 from plotly.graph_objects import Bar, Figure, Scatter
 
-COLOURS = (TRUTH, ESTIMATE, GOOD)
 STATES = {
     PERCHED: ('perched, awake', LAMP), ASLEEP: ('asleep', SOFT), ALOFT: ('in flight', TRUTH),
     AWAY: ('waiting to be fetched', ESTIMATE), EMPTY: ('empty', ESTIMATE),
@@ -28,33 +28,16 @@ def draw_charge(
     lux = light.illuminance()
     # Each value is the mean of one minute, plotted at its middle.
     hours = (np.arange(len(lux)) + 0.5) * MINUTE / 3600.0
-    figure.add_trace(
-        Scatter(
-            x=hours[::EVERY], y=lux[::EVERY] / 1e3, name='light', mode='lines',
-            line={'color': LAMP, 'width': 1.2, 'shape': 'hv'}, hovertemplate='%{y:.1f} klx',
-            showlegend=True,
-        ),
-        row=1,
-        col=1,
-    )  # fmt: skip
+    steps = {'line_shape': 'hv', 'showlegend': True}
+    above = Curve('light', hours[::EVERY], lux[::EVERY] / 1e3, LAMP, '%{y:.1f} klx', width=1.2,
+                  more=steps)  # fmt: skip
+    figure.add_trace(above.to_trace(), row=1, col=1)
     for k, result in enumerate(results):
-        figure.add_trace(
-            Scatter(
-                x=np.array(result.diary.time) / 3600.0, y=100.0 * np.array(result.diary.charge),
-                name=result.schedule, mode='lines', hovertemplate='%{y:.0f} %',
-                line={'color': COLOURS[k], 'width': 1.3}, showlegend=True,
-            ),
-            row=2,
-            col=1,
-        )  # fmt: skip
-    figure.add_shape(
-        type='line', x0=0.0, x1=light.end / 3600.0, y0=100.0 * reserve, y1=100.0 * reserve,
-        line={'color': WALL, 'width': 1, 'dash': '2px,3px'}, row=2, col=1,
-    )  # fmt: skip
-    figure.add_annotation(
-        x=light.end / 3600.0, y=100.0 * reserve, text='reserve', xanchor='right', yanchor='top',
-        row=2, col=1,
-    )  # fmt: skip
+        time, charge = np.array(result.diary.time), np.array(result.diary.charge)
+        own = Curve(result.schedule, time / 3600.0, 100.0 * charge, item_colour(k), '%{y:.0f} %',
+                    width=1.3)  # fmt: skip
+        figure.add_trace(own.to_trace(), row=2, col=1)
+    add_level(figure, Level(100.0 * reserve, 'reserve', right=True, below=True), row=2)
     figure.update_yaxes(title_text='light [klx]', rangemode='tozero', row=1)
     figure.update_yaxes(title_text='charge [%]', range=[0.0, 102.0], row=2)
     return set_time_axis(figure, light, 2)
@@ -110,44 +93,29 @@ def draw_flight_hours(results: Sequence[MissionResult], light: IrradianceSeries)
         figure.add_trace(
             Bar(
                 x=[hour + 0.5 for hour in range(len(minutes))], y=minutes, name=result.schedule,
-                marker={'color': COLOURS[k]}, hovertemplate='%{y:.1f} min', showlegend=True,
+                marker={'color': item_colour(k)}, hovertemplate='%{y:.1f} min', showlegend=True,
             )
         )  # fmt: skip
-    figure.add_shape(
-        type='line', x0=0.0, x1=light.end / 3600.0, y0=18.0, y1=18.0, layer='below',
-        line={'color': WALL, 'width': 1, 'dash': '2px,3px'},
-    )  # fmt: skip
-    figure.add_annotation(
-        x=0.0, y=18.0, text='paper: 18 min an hour at 80 klx', xanchor='left', yanchor='bottom'
-    )
+    add_level(figure, Level(18.0, 'paper: 18 min an hour at 80 klx'))
     figure.update_yaxes(title_text='flown [min/h]', rangemode='tozero')
     return set_time_axis(figure, light)
 
 
 def draw_energy_use(results: Sequence[MissionResult]) -> Figure:
     """Plot the use of the energy of the light."""
-    figure = create_figure()
-    results = list(reversed(results))  # bars are drawn upwards
-    names = [f'{each.schedule}' for each in results]
     parts = {
-        'flight': (TRUTH, [flight_energy(each) for each in results]),
-        'perch': (LAMP, [each.figures.consumed - flight_energy(each) for each in results]),
-        'heat in the cell': (ESTIMATE, [each.figures.lost for each in results]),
+        'flight': ([flight_energy(each) for each in results], TRUTH),
+        'perch': ([each.figures.consumed - flight_energy(each) for each in results], LAMP),
+        'heat in the cell': ([each.figures.lost for each in results], ESTIMATE),
         # A mission that ends with less charge stored nothing; a stacked bar cannot go below 0.
-        'stored': (GOOD, [max(each.figures.stored, 0.0) for each in results]),
-        'not harvested, cell full': (SETPOINT, [each.figures.curtailed for each in results]),
+        'stored': ([max(each.figures.stored, 0.0) for each in results], GOOD),
+        'not harvested, cell full': ([each.figures.curtailed for each in results], SETPOINT),
     }
-    for name, (colour, values) in parts.items():
-        figure.add_trace(
-            Bar(
-                y=names, x=[value / 1e3 for value in values], name=name, orientation='h',
-                marker={'color': colour}, hovertemplate='%{x:.2f} kJ', showlegend=True,
-            )
-        )  # fmt: skip
-    add_legend(figure).update_layout(barmode='stack', legend_traceorder='normal')
-    figure.update_xaxes(title_text='energy [kJ]')
-    figure.update_yaxes(automargin=True)
-    return figure
+    kilojoules = {
+        name: ([value / 1e3 for value in values], colour)
+        for name, (values, colour) in parts.items()
+    }
+    return draw_bars([each.schedule for each in results], kilojoules, 'energy', 'kJ')
 
 
 def flight_energy(result: MissionResult) -> float:

@@ -1,6 +1,7 @@
 """Build the report of a mission."""
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from typing import Any, Final
 
@@ -8,8 +9,9 @@ from lta_config.command_line import format_lta_command
 from lta_energy.harvest import HarvestCurve
 from lta_report.formatting import format_count, Tile
 from lta_report.report import Picture, Report, TextSection, TextTable
-from lta_studies.light.evaluation.intervals import BootstrapMean
+from lta_report.result_table import build_table, Column, format_value
 from lta_studies.mission import paper
+from lta_studies.mission.figures import MissionFigures
 from lta_studies.mission.gas import (
     describe_gas,
     draw_slack,
@@ -158,7 +160,7 @@ def build_tiles(request: MissionRequest, results: Sequence[MissionResult]) -> li
     count = len(alike)
     tiles = [
         Tile(
-            'flown', format_mean(mean_daily_minutes(alike, days), 0), 'min a day', first.schedule
+            'flown', format_value(mean_daily_minutes(alike, days), 0), 'min a day', first.schedule
         ),
         Tile(
             'flights',
@@ -189,20 +191,12 @@ def build_tiles(request: MissionRequest, results: Sequence[MissionResult]) -> li
             1,
             Tile(
                 'gain',
-                format_mean(more, 2),
+                format_value(more, 2),
                 'times',
                 f'the flight time of the best other schedule, {rival}',
             ),
         )
     return tiles
-
-
-def format_mean(value: BootstrapMean, digits: int) -> str:
-    """Format a mean, with its interval if there is one."""
-    # One seed gives no interval.
-    if value.flights < 2:
-        return f'{value.value:.{digits}f}'
-    return f'{value.value:.{digits}f} ({value.low:.{digits}f} to {value.high:.{digits}f})'
 
 
 def build_mission_tables(
@@ -221,38 +215,42 @@ def build_mission_tables(
 
 def build_schedule_table(request: MissionRequest, results: Sequence[MissionResult]) -> TextTable:
     """Return the table of daily figures for each schedule."""
-    rows = []
-    for name in request.schedules:
-        alike = filter_by_schedule(results, name)
-        # Simulated days of this schedule over all seeds
-        per = len(alike) * request.days
-        kinds: dict[str, int] = {}
-        for each in alike:
-            for kind, count in each.figures.failures.items():
-                kinds[kind] = kinds.get(kind, 0) + count
-        failures = ', '.join(f'{count} {kind}' for kind, count in kinds.items()) or 'none'
-        figures = [each.figures for each in alike]
-        rows.append(
-            [
-                name,
-                format_mean(mean_daily_minutes(alike, request.days), 0),
-                f'{sum(f.flights for f in figures) / per:.0f}',
-                f'{sum(f.not_flown for f in figures) / per:.0f}',
-                f'{sum(f.rounds for f in figures) / per:.0f}',
-                f'{sum(f.harvested for f in figures) / per / 1e3:.1f}',
-                f'{abs(sum(f.curtailed for f in figures)) / per / 1e3:.1f}',
-                f'{100.0 * sum(f.asleep for f in figures) / len(figures):.0f}',
-                # The worst seed: a mean could hide an error of the energy balance.
-                f'{max(abs(f.imbalance) for f in figures):.0e}',
-                failures,
-            ]
-        )
-    heads = [
-        'a day', 'flown [min]', 'flights', 'not flown', 'whole rounds', 'harvested [kJ]',
-        'wasted [kJ]', 'asleep [%]', 'energy imbalance', 'total failures',
+    alike = {name: filter_by_schedule(results, name) for name in request.schedules}
+
+    def column(
+        head: str, unit: str, digits: int, of: Callable[[MissionFigures], float]
+    ) -> Column[str]:
+        """Return a column of means per simulated day of a schedule, over all seeds."""
+
+        def mean(name: str) -> float:
+            figures = [each.figures for each in alike[name]]
+            return abs(sum(map(of, figures))) / (len(figures) * request.days)
+
+        return Column('', head, unit, digits, mean, 1e-3 if unit == 'kJ' else None)
+
+    def count_failures(name: str) -> str:
+        kinds: Counter[str] = Counter()
+        for each in alike[name]:
+            kinds.update(each.figures.failures)
+        return ', '.join(f'{count} {kind}' for kind, count in kinds.items()) or 'none'
+
+    columns: list[Column[str]] = [
+        Column('', 'a day', of=lambda name: name),
+        Column('', 'flown [min]',
+               of=lambda name: format_value(mean_daily_minutes(alike[name], request.days), 0)),
+        column('flights', '', 0, lambda each: each.flights),
+        column('not flown', '', 0, lambda each: each.not_flown),
+        column('whole rounds', '', 0, lambda each: each.rounds),
+        column('harvested', 'kJ', 1, lambda each: each.harvested),
+        column('wasted', 'kJ', 1, lambda each: each.curtailed),
+        column('asleep', '%', 0, lambda each: each.asleep * request.days),
+        # The worst seed: a mean could hide an error of the energy balance
+        Column('', 'energy imbalance', of=lambda name:
+               f'{max(abs(each.figures.imbalance) for each in alike[name]):.0e}'),
+        Column('', 'total failures', of=count_failures),
     ]  # fmt: skip
     note = (
         f'Means per day over {format_count(len(request.seeds), "seed")} of {request.days} d; '
         '95 % intervals in brackets.'
     )
-    return TextTable('Results of the schedules', heads, rows, note)
+    return build_table('Results of the schedules', columns, request.schedules, note)

@@ -1,15 +1,32 @@
-"""Fly one platform through one manoeuvre and rate the true motion."""
+"""
+Build a platform, fly it through one manoeuvre, and rate the true motion.
 
-from collections.abc import Callable
+With e = setpoint - response on the rated interval:
+
+    overshoot       largest excess over the goal of a step, as a share of the step
+    settling time   after which the error stays within the band; NaN if it does not settle
+    steady error    mean of e over the last quarter
+    rms             root mean square of e over the whole interval
+    ripple          standard deviation of e over the last quarter
+    held            settled before the last quarter
+"""
+
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 import math
-from typing import final
+from typing import Any, final, NamedTuple
 
-from lta_config.schema.comparison_file import ManeuverFile
+from lta_config.errors import BadInput, unknown_name_error
+from lta_config.files import find_file, load_yaml, validate_content
+from lta_config.parameter_override import parse_value, replace_parameter
+from lta_config.schema.comparison_file import Contestant, EntryChange, ManeuverFile
+from lta_config.schema.vehicle_file import load_vehicle_content, VehicleFile
 from lta_config.settings import Settings
 from lta_config.topics import load_topic_table
 from lta_control.attitude import up_in_body, yaw_from_quaternion
 from lta_control.cascade import Setpoint, wrap_angle
+from lta_control.gains_file import load_law_gains
+from lta_control.laws import find_control_law
 from lta_control.laws.frames import to_world
 from lta_control.laws.protocol import ControlLaw
 from lta_control.strategies import find_navigation_strategy
@@ -18,8 +35,59 @@ from lta_flight.flight_stack import FlightStack
 from lta_model.scenario import Scenario
 from lta_model.vehicle import Vehicle
 from lta_sim.world import World
-from lta_studies.platforms.metrics import Array, compute_tracking_metrics, TrackingMetrics
 import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+END = 0.75  # share of the interval after which its last quarter begins
+
+
+class TrackingMetrics(NamedTuple):
+    """Metrics of one signal, in its unit and s; the overshoot is a share, NaN for ramps."""
+
+    overshoot: float
+    settling_time: float
+    steady_error: float
+    rms: float
+    ripple: float
+    held: bool
+
+
+def compute_tracking_metrics(
+    time: Array, setpoint: Array, response: Array, band: float, before: float
+) -> TrackingMetrics:
+    """
+    Compute the metrics of a signal.
+
+    `time`, `setpoint`, `response`, shape (n,): the rated interval, n > 1; angles unwrapped.
+    `band`: largest error that counts as settled, in the unit of the signal. `before`: setpoint
+    before the interval, where the step starts; there is no step if it is equal.
+    """
+    error = setpoint - response
+    begin, end = float(time[0]), float(time[-1])
+    last = time >= begin + END * (end - begin)
+    outside = np.flatnonzero(~(np.abs(error) <= band))  # NaN counts as outside
+    if not len(outside):
+        settling = 0.0
+    elif outside[-1] + 1 == len(time):
+        settling = math.nan
+    else:
+        settling = float(time[outside[-1] + 1]) - begin
+    step = float(setpoint[-1]) - before
+    constant = bool(np.all(setpoint == setpoint[0]))
+    # Positive beyond the goal, for steps up and down.
+    excess = math.copysign(1.0, step) * (response - setpoint)
+    overshoot = max(0.0, float(excess.max())) / abs(step) if constant and step else math.nan
+    return TrackingMetrics(
+        overshoot,
+        settling,
+        float(error[last].mean()),
+        math.sqrt(float(np.mean(error**2))),
+        float(error[last].std()),
+        # A NaN settling time compares as False: not held.
+        bool(settling <= END * (end - begin)),
+    )
+
 
 # Columns of the recorded tables; column 0 is the time
 ALTITUDE, HEADING, SPEED = 1, 2, 3
@@ -161,3 +229,70 @@ def _evaluate_flight(
     return ManeuverFlight(
         metrics, height, float(tilts[part].max()), lost, setpoints, response, duties
     )
+
+
+ROOTS = ('vehicle', 'gains')
+
+
+def build_entrant(
+    contestant: Contestant, air_density: float, change: EntryChange | None = None
+) -> Entrant:
+    """
+    Build a contestant, optionally with an ablation or a limit applied.
+
+    `contestant`: entry of the comparison file. `air_density`: air density of the scenario [kg/m3].
+    `change`: ablation or limit of the contestant. Raise `BadInput` if it cannot be built, or its
+    control law cannot fly it.
+    """
+    # An ablation builds on the changes of its contestant, in this order.
+    steps: list[EntryChange] = [contestant] if change is None else [contestant, change]
+    content = load_vehicle_content(find_file('vehicle', contestant.vehicle))
+    for step in steps:
+        content = _apply_changes(_borrow_blocks(content, step), step.changes, 'vehicle')
+    where = f'{find_file("vehicle", contestant.vehicle)} with the changes of the comparison'
+    file = validate_content(VehicleFile, content, where)
+    named = _select_law(file, steps)
+    gains = load_law_gains(find_control_law(named[0]).gains, named[1])
+    values = gains.model_dump()
+    for step in steps:
+        values = _apply_changes(values, step.changes, 'gains')
+    gains = validate_content(
+        type(gains), values, f'{find_file("gains", named[1])} with the changes of the comparison'
+    )
+    vehicle = Vehicle(file, air_density)
+    law = find_control_law(named[0])
+    law.build_constants(gains, vehicle)  # raises if the law cannot fly the vehicle
+    release = contestant.release.si if contestant.release else None
+    return Entrant(vehicle, law, gains, release)
+
+
+def _select_law(file: VehicleFile, steps: list[EntryChange]) -> tuple[str, str]:
+    """Return law and gains: the last ones named, else those of the vehicle."""
+    name = file.control.law if file.control else 'cascade'
+    gains = file.control.gains if file.control else None
+    for step in steps:
+        name, gains = step.law or name, step.gains or gains
+    if gains is None:
+        raise BadInput(
+            f'{file.name} names no gains in its control block; add a line "gains: NAME".'
+        )
+    return name, gains
+
+
+def _borrow_blocks(content: Any, step: EntryChange) -> Any:  # noqa: ANN401 - what YAML holds
+    if step.borrow is None:
+        return content
+    other = load_yaml(find_file('vehicle', step.borrow.vehicle))
+    return {**content, **{block: other[block] for block in step.borrow.blocks}}
+
+
+def _apply_changes(content: Any, changes: Mapping[str, Any], root: str) -> Any:  # noqa: ANN401
+    """Apply the changes under `root` to the content of a file."""
+    for path, value in changes.items():
+        begin, _, below = path.partition('.')
+        # Checked for every path, also one that belongs to the other root.
+        if begin not in ROOTS or not below:
+            raise unknown_name_error('parameter', path, [f'{name}. ...' for name in ROOTS])
+        if begin == root:
+            content = replace_parameter(content, below, parse_value(value, path), root)
+    return content

@@ -5,26 +5,23 @@ import math
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.schema.comparison_file import ComparisonFile, load_maneuver_file, ManeuverFile
+from lta_flight.sweep.statistics import MeanInterval
 from lta_model.scenario import load_scenario
 from lta_report.formatting import format_amount, format_number, MISSING, Tile
 from lta_report.report import Block, Emphasis, Grid, Picture, Report, TextSection, TextTable
-from lta_studies.platforms.entrants import build_entrant
-from lta_studies.platforms.flight import Entrant
-from lta_studies.platforms.pictures import (
-    draw_ablations,
-    draw_limits,
-    draw_tracking,
-    format_entry_name,
-    UNIT,
-)
+from lta_studies.platforms.flight import build_entrant, Entrant
 from lta_studies.platforms.run import ABLATION, CONTESTANT, PlatformResult, result_to_json
 from lta_studies.platforms.summary import (
     ComparisonCell,
     compute_lift_margin,
     describe_reversals,
+    draw_ablations,
+    draw_limits,
+    draw_tracking,
     find_top_speed,
-    SeedMean,
+    format_entry_name,
     select_flights,
+    UNIT,
 )
 import yaml
 
@@ -194,7 +191,7 @@ def find_unit_factor(manoeuvre: ManeuverFile) -> float:
     return 180.0 / math.pi if manoeuvre.judge == 'heading' else 1.0
 
 
-def format_mean(value: SeedMean, unit: str, factor: float, digits: int) -> str:
+def format_mean(value: MeanInterval, unit: str, factor: float, digits: int) -> str:
     """Format a mean with the half-width of its interval."""
     if math.isnan(value.value):
         return MISSING

@@ -21,15 +21,19 @@ from lta_config.schema.comparison_file import (
 from lta_flight.closed_loop import ClosedLoop
 from lta_model.scenario import load_scenario, Scenario
 from lta_report.json_value import StoredArray
-from lta_report.line_log import LogKind
 from lta_report.report import Report
 from lta_report.request import argument, option, StudyRequest, StudyRun
 from lta_report.results_folder import resolve_folder
 from lta_report.study import Study
-from lta_report.study_store import StoreFormat
-from lta_studies.platforms.entrants import build_entrant
-from lta_studies.platforms.flight import Entrant, fly_maneuver, ManeuverFlight, prepare_flight
-from lta_studies.platforms.metrics import TrackingMetrics
+from lta_report.study_store import LogKind, StoreFormat
+from lta_studies.platforms.flight import (
+    build_entrant,
+    Entrant,
+    fly_maneuver,
+    ManeuverFlight,
+    prepare_flight,
+    TrackingMetrics,
+)
 import numpy as np
 from pydantic import TypeAdapter
 

@@ -16,15 +16,14 @@ from lta_flight.sweep.batch_workers import BatchWorkers
 from lta_flight.sweep.job_runner import SweepRow
 from lta_flight.sweep.plan import SweepJob, SweepPlan
 from lta_flight.sweep.statistics import REACHED, ShareInterval
-from lta_studies.light.evaluation import pilot
-from lta_studies.light.evaluation.cells import build_cells, EvaluationCell
+from lta_studies.light.evaluation.cells import BootstrapMean, build_cells, EvaluationCell
 from lta_studies.light.evaluation.flights import (
     build_standalone_job,
     build_sweep_plan,
     fly_standalone_job,
+    PILOT,
     STRATEGY,
 )
-from lta_studies.light.evaluation.intervals import BootstrapMean
 from lta_studies.reproduce.recording import relative_bag_path
 from lta_studies.reproduce.study_result import MeasuredValue, RowStudyRequest
 from plotly.graph_objects import Figure
@@ -210,7 +209,7 @@ def record_group(
 ) -> str:
     """Record a flight of each strategy except the pilot; return the bag path for the page."""
     for cell in cells:
-        if cell.strategy != pilot.NAME and seed in cell.rows:
+        if cell.strategy != PILOT and seed in cell.rows:
             simulate_once(
                 build_request(group, cell, seed, folder / cell.strategy), SilentObserver()
             )

@@ -8,9 +8,7 @@ from typing import final
 
 from lta_config.schema.comparison_file import ComparisonFile, load_comparison, load_maneuver_file
 from lta_model.scenario import load_scenario
-from lta_studies.platforms.entrants import build_entrant
-from lta_studies.platforms.flight import Entrant, fly_maneuver, ManeuverFlight
-from lta_studies.platforms.pictures import draw_tracking, format_entry_name
+from lta_studies.platforms.flight import build_entrant, Entrant, fly_maneuver, ManeuverFlight
 from lta_studies.platforms.run import (
     ABLATION,
     build_loop,
@@ -20,7 +18,12 @@ from lta_studies.platforms.run import (
     PlatformJob,
     PlatformResult,
 )
-from lta_studies.platforms.summary import ComparisonCell, find_top_speed, SeedMean
+from lta_studies.platforms.summary import (
+    ComparisonCell,
+    draw_tracking,
+    find_top_speed,
+    format_entry_name,
+)
 from lta_studies.reproduce.recording import record_flight, relative_bag_path
 from lta_studies.reproduce.study_result import MeasuredValue, RowStudyRequest
 from plotly.graph_objects import Figure
@@ -47,7 +50,7 @@ class ComparisonFlights:
     ) -> MeasuredValue:
         """Return a metric of an entry with its interval; NaN if no seed has it."""
         cell = self.find_cell(name, manoeuvre)
-        mean: SeedMean = cell.mean_metric(figure, of)
+        mean = cell.mean_metric(figure, of)
         return MeasuredValue(mean.value, mean.low, mean.high, len(cell.rows))
 
     def success_share(self, name: str, manoeuvre: str) -> MeasuredValue:

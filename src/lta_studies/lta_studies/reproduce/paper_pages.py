@@ -18,7 +18,7 @@ from lta_studies.reproduce.report import (
     OPEN,
     StoredRows,
 )
-from lta_studies.reproduce.stored_row import StoredRow
+from lta_studies.reproduce.study_result import StoredRow
 from lta_studies.reproduce.verdict import (
     ClaimVerdict,
     format_measured,

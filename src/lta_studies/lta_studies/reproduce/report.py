@@ -18,7 +18,7 @@ from lta_report.report import (
     TextSection,
     TextTable,
 )
-from lta_studies.reproduce.stored_row import encode_values, StoredPicture, StoredRow
+from lta_studies.reproduce.study_result import encode_values, StoredPicture, StoredRow
 from lta_studies.reproduce.verdict import (
     ClaimVerdict,
     count_verdicts,

@@ -9,16 +9,50 @@ from typing import Final, final
 
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.schema.paper_file import DrawCounts, load_paper_row, load_paper_rows, PaperRow
-from lta_report.line_log import LogKind
 from lta_report.report import Report, TextTable
 from lta_report.request import argument, Folder, option, StudyRequest, StudyRun
 from lta_report.study import Study
-from lta_report.study_store import StoreFormat
-from lta_studies.reproduce.registry import STUDIES
+from lta_report.study_store import LogKind, StoreFormat
 from lta_studies.reproduce.sources import hash_sources
-from lta_studies.reproduce.stored_row import build_stored_row, hash_row, StoredRow
-from lta_studies.reproduce.study_result import RowStudyRequest
+from lta_studies.reproduce.studies import (
+    beavis,
+    beyond,
+    cells,
+    closed_loop,
+    energy,
+    forces,
+    indoors,
+    link,
+    mounting,
+    outdoors,
+    photodiodes,
+    platforms,
+)
+from lta_studies.reproduce.study_result import (
+    build_stored_row,
+    hash_row,
+    RowStudy,
+    RowStudyRequest,
+    StoredRow,
+)
 from pydantic import TypeAdapter
+
+# In the order of the paper
+STUDIES: Final[dict[str, RowStudy]] = {
+    'platforms': platforms.run_study,
+    'forces': forces.run_study,
+    'closed_loop': closed_loop.run_study,
+    'beavis': beavis.run_study,
+    'cells': cells.run_study,
+    'mounting': mounting.run_study,
+    'photodiodes': photodiodes.run_study,
+    'link': link.run_study,
+    'indoors': indoors.run_study,
+    'outdoors': outdoors.run_study,
+    'energy': energy.run_study,
+    'beyond': beyond.run_study,
+}
+
 
 BAGS = 'bags'
 STORE: Final = StoreFormat(

@@ -19,7 +19,7 @@ from lta_config.files import share_folder
 CORES: Final = ('lta_config', 'lta_control', 'lta_energy', 'lta_model', 'lta_sim', 'lta_vlc')
 DATA: Final = ('*.yaml', '*.json')
 ROWS: Final = 'paper'  # folder with one file per row
-KEPT: Final = 'lta_studies.reproduce.stored_row'  # defines the stored format
+KEPT: Final = 'lta_studies.reproduce.study_result'  # defines the stored format
 
 
 def hash_sources(name: str) -> str:

@@ -1,18 +1,73 @@
-"""Define the request and the result of a row's study."""
+"""Define request and result of a row's study, how both are stored, and how draws agree."""
 
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+import hashlib
+import json
 import math
 from pathlib import Path
-from typing import Any, final, NamedTuple
+from typing import Any, Final, final, NamedTuple
 
 from lta_config.files import find_file, load_yaml
-from lta_config.schema.paper_file import SceneRange
+from lta_config.quantity import Quantity
+from lta_config.schema.paper_file import AgreementRule, PaperRow, SceneRange
 from lta_config.schema.parameter_ranges import draw_between, draw_values
+from lta_flight.sweep.statistics import student_interval
+from lta_report.json_value import replace_nonfinite
 from lta_report.report import TextTable
 import numpy as np
 from plotly.graph_objects import Figure
-from scipy.special import stdtrit
+
+ROUNDING: Final = 1e-9  # relative tolerance for rounding differences between machines
+SURE: Final = 0.95  # share of the draws that makes a verdict
+
+
+class DrawSummary(NamedTuple):
+    """The values of a measure over the draws from the ranges of what is assumed."""
+
+    drawn: int  # number of draws
+    share: float  # share of them that satisfies the rule of the claim
+    middle: float | str  # median, or the most frequent word [SI]
+    # 5 % and 95 % quantiles of the draws; NaN for words [SI]
+    low: float = math.nan
+    high: float = math.nan
+    missing: int = 0  # draws without a value, such as the path of a flight that did not arrive
+
+
+def summarize_draws(
+    rule: AgreementRule, printed: Quantity | None, values: Sequence[float | str]
+) -> DrawSummary:
+    """Return the summary of draws; values that do not exist (NaN) satisfy no rule."""
+    share = sum(is_satisfied(rule, printed, value) for value in values) / len(values)
+    if isinstance(values[0], str):
+        return DrawSummary(len(values), share, Counter(values).most_common(1)[0][0])
+    numbers = [value for value in values if not isinstance(value, str) and math.isfinite(value)]
+    missing = len(values) - len(numbers)
+    if not numbers:
+        return DrawSummary(len(values), share, math.nan, missing=missing)
+    low, middle, high = map(float, np.quantile(numbers, [0.05, 0.5, 0.95]))
+    return DrawSummary(len(values), share, middle, low, high, missing)
+
+
+def is_satisfied(rule: AgreementRule, printed: Quantity | None, value: float | str) -> bool:
+    """Return whether a value satisfies a rule; NaN never does."""
+    if isinstance(value, str):
+        return value == rule.word
+    low, high = agreement_bounds(rule, printed)
+    # An open bound is infinite and gives no scale.
+    slack = ROUNDING * max(abs(bound) for bound in (low, high, 0.0) if math.isfinite(bound))
+    return low - slack <= value <= high + slack
+
+
+def agreement_bounds(rule: AgreementRule, printed: Quantity | None) -> tuple[float, float]:
+    """Return the bounds within which a value agrees. [SI]"""
+    if rule.within is not None and printed is not None:
+        # `within` is relative to the printed number.
+        half = rule.within.si * abs(printed.si)
+        return printed.si - half, printed.si + half
+    low = -math.inf if rule.least is None else rule.least.si
+    return low, math.inf if rule.most is None else rule.most.si
 
 
 class MeasuredValue(NamedTuple):
@@ -98,12 +153,7 @@ RowStudy = Callable[[RowStudyRequest], RowStudyResult]
 
 def average_over_seeds(values: Sequence[float]) -> MeasuredValue:
     """Return the mean over seeds with its 95 % interval (Student's t)."""
-    count, middle = len(values), float(np.mean(values))
-    if count < 2:
-        return MeasuredValue(middle, seeds=count)
-    # Two-sided 95 %: the 97.5 % quantile of Student's t
-    half = float(stdtrit(count - 1, 0.975) * np.std(values, ddof=1) / math.sqrt(count))
-    return MeasuredValue(middle, middle - half, middle + half, count)
+    return MeasuredValue(*student_interval(values), seeds=len(values))
 
 
 def average_measures(seeds: Sequence[Mapping[str, float]]) -> dict[str, MeasuredValue]:
@@ -119,3 +169,71 @@ def to_values(measures: Mapping[str, float]) -> dict[str, MeasuredValue]:
 def yes_no_value(yes: bool) -> MeasuredValue:
     """Return the value 'yes' or 'no'."""
     return MeasuredValue('yes' if yes else 'no')
+
+
+class StoredPicture(NamedTuple):
+    """A stored picture; `figure` is Plotly's JSON."""
+
+    name: str
+    heading: str
+    caption: str
+    figure: str
+    command: str
+    bag: str
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class StoredRow:
+    """
+    Results of a row's study, its number of seeds and its duration. [s]
+
+    `draws` has a summary for each claim and each of its measures that was drawn.
+    """
+
+    values: Mapping[str, MeasuredValue]
+    pictures: Sequence[StoredPicture]
+    tables: Sequence[TextTable]
+    seeds: int
+    seconds: float
+    draws: Mapping[str, Mapping[str, DrawSummary]] = field(default_factory=dict)
+
+
+def hash_row(row: PaperRow, seeds: int, quick: bool, code: str) -> str:
+    """Return a hash of the inputs of a row: its file, the effort, and the hash of the code."""
+    # Sorted keys, so that the order in the file does not matter.
+    text = json.dumps([row.model_dump(mode='json'), seeds, quick, code], sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def build_stored_row(
+    row: PaperRow, result: RowStudyResult, seeds: int, seconds: float
+) -> StoredRow:
+    """Convert the result of a study to its stored form."""
+    pictures = [
+        StoredPicture(p.name, p.heading, p.caption, p.figure.to_json(), p.command, p.bag)
+        for p in result.pictures
+    ]
+    draws = summarize_row_draws(row, result.draws)
+    return StoredRow(result.values, pictures, result.tables, seeds, seconds, draws)
+
+
+def summarize_row_draws(
+    row: PaperRow, draws: Mapping[str, Sequence[float | str]]
+) -> dict[str, dict[str, DrawSummary]]:
+    """Summarize the draws of each claim, by measure."""
+    summary = {
+        name: {
+            measure: summarize_draws(claim.rule, claim.value, draws[measure])
+            for measure in claim.measures.values()
+            if claim.rule is not None and draws.get(measure)
+        }
+        for name, claim in row.claims.items()
+    }
+    return {name: each for name, each in summary.items() if each}
+
+
+def encode_values(values: Mapping[str, MeasuredValue]) -> dict[str, list[Any]]:
+    """Convert values to JSON, with NaN as null."""
+    encoded: dict[str, list[Any]] = replace_nonfinite(values)
+    return encoded

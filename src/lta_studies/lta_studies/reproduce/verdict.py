@@ -27,14 +27,14 @@ from lta_config.quantity import format_with_unit, Quantity
 from lta_config.schema.paper_file import AgreementRule, PaperClaim, PaperMeasure, PaperRow
 from lta_flight.sweep.statistics import wilson_interval
 from lta_report.formatting import format_number, MISSING
-from lta_studies.reproduce.agreement import (
+from lta_studies.reproduce.study_result import (
     agreement_bounds,
     DrawSummary,
     is_satisfied,
+    MeasuredValue,
+    StoredRow,
     SURE,
 )
-from lta_studies.reproduce.stored_row import StoredRow
-from lta_studies.reproduce.study_result import MeasuredValue
 
 SIGNS: Final = {
     'deg': '°',

@@ -6,6 +6,10 @@ tolerate a loss if a drone that is unaware of it takes off, climbs by 0.4 m and 
 with the altitude within 0.3 m at the end of each step. Losses are tried in equal steps up to the
 limit of the rotors, then by bisection. Days follow from the permeation of the film
 (`lta_vehicle.figures.helium_leak`).
+
+Good step responses are not enough: gains can turn the drone too slowly for its guidance, so that
+it flies past its goal. Each test flight is therefore followed by one mission in the shipped scene,
+flown by `lta_flight.closed_loop` with the light link.
 """
 
 from collections.abc import Callable, Sequence
@@ -17,7 +21,7 @@ from lta_config.errors import BadInput
 from lta_control.cascade import CascadeGains
 from lta_model.propulsion import select_lifting_rotors
 from lta_model.vehicle import Vehicle
-from lta_studies.tune.metrics import compute_response_metrics
+from lta_studies.tune.compare import compute_response_metrics
 from lta_studies.tune.step_response import fly_steps, STEPS, TuningCase, TuningScene
 from lta_vehicle.figures.helium_leak import daily_lift_loss
 

@@ -3,12 +3,13 @@
 from collections.abc import Sequence
 import math
 
-from lta_report.drawing import build_line_trace, create_figure, padded_range
-from lta_report.palette import ESTIMATE, SETPOINT, SOFT, TRUTH
+from lta_report.charts import ChartAxis, Curve, draw_curves, Level
+from lta_report.drawing import decimate_line, padded_range
+from lta_report.palette import ESTIMATE, SETPOINT, TRUTH
 from lta_studies.tune.compare import GainEvaluation
 from lta_studies.tune.step_response import Array, Channel, SetpointStep, StepResponse, STEPS
 import numpy as np
-from plotly.graph_objects import Figure, Scatter
+from plotly.graph_objects import Figure
 
 OLD, NEW = ESTIMATE, TRUTH
 TITLES: dict[Channel, str] = {
@@ -26,34 +27,28 @@ def plot_responses(
     new: Sequence[tuple[float, StepResponse]],
 ) -> Figure:
     """Plot the step responses of one channel with old and new gains at each loss [kg]."""
-    figure = create_figure()
     steps = [step for step in STEPS if step.channel == channel]
     factor = 180.0 / math.pi if channel in ('heading', 'course') else 1.0
     begin, end = steps[0].start - MARGIN, steps[-1].end
-    limits = []
+    curves, limits = [], []
     for name, colour, traces in (('old', OLD, old), ('new', NEW, new)):
         for k, (loss, trace) in enumerate(traces):
             part = (trace.time >= begin) & (trace.time < end)
             values = factor * trace.select_channel(channel)[part]
             limits.append(values)
-            words = f'{name}, {1e3 * loss:.1f} g lost'
-            line = build_line_trace(
-                words, trace.time[part] - begin, values, colour, unit='', width=1.2
-            )
             # From 1 for the smallest loss to 0.4 for the largest
-            opacity = 1.0 - 0.6 * k / max(1, len(traces) - 1)
-            figure.add_trace(line.update(opacity=opacity))
+            pale = {'opacity': 1.0 - 0.6 * k / max(1, len(traces) - 1)}
+            line = decimate_line(trace.time[part] - begin, values)
+            words = f'{name}, {1e3 * loss:.1f} g lost'
+            curves.append(Curve(words, *line, colour, '%{y:.3~f}', width=1.2, more=pale))
     time, values = setpoint_line(steps, begin, end)
-    figure.add_trace(
-        build_line_trace(
-            'setpoint', time, factor * values, SETPOINT, unit='', dash='dot', width=1.0
-        )
+    curves.append(
+        Curve('setpoint', time, factor * values, SETPOINT, '%{y:.3~f}', 'lines', 'dot', 1.0)
     )
-    low, high = padded_range(*limits, factor * values)
-    figure.update_layout(hovermode='closest', margin={'r': 24})
-    figure.update_xaxes(title_text='time [s]')
-    figure.update_yaxes(title_text=TITLES[channel], range=[low, high])
-    return add_legend(figure)
+    span = padded_range(*limits, factor * values)
+    figure = draw_curves(curves, ChartAxis('time [s]'), ChartAxis(TITLES[channel], range=span))
+    figure.update_layout(hovermode='closest', margin={'r': 24}, showlegend=False)
+    return name_colours(figure)
 
 
 def setpoint_line(steps: Sequence[SetpointStep], begin: float, end: float) -> tuple[Array, Array]:
@@ -66,7 +61,7 @@ def setpoint_line(steps: Sequence[SetpointStep], begin: float, end: float) -> tu
     return np.array([*time, end - begin]), np.array([*values, values[-1]])
 
 
-def add_legend(figure: Figure) -> Figure:
+def name_colours(figure: Figure) -> Figure:
     """Label the colours of old and new gains."""
     # In pixels: a share of a narrow figure is less than the first label
     for words, colour, shift in (('old gains', OLD, 0), ('new gains', NEW, 70)):
@@ -79,35 +74,29 @@ def add_legend(figure: Figure) -> Figure:
 
 def plot_costs(old: GainEvaluation, new: GainEvaluation) -> Figure:
     """Plot the cost of each comparison flight against its loss."""
-    figure = create_figure()
-    for name, colour, flights in (('old', OLD, old), ('new', NEW, new)):
-        figure.add_trace(
-            Scatter(
-                x=[1e3 * loss for loss in flights.losses],
-                y=[report.cost for report in flights.reports],
-                mode='markers', name=name, marker={'color': colour, 'size': 7, 'opacity': 0.8},
-                hovertemplate=f'{name} gains: cost %{{y:.3f}} at %{{x:.2f}} g lost<extra></extra>',
-            )
-        )  # fmt: skip
-    figure.update_layout(hovermode='closest', margin={'r': 24})
-    figure.update_xaxes(title_text='lift lost [g]')
-    figure.update_yaxes(title_text='cost', rangemode='tozero')
-    return add_legend(figure)
+    curves = [
+        Curve(
+            name, [1e3 * loss for loss in flights.losses],
+            [report.cost for report in flights.reports], colour,
+            f'{name} gains: cost %{{y:.3f}} at %{{x:.2f}} g lost<extra></extra>', 'markers',
+            size=7, more={'marker_opacity': 0.8},
+        )
+        for name, colour, flights in (('old', OLD, old), ('new', NEW, new))
+    ]  # fmt: skip
+    figure = draw_curves(curves, ChartAxis('lift lost [g]'), ChartAxis('cost', zero=True))
+    figure.update_layout(hovermode='closest', margin={'r': 24}, showlegend=False)
+    return name_colours(figure)
 
 
 def plot_search(history: Sequence[float], cases: int) -> Figure:
     """Plot the lowest cost against the number of flights."""
-    figure = create_figure()
     flights = cases * np.arange(1.0, len(history) + 1.0)
-    figure.add_trace(
-        build_line_trace('best', flights, np.array(history), NEW, unit='', steps=True)
-    )
-    figure.add_hline(y=history[0], line={'color': SOFT, 'width': 1, 'dash': 'dot'})
-    figure.update_layout(margin={'r': 24})
-    figure.update_xaxes(title_text='flights')
+    steps = Curve('best', flights, history, NEW, more={'line_shape': 'hv'})
     # Where nothing better is found, ticks would differ in the ninth digit
     low, high = min(history), max(history)
     room = max(0.1 * (high - low), 0.01 * abs(high))
-    return figure.update_yaxes(
-        title_text='lowest cost so far', range=[low - room, high + room], tickformat='.3~g'
+    cost = ChartAxis(
+        'lowest cost so far', range=(low - room, high + room), more={'tickformat': '.3~g'}
     )
+    figure = draw_curves([steps], ChartAxis('flights'), cost, levels=[Level(history[0])])
+    return figure.update_layout(margin={'r': 24})

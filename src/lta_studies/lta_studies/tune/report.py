@@ -9,6 +9,7 @@ from lta_config.command_line import format_lta_command, relative_path
 from lta_report.formatting import format_number, Tile
 from lta_report.json_value import replace_nonfinite
 from lta_report.report import Grid, Picture, Report
+from lta_report.result_table import format_share
 from lta_studies.tune import pictures, report_tables
 from lta_studies.tune.compare import compare_costs, NAMES
 from lta_studies.tune.margins import to_decibels
@@ -178,7 +179,7 @@ def build_tiles(tuned: TuningResult) -> list[Tile]:
             'Missions at the goal',
             f'{100 * new.flights.reached_share.value:.0f}',
             '%',
-            f'before {report_tables.format_share(old.flights.reached_share)}',
+            f'before {format_share(old.flights.reached_share)}',
         ),
         Tile(
             'Holds up to',

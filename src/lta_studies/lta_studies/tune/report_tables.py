@@ -5,14 +5,13 @@ import math
 import re
 from typing import Final
 
-from lta_flight.sweep.statistics import ShareInterval
 from lta_report.formatting import format_number
 from lta_report.report import TextTable
+from lta_report.result_table import format_share
 from lta_studies.tune.compare import compare_costs, NAMES, QuartileSpread
 from lta_studies.tune.helium_limit import HeliumLimit
-from lta_studies.tune.margins import StabilityMargins, to_decibels
+from lta_studies.tune.margins import LoopMargins, StabilityMargins, to_decibels
 from lta_studies.tune.run import TuningResult
-from lta_studies.tune.stability_margins import LoopMargins
 
 Row = list[str]
 MARGINS_NOTE: Final = (
@@ -62,11 +61,6 @@ def format_headline(tuned: TuningResult) -> str:
         f'No significant difference of the cost over {len(old.reports)} new random flights '
         f'({interval}).'
     )
-
-
-def format_share(value: ShareInterval) -> str:
-    """Format a share with its interval in percent."""
-    return f'{100 * value.value:.0f} % ({100 * value.low:.0f} to {100 * value.high:.0f})'
 
 
 def format_spread(value: QuartileSpread, factor: float = 1.0, digits: int = 2) -> str:

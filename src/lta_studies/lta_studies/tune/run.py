@@ -19,24 +19,32 @@ from lta_report.study_progress import StudyProgress
 from lta_report.study_store import StudyStore
 from lta_report.workers import ItemFailure, Workers
 from lta_studies.tune import step_response
-from lta_studies.tune.compare import draw_cases, fly_comparison, GainEvaluation
-from lta_studies.tune.evaluation import (
+from lta_studies.tune.compare import (
+    draw_cases,
     evaluate_gains,
     evaluate_jobs,
     EvaluationJob,
+    fly_comparison,
+    GainEvaluation,
     hash_search,
+    ResponseMetrics,
     STORE,
 )
-from lta_studies.tune.gain_search import GainSearchResult, search_gains
-from lta_studies.tune.gains_file import round_gain, write_gains
+from lta_studies.tune.gain_search import (
+    GainSearchResult,
+    replace_parameters,
+    round_gain,
+    search_gains,
+    select_parameters,
+    TunableParameter,
+    write_gains,
+)
 from lta_studies.tune.helium_limit import (
     find_tolerable_helium_loss,
     HeliumLimit,
     rotor_lift_loss_limit,
 )
-from lta_studies.tune.metrics import ResponseMetrics
-from lta_studies.tune.parameters import replace_parameters, select_parameters, TunableParameter
-from lta_studies.tune.stability_margins import compute_loop_margins, CRUISE, LoopMargins
+from lta_studies.tune.margins import compute_loop_margins, CRUISE, LoopMargins
 from lta_studies.tune.step_response import TuningCase, TuningScene
 from rich.console import Console
 

@@ -15,11 +15,10 @@ from lta_model import limits
 from lta_model.scenario import load_scenario, VERTICAL_TOLERANCE
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_report.json_value import replace_nonfinite
-from lta_report.line_log import LogKind
 from lta_report.report import Report
 from lta_report.request import argument, Names, option, StudyRequest, StudyRun
 from lta_report.study import hash_inputs, Study
-from lta_report.study_store import StoreFormat
+from lta_report.study_store import LogKind, StoreFormat
 from lta_report.workers import report_progress
 from lta_sim import wind_limits
 from lta_studies.wind.flyable_wind import find_flyable_wind, FlyableWind, GroundWind, SHARES

@@ -6,18 +6,18 @@ from typing import Final
 
 from lta_config.command_line import format_lta_command
 from lta_model.vehicle import load_vehicle
-from lta_report.drawing import create_figure, EndLabel, label_ends
+from lta_report.charts import ChartAxis, Curve, draw_curves, item_colour, Level
 from lta_report.formatting import format_count, MISSING, Tile
-from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, SOFT, TIME, TRUTH, WALL
 from lta_report.report import Picture, Report, STOPPED, TextSection, TextTable
+from lta_report.result_table import build_table, Column
 from lta_sim import wind_limits
 from lta_studies.wind.flyable_wind import FlyableWind
 from lta_studies.wind.limits import DRAWS, PlatformWindLimits, to_json, WindStudyRequest
 import numpy as np
 from numpy.typing import NDArray
-from plotly.graph_objects import Figure, Scatter
+from plotly.graph_objects import Figure
 
-COLOURS: Final = (TRUTH, ESTIMATE, GOOD, LAMP, SETPOINT, TIME[0], TIME[2], TIME[3])
+TOP_WIND: Final = 20.0  # m/s, of the axis
 PAPER_WINDS: Final = ((8.0, 'paper: BAG converges'), (14.0, 'paper: all fail'))
 ROUGHNESS: Final = np.geomspace(1e-3, 0.45, 60)  # m
 TICKS: Final = (1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3)  # m
@@ -93,7 +93,7 @@ def format_introduction(request: WindStudyRequest) -> str:
         'Limits in uniform wind, and in wind over rough ground. The wind over ground is '
         f'given at {request.reference:g} m, as a weather service measures it; the log law '
         'yields the wind at the height of the hull. '
-        f'{note if request.fly else "Static limits only; nothing was note."}'
+        f'{note if request.fly else "Static limits only; nothing was flown."}'
     )
 
 
@@ -157,6 +157,14 @@ def format_flyable_wind(limit: FlyableWind | None, bracket: bool = True) -> str:
     return f'{limit.wind:.2f}' + (f' (+{limit.fine:.2f})' if bracket else '')
 
 
+def list_ground_columns(place: int) -> list[Column[PlatformWindLimits]]:
+    """Return the columns of the limits over one ground, by its place among the grounds."""
+    return [
+        Column('', 'static', 'm/s', 2, lambda each: each.over[place].static),
+        Column('', 'flown [m/s]', of=lambda each: format_flyable_wind(each.over[place].flown)),
+    ]
+
+
 def build_limit_table(
     results: Sequence[PlatformWindLimits], request: WindStudyRequest
 ) -> TextTable:
@@ -166,22 +174,19 @@ def build_limit_table(
         'wind at the hull',
         *(f'wind at {request.reference:g} m, roughness {z:g} m' for z in request.roughness),
     ]
-    heads = [
-        'platform', 'hull height [m]', 'rotors hold [m/s]', 'tumbles above [m/s]',
-        'rises above [m/s]', *['static [m/s]', 'flown [m/s]'] * len(grounds),
-    ]  # fmt: skip
-    rows = []
-    for each in results:
-        row = [each.name, f'{each.height:.2f}']
-        row += map(format_speed, (each.thrust, each.tumble, each.rise))
-        for static, dynamic in (
-            (each.static, each.flown),
-            *((g.static, g.flown) for g in each.over),
-        ):
-            row += [format_speed(static), format_flyable_wind(dynamic)]
-        rows.append(row)
+    columns: list[Column[PlatformWindLimits]] = [
+        Column('name', 'platform'),
+        Column('height', 'hull height', 'm', 2),
+        Column('thrust', 'rotors hold', 'm/s', 2),
+        Column('tumble', 'tumbles above', 'm/s', 2),
+        Column('rise', 'rises above', 'm/s', 2),
+        Column('static', 'static', 'm/s', 2),
+        Column('', 'flown [m/s]', of=lambda each: format_flyable_wind(each.flown)),
+    ]
+    for k in range(len(request.roughness)):
+        columns += list_ground_columns(k)
     groups = (('', 5), *((name, 2) for name in grounds))
-    return TextTable('Limits by platform', heads, rows, groups=groups)
+    return build_table('Limits by platform', columns, results, groups=groups)
 
 
 def build_provenance_table(request: WindStudyRequest) -> dict[str, str]:
@@ -209,46 +214,30 @@ def list_commands(request: WindStudyRequest) -> dict[str, str]:
 
 def draw_limits(results: Sequence[PlatformWindLimits], request: WindStudyRequest) -> Figure:
     """Plot the limits as reference wind against the roughness of the ground."""
-    figure = create_figure()
-    labels = []
+    curves = []
     for k, limit in enumerate(results):
-        colour = COLOURS[k % len(COLOURS)]
         if not 0.0 < limit.static < math.inf:
             continue
         wind = limit_curve(limit, request)
-        # 20 m/s is the top of the axis.
-        labels.append(EndLabel(limit.name, float(np.nan_to_num(wind[-1], nan=20.0)), colour))
-        figure.add_trace(
-            Scatter(
-                x=ROUGHNESS, y=wind, mode='lines', name=limit.name,
-                line={'color': colour, 'width': 1.6}, hovertemplate='%{y:.1f} m/s',
-            )
-        )  # fmt: skip
+        curves.append(Curve(limit.name, ROUGHNESS, wind, item_colour(k), '%{y:.1f} m/s',
+                            label=limit.name))  # fmt: skip
         points = [(over.roughness, over.flown.wind) for over in limit.over if over.flown]
         if points:
-            figure.add_trace(
-                Scatter(
-                    x=[z for z, _ in points], y=[wind for _, wind in points], mode='markers',
-                    name=f'{limit.name}, flown', marker={'color': colour, 'size': 8},
-                    hovertemplate='%{y:.1f} m/s flown',
+            grounds, winds = zip(*points, strict=True)
+            curves.append(
+                Curve(
+                    f'{limit.name}, flown', grounds, winds, item_colour(k),
+                    '%{y:.1f} m/s flown', 'markers',
                 )
             )  # fmt: skip
-    for speed, text in PAPER_WINDS:
-        figure.add_shape(
-            type='line', x0=0.0, x1=1.0, xref='paper', y0=speed, y1=speed, layer='below',
-            line={'color': WALL, 'width': 1, 'dash': '2px,3px'},
-        )  # fmt: skip
-        figure.add_annotation(
-            x=0.0, xref='paper', y=speed, yanchor='bottom', xanchor='left',
-            text=f'{speed:g} m/s, {text}', font={'size': 10, 'color': SOFT},
-        )  # fmt: skip
-    figure.update_xaxes(
-        type='log', title_text='roughness of the ground [m]', tickvals=TICKS,
-        ticktext=[f'{each:g}' for each in TICKS],
-    )  # fmt: skip
-    figure.update_yaxes(title_text=f'wind at {request.reference:g} m above the ground [m/s]')
-    label_ends(figure, labels, (0.0, 20.0))
-    return figure
+    return draw_curves(
+        curves,
+        ChartAxis('roughness of the ground [m]', log=True, ticks=TICKS),
+        ChartAxis(
+            f'wind at {request.reference:g} m above the ground [m/s]', range=(0.0, TOP_WIND)
+        ),
+        levels=[Level(speed, f'{speed:g} m/s, {text}') for speed, text in PAPER_WINDS],
+    )
 
 
 def limit_curve(limit: PlatformWindLimits, request: WindStudyRequest) -> NDArray[np.float64]:

@@ -1,5 +1,5 @@
 """
-Estimate the daily loss of lift by helium that permeates the hull film.
+Estimate the daily loss of lift by helium that permeates the hull film, and its days.
 
     rate = q S (rho_air - rho_he)
 
@@ -9,11 +9,17 @@ No value for the foil of toy balloons was found, so 0.2 to 0.9 is assumed for al
 A foil balloon has the surface pi^2 r^2 of the mylar shape (Paulsen 1994).
 """
 
+from collections.abc import Iterator
 import math
 
-from lta_config.constants import HELIUM_TO_AIR
+from lta_config.constants import HELIUM_TO_AIR, STANDARD_GRAVITY
 from lta_config.schema.vehicle_body import HullBlock
 from lta_model import mass_properties as hulls
+from lta_model.vehicle import Vehicle
+from lta_vehicle.figures.figure import DerivedFigure
+from lta_vehicle.figures.mass_budget import GRAMS, HULL
+from lta_vehicle.figures.thrust_envelope import CARRIED
+from lta_vehicle.figures.wrench_limit import solve_wrench_limit
 
 BAND = (0.2e-3, 0.9e-3)  # m3/(m2 day)
 SOURCE = (
@@ -57,3 +63,65 @@ def daily_lift_loss(hull: HullBlock, air_density: float) -> tuple[float, float]:
     density = air_density * (1.0 - HELIUM_TO_AIR)
     low, high = (flow * film_area(hull) * density for flow in BAND)
     return low, high
+
+
+HELIUM = 'Helium'
+
+
+def tolerable_lift_loss(vehicle: Vehicle) -> float | None:
+    """Return the loss of lift up to which it can hover; None if it cannot hover now. [kg]"""
+    up = solve_wrench_limit(vehicle, 'up')
+    if up is None:
+        return None
+    # `most` is the total upward force [N]; the heaviness [kg] is already carried
+    spare = up.most / STANDARD_GRAVITY - vehicle.heaviness
+    return spare if spare > 0.0 else None
+
+
+def derive_helium_figures(vehicle: Vehicle, held: float | None = None) -> Iterator[DerivedFigure]:
+    """
+    Yield the figures of the group 'Helium'.
+
+    `held`: loss of lift up to which simulated flights stayed stable, if this was tested [kg].
+    """
+    low, high = daily_lift_loss(vehicle.file.hull, vehicle.air_density)
+    # No hull, hence no film
+    if high <= 0.0:
+        return
+    for key, words, rate in (
+        ('leak_low', 'lift lost by helium leakage, at least', low),
+        ('leak_high', 'lift lost by helium leakage, at most', high),
+    ):
+        yield DerivedFigure(key, HELIUM, words, GRAMS * rate, 'g/day', SOURCE, HULL, 2)
+    spare = tolerable_lift_loss(vehicle)
+    note = 'it cannot hover now' if spare is None else format_leak_days(spare, low, high)
+    yield DerivedFigure(
+        'hover_loss',
+        HELIUM,
+        'can hover up to a lift loss of',
+        None if spare is None else GRAMS * spare,
+        'g',
+        'upward thrust minus the carried weight',
+        CARRIED,
+        1,
+        note,
+    )
+    if held is not None:
+        yield DerivedFigure(
+            'gains_loss',
+            HELIUM,
+            'controller stable up to a lift loss of',
+            GRAMS * held,
+            'g',
+            'simulated closed-loop flights with increasing weight',
+            (),
+            1,
+            format_leak_days(held, low, high),
+        )
+
+
+def format_leak_days(loss: float, low: float, high: float) -> str:
+    """Return the days until a loss of lift, at the highest and the lowest leak rate."""
+    return (
+        f'after {loss / high:.0f} to {loss / low:.0f} days of leakage' if loss > 0.0 else 'at once'
+    )

@@ -9,10 +9,14 @@ from lta_model import limits, propulsion
 from lta_model.electrical.loads import power_demand
 from lta_model.vehicle import Vehicle
 from lta_sim.wind_limits import rise_speed
-from lta_vehicle.figures.climb import terminal_speed, time_to_climb
 from lta_vehicle.figures.figure import DerivedFigure
 from lta_vehicle.figures.mass_budget import DEGREES, GRAMS
-from lta_vehicle.figures.wrench_limit import solve_wrench_limit, WrenchLimit
+from lta_vehicle.figures.wrench_limit import (
+    solve_wrench_limit,
+    terminal_speed,
+    time_to_climb,
+    WrenchLimit,
+)
 
 ROTORS, SPEED = 'Rotors', 'Speed'
 THRUST = ('rotors', 'thrust_curve', 'aero.thrust_allocation', 'aero.coupling')

@@ -16,13 +16,11 @@ from lta_report.report import (
     TextSection,
     TextTable,
 )
-from lta_vehicle.figures.entries import GUESSED
 from lta_vehicle.figures.figure import DerivedFigure
 from lta_vehicle.figures.mass_budget import CENTIMETRES, MassBudgetItem
-from lta_vehicle.figures.sheet import VehicleSheet
+from lta_vehicle.figures.sheet import GUESSED, VehicleSheet
 from lta_vehicle.views.gondola import draw_gondola
-from lta_vehicle.views.json_output import encode_sheet
-from lta_vehicle.views.sheet_summary import describe_vehicle, format_headline
+from lta_vehicle.views.sheet_summary import describe_vehicle, encode_sheet, format_headline
 from lta_vehicle.views.three_views import draw_three_views
 
 COLOURS: Final = {'cg': ESTIMATE, 'lift': TRUTH, 'push': GOOD, 'film': FILL}

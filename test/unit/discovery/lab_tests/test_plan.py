@@ -16,7 +16,7 @@ from lta_discovery.model.quaternions import rotation_matrix
 from lta_model.effects.protocol import AXES
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_report.report import TextTable
-from lta_vehicle.figures.pendulum import compute_pendulum_mode
+from lta_vehicle.figures.stability import compute_pendulum_mode
 import numpy as np
 import pytest
 

@@ -7,9 +7,9 @@ import sys
 
 from lta_config.files import share_folder
 from lta_report.report_terminal import print_table
-from lta_studies.cfd.progress import TunnelProgress
-from lta_studies.cfd.sphere_report import build_report
-from lta_studies.cfd.tables import build_drag_table, build_rotor_table
+from lta_studies.cfd.cluster import TunnelProgress
+from lta_studies.cfd.report import build_drag_table, build_rotor_table
+from lta_studies.cfd.sphere import build_report
 from lta_windtunnel.flow_plan import plan_flows
 from lta_windtunnel.sweep_table import drop_pressure_maps, read_sweep
 from lta_windtunnel.tunnel_model import load_tunnel_model

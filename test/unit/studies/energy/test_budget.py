@@ -11,9 +11,9 @@ from lta_model.electrical.loads import power_demand
 from lta_model.vehicle import load_vehicle
 from lta_report.report import TextTable
 from lta_studies.energy import paper
-from lta_studies.energy.budget import run, tasks
-from lta_studies.energy.budget.power_causes import explain_hover_power
+from lta_studies.energy.budget import run
 from lta_studies.energy.budget.report import build_report
+from lta_studies.energy.budget.run import explain_hover_power
 from lta_studies.energy.course_flight import FlightTrack
 import numpy as np
 import pytest
@@ -29,9 +29,9 @@ def found(tmp_path_factory, plain_laws):
     words = ['lta', 'energy', 'budget', '--seeds', '1', '--workers', '1', '--out', str(folder)]
     with pytest.MonkeyPatch.context() as patch, redirect_stdout(StringIO()) as told:
         for name, value in SHORT.items():
-            patch.setattr(tasks, name, value)
+            patch.setattr(run, name, value)
         patch.setattr(run, 'STRATEGIES', ('bag',))
-        patch.setattr(tasks, 'is_flight_over', lambda loop: loop.world.elapsed > 8.0)
+        patch.setattr(run, 'is_flight_over', lambda loop: loop.world.elapsed > 8.0)
         patch.setattr('sys.argv', words)
         assert run_command_line() == 0
     numbers = json.loads((folder / 'budget.json').read_text())
@@ -48,7 +48,7 @@ def made(height, rotors):
 
 
 def test_standing_is_what_the_paper_prints():
-    idle, transmitting = tasks.list_ground_tasks(GTMAB.loads)
+    idle, transmitting = run.list_ground_tasks(GTMAB.loads)
     assert idle.power == paper.IDLE
     assert transmitting.power == pytest.approx(paper.TRANSMITTING)
 
@@ -58,7 +58,7 @@ def test_tasks_are_told_apart_by_when_they_are_flown():
     height = [0.4] * 7 + [0.6, 0.86] + [0.9] * 91
     rotors = [0.0] * 5 + [3.0, 2.0, 1.0] + [0.5] * 52 + [0.9] * 40
     found = {
-        each.name: each for each in tasks.average_flight_tasks(GTMAB.loads, [made(height, rotors)])
+        each.name: each for each in run.average_flight_tasks(GTMAB.loads, [made(height, rotors)])
     }
     assert found['take-off'].rotors == pytest.approx(2.0)
     assert found['take-off'].seconds == 2.0
@@ -69,7 +69,7 @@ def test_tasks_are_told_apart_by_when_they_are_flown():
 
 def test_means_over_seeds_come_with_how_far_one_is_off():
     flights = [made([1.0] * 100, [power] * 100) for power in (0.4, 0.5, 0.9)]
-    hover = tasks.average_flight_tasks(GTMAB.loads, flights)[1]
+    hover = run.average_flight_tasks(GTMAB.loads, flights)[1]
     assert hover.rotors == pytest.approx(0.6)
     assert hover.off == pytest.approx(0.3)
 
@@ -124,13 +124,15 @@ def test_the_table_stands_beside_the_paper():
     named = {
         each.name: each
         for each in (
-            *tasks.list_ground_tasks(GTMAB.loads), tasks.TaskPower('hovering', 0.120, 0.6),
-            tasks.TaskPower('flying at 0.5 m/s', 0.120, 1.2),
-            tasks.TaskPower('navigating, DGA', 0.331, 1.2),
+            *run.list_ground_tasks(GTMAB.loads),
+            run.TaskPower('hovering', 0.120, 0.6, paper=(paper.HOVER,)),
+            run.TaskPower('flying at 0.5 m/s', 0.120, 1.2),
+            run.TaskPower('navigating, DGA', 0.331, 1.2, paper=paper.NAVIGATION),
         )
     }  # fmt: skip
     made_up = run.PowerBudget(
-        'gtmab', 'multirotor', named, tasks.TaskPower('hovering', 0.983, 6.4),
+        'gtmab', 'multirotor', named,
+        run.TaskPower('multirotor, hovering', 0.983, 6.4, paper=(paper.STANDARD,)),
         explain_hover_power(GTMAB, 0.72, paper.HOVER), GTMAB.loads,
     )  # fmt: skip
     report = build_report(made_up)

@@ -10,10 +10,12 @@ from lta_studies.energy.cells.arrays import (
     compute_ground_loads,
     compute_net_powers,
     find_largest_array,
+    find_pareto_front,
     has_printed_signs,
+    list_readings,
+    select_readings,
 )
-from lta_studies.energy.cells.ranking import find_pareto_front, list_readings, select_readings
-from lta_studies.energy.cells.tables import datasheet_charging_time, find_fronts_by_criterion
+from lta_studies.energy.cells.report import datasheet_charging_time, find_fronts_by_criterion
 import pytest
 
 TABLE = load_cell_table('seed_paper')

@@ -8,8 +8,7 @@ from lta_cli.app import run_command_line
 from lta_flight.flight_spec import build_vehicle_scenario_stack
 from lta_model.electrical.battery import BatteryModel, stored_energy
 from lta_studies.energy import paper
-from lta_studies.energy.hover.discharge import simulate_discharge
-from lta_studies.energy.hover.run import build_hover_spec, simulate_paper_hover
+from lta_studies.energy.hover.run import build_hover_spec, simulate_discharge, simulate_paper_hover
 import numpy as np
 import pytest
 

@@ -7,16 +7,16 @@ from lta_cli.app import run_command_line
 from lta_config.errors import BadInput
 from lta_config.files import find_file, load_yaml
 from lta_model.vehicle import load_vehicle
-from lta_studies.energy.mounting import panel_light, straight_flight
+from lta_studies.energy.mounting import mounted_vehicle, straight_flight
 from lta_studies.energy.mounting.mounted_vehicle import (
     build_mounted_vehicle,
     lift_deficit,
+    LightDirection,
     required_volume_factor,
 )
-from lta_studies.energy.mounting.panel_light import LightDirection
 from lta_studies.energy.mounting.run import MountTrial
-from lta_studies.energy.mounting.tilt_release import simulate_release, tilt_growth_rate
-from lta_vehicle.figures.pendulum import compute_pendulum_mode
+from lta_studies.energy.mounting.straight_flight import simulate_release, tilt_growth_rate
+from lta_vehicle.figures.stability import compute_pendulum_mode
 import numpy as np
 import pytest
 
@@ -134,7 +134,7 @@ def test_coinciding_centres_neither_right_nor_turn_over():
 @pytest.mark.parametrize('mount', ['top', 'bottom'])
 def test_level_panels_get_the_light_from_above(mount):
     made = build_mounted_vehicle(GTMAB, mount, fuller=FULLER)
-    found = panel_light.compute_light_shares(
+    found = mounted_vehicle.compute_light_shares(
         made.vehicle, made.mount, LightDirection('overhead', 0.5 * math.pi)
     )
     assert (found.series, found.apart) == pytest.approx((1.0, 1.0))
@@ -143,7 +143,7 @@ def test_level_panels_get_the_light_from_above(mount):
 @pytest.mark.parametrize('height', [15.0, 40.0, 75.0])
 def test_nothing_shades_the_top_so_that_it_gets_the_sine_of_the_height(height):
     made = build_mounted_vehicle(GTMAB, 'top')
-    found = panel_light.compute_light_shares(
+    found = mounted_vehicle.compute_light_shares(
         made.vehicle, made.mount, LightDirection('somewhere', math.radians(height))
     )
     assert found.series == found.apart == pytest.approx(math.sin(math.radians(height)))
@@ -151,9 +151,13 @@ def test_nothing_shades_the_top_so_that_it_gets_the_sine_of_the_height(height):
 
 def test_upright_panels_get_half_of_an_overcast_sky_and_one_of_two_sees_a_low_lamp():
     made = build_mounted_vehicle(GTMAB, 'side')
-    sky = panel_light.compute_light_shares(made.vehicle, made.mount, LightDirection('sky', None))
+    sky = mounted_vehicle.compute_light_shares(
+        made.vehicle, made.mount, LightDirection('sky', None)
+    )
     assert sky.series == pytest.approx(0.5, abs=2e-3)  # form factor of a wall
-    low = panel_light.compute_light_shares(made.vehicle, made.mount, LightDirection('low', 0.0))
+    low = mounted_vehicle.compute_light_shares(
+        made.vehicle, made.mount, LightDirection('low', 0.0)
+    )
     assert low.series == 0.0
     assert low.apart == pytest.approx(1.0 / math.pi, abs=2e-3)  # mean clipped cosine
 
@@ -171,7 +175,7 @@ def test_the_balloon_shades_the_far_panel_of_the_bottom_mount_by_the_tangent():
     low, high = float(hidden.min()), float(hidden.max())
     for height, seen in ((0.5 * (low + high), 0.0), (high - 0.12, 0.0), (high + 0.12, 1.0)):
         towards = (0.0, math.cos(height), math.sin(height))
-        got = panel_light.panel_light_share(made.vehicle, made.mount, 'panel_right', towards)
+        got = mounted_vehicle.panel_light_share(made.vehicle, made.mount, 'panel_right', towards)
         assert got == pytest.approx(seen * math.sin(height), abs=1e-9)
 
 

@@ -11,16 +11,23 @@ from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from lta_report.formatting import MISSING
 from lta_report.report import TextTable
-from lta_studies.light.bearing.bench import bearing_bound, BearingBench, BearingReading
-from lta_studies.light.bearing.places import build_flight_spec, PLACES, TrueDiodes
-from lta_studies.light.bearing.poses import BESIDE, CLEAR, draw_pose, NEAREST
+from lta_studies.light.bearing.bench import (
+    bearing_bound,
+    BearingBench,
+    BearingReading,
+    BESIDE,
+    build_flight_spec,
+    CLEAR,
+    draw_pose,
+    NEAREST,
+    PLACES,
+    TrueDiodes,
+)
 from lta_studies.light.bearing.report import build_report
 from lta_studies.light.bearing.run import (
+    BearingScore,
     BearingTrialRequest,
     BearingTrialResult,
-)
-from lta_studies.light.bearing.score import (
-    BearingScore,
     median_interval,
     median_normal_error,
     score_readings,

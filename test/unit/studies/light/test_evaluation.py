@@ -22,25 +22,19 @@ from lta_report.request import StudyRun
 from lta_report.study import StudyOptions
 from lta_sim.readings import FlightOutcome
 from lta_sim.termination import OUTCOMES
-from lta_studies.light.evaluation import (
-    ground_roughness,
-    path_order,
-    pilot,
-    scores_page,
-    sets,
-    wind,
-)
-from lta_studies.light.evaluation.cells import EvaluationCell
+from lta_studies.light.evaluation import flights, path_order, report, sets, wind
+from lta_studies.light.evaluation.cells import bootstrap_mean, bootstrap_ratio, EvaluationCell
 from lta_studies.light.evaluation.flights import (
     build_sweep_plan,
     count_flights_per_seed,
     iterate_tasks,
+    PILOT,
 )
-from lta_studies.light.evaluation.intervals import bootstrap_mean, bootstrap_ratio
 from lta_studies.light.evaluation.paper import ORDER
-from lta_studies.light.evaluation.report import build_report
+from lta_studies.light.evaluation.report import build_report, format_scores_page
 from lta_studies.light.evaluation.run import EvaluationRequest, run_evaluation
 from lta_studies.light.evaluation.sets import FlightSet, SETS
+from lta_studies.light.evaluation.tables import describe_grounds
 import numpy as np
 import pytest
 from rich.console import Console
@@ -178,11 +172,11 @@ def test_a_wind_is_told_as_share_of_what_the_vehicle_flies():
 
 def test_the_pilot_keeps_its_track_straight():
     """The 3-4-5 triangle; and the bounds: no more than the top, and slowly only where it must."""
-    assert pilot.solve_wind_triangle(0.0, 0.3, 0.5, 1.0) == pytest.approx((0.4, -0.3))
-    assert pilot.solve_wind_triangle(-0.4, 0.0, 0.5, 1.0) == pytest.approx((1.0, 0.0))
-    assert pilot.solve_wind_triangle(0.0, -0.6, 0.5, 1.0) == pytest.approx((0.8, 0.6))
-    assert pilot.solve_wind_triangle(0.0, 2.0, 0.5, 1.0) == pytest.approx((0.0, -1.0))
-    assert pilot.solve_wind_triangle(0.9, 0.0, 0.5, 1.0) == pytest.approx((0.5, 0.0))
+    assert flights.solve_wind_triangle(0.0, 0.3, 0.5, 1.0) == pytest.approx((0.4, -0.3))
+    assert flights.solve_wind_triangle(-0.4, 0.0, 0.5, 1.0) == pytest.approx((1.0, 0.0))
+    assert flights.solve_wind_triangle(0.0, -0.6, 0.5, 1.0) == pytest.approx((0.8, 0.6))
+    assert flights.solve_wind_triangle(0.0, 2.0, 0.5, 1.0) == pytest.approx((0.0, -1.0))
+    assert flights.solve_wind_triangle(0.9, 0.0, 0.5, 1.0) == pytest.approx((0.5, 0.0))
 
 
 @pytest.fixture(scope='module')
@@ -255,7 +249,7 @@ def test_batches_fly_all_strategies_and_leave_the_pilot_alone(done, tmp_path, mo
     assert batches == [(2, [1, 1, 1, 1, 2, 2, 2, 2], 'cpu-batch', True)]
     for name, own in done.cells.items():
         for single, each in zip(own, batched.cells[name], strict=True):
-            if each.strategy == pilot.NAME:
+            if each.strategy == PILOT:
                 # Single flights as before, but for the time that they took
                 found = {seed: replace(row, wall=0.0) for seed, row in each.rows.items()}
                 assert found == {seed: replace(row, wall=0.0) for seed, row in single.rows.items()}
@@ -265,7 +259,7 @@ def test_batches_fly_all_strategies_and_leave_the_pilot_alone(done, tmp_path, mo
     # Flights of another kind are not taken for these
     with pytest.raises(BadInput, match='other'):
         run_evaluation(order.replace(device=None), run)
-    assert '--device cpu-batch' in scores_page.format_scores_page(batched)
+    assert '--device cpu-batch' in report.format_scores_page(batched)
 
 
 def test_what_was_flown_is_not_flown_again_and_more_seeds_only_add(done, folder, monkeypatch):
@@ -330,7 +324,7 @@ def test_report_figures_and_docs_say_the_same(done):
     path = f'{first["path_length"]["value"]:.1f} ({first["path_length"]["low"]:.1f}'
     tables = {each.heading: each for each in report.blocks if isinstance(each, TextTable)}
     assert tables['Near'].rows[0][4].startswith(path)
-    page = scores_page.format_scores_page(done)
+    page = format_scores_page(done)
     assert path in page
     assert '--seeds 2' in page
 
@@ -376,7 +370,7 @@ def test_the_ground_over_which_the_papers_wind_is_flown_is_told():
         over(0.4, [6.0, 7.0], 1),
         over(0.45, [6.0], 0),
     ]
-    told = ground_roughness.describe_grounds(cells)
+    told = describe_grounds(cells)
     assert told.endswith('of the ground is large enough: BAG over 0.4 m and more.')
-    assert 'BAG over none of these grounds.' in ground_roughness.describe_grounds(cells[:2])
-    assert ground_roughness.describe_grounds([]) == ''
+    assert 'BAG over none of these grounds.' in describe_grounds(cells[:2])
+    assert describe_grounds([]) == ''

@@ -5,8 +5,8 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.errors import BadInput
-from lta_studies.light.plan.crosstalk import compute_crosstalk
 from lta_studies.light.plan.frequencies import choose_frequencies, FrequencyBand, LOWEST
+from lta_studies.light.plan.joint_snr import compute_crosstalk
 import numpy as np
 import pytest
 

@@ -10,20 +10,26 @@ from lta_config.errors import BadInput
 from lta_config.files import find_file, list_shipped_names, load_file
 from lta_model.scenario import load_scenario
 from lta_studies.light.plan.floor import build_floor
-from lta_studies.light.plan.floor_plan import FloorPlan
-from lta_studies.light.plan.gaps import BEYOND, DROWNED, FEW, find_gaps
-from lta_studies.light.plan.handover import find_longest_route, plan_handover
-from lta_studies.light.plan.mounts import list_mounts
-from lta_studies.light.plan.polygon import (
+from lta_studies.light.plan.floor_plan import (
     distance_to_edges,
     find_polygon_flaw,
+    FloorPlan,
     points_in_polygon,
     polygon_edges,
     signed_area,
 )
-from lta_studies.light.plan.set_cover import (
+from lta_studies.light.plan.layout import (
+    BEYOND,
+    DROWNED,
+    FEW,
+    find_gaps,
+    find_longest_route,
+    plan_handover,
+)
+from lta_studies.light.plan.planner import (
     coverage_demand,
     improve_cover,
+    list_mounts,
     merge_duplicate_cells,
     select_greedily,
     solve_lower_bound,

@@ -7,11 +7,13 @@ from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_model.light.view import LightView
-from lta_studies.light.bearing.bench import BearingBench
-from lta_studies.light.bearing.places import build_flight_spec, PLACES
+from lta_studies.light.bearing.bench import BearingBench, build_flight_spec, PLACES
 from lta_studies.light.bearing.study import pose_for_lamp_direction
-from lta_studies.light.turntable.response import fit_response
-from lta_studies.light.turntable.turntable import summarize_directions, TurntableReadings
+from lta_studies.light.turntable.turntable import (
+    fit_response,
+    summarize_directions,
+    TurntableReadings,
+)
 from lta_vlc.diodes import build_diode_array, build_even_ring
 import numpy as np
 import pytest

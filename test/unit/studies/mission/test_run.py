@@ -9,9 +9,9 @@ from lta_report.request import StudyRun
 from lta_report.study import StudyOptions
 from lta_report.study_store import StudyStore
 from lta_studies.mission import run as running
+from lta_studies.mission.flyer import AWARE, NAIVE
 from lta_studies.mission.report import format_headline
 from lta_studies.mission.run import load_request, MissionResult, run_missions, STORE
-from lta_studies.mission.simulate_mission import AWARE, NAIVE
 import pytest
 from rich.console import Console
 

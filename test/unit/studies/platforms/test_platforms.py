@@ -10,6 +10,7 @@ from lta_config.files import find_file, load_yaml
 from lta_config.schema.comparison_file import EntryChange, load_comparison, load_maneuver_file
 from lta_control import autopilot
 from lta_flight.flight_spec import build_loop, load_spec
+from lta_flight.sweep.statistics import student_interval
 from lta_model.limits import level_speed
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
@@ -18,9 +19,7 @@ from lta_report.request import StudyRun
 from lta_report.study import StudyOptions
 from lta_report.study_store import StudyStore
 from lta_sim.readings import FlightOutcome
-from lta_studies.platforms.entrants import build_entrant
-from lta_studies.platforms.flight import fly_maneuver
-from lta_studies.platforms.metrics import compute_tracking_metrics
+from lta_studies.platforms.flight import build_entrant, compute_tracking_metrics, fly_maneuver
 from lta_studies.platforms.report import build_report
 from lta_studies.platforms.run import (
     build_entries,
@@ -32,7 +31,7 @@ from lta_studies.platforms.run import (
     STORE,
     summarize_flight,
 )
-from lta_studies.platforms.summary import compute_lift_margin, describe_reversals, estimate_mean
+from lta_studies.platforms.summary import compute_lift_margin, describe_reversals
 import numpy as np
 import pytest
 from rich.console import Console
@@ -114,10 +113,10 @@ def test_no_number_is_no_success():
 
 def test_means_have_student_s_interval():
     """Three numbers: t = 4.302653 at 2 degrees of freedom (tables)."""
-    found = estimate_mean([1.0, 2.0, 3.0, math.nan])
+    found = student_interval([1.0, 2.0, 3.0])
     assert found.value == 2.0
     assert found.high - found.value == pytest.approx(4.302653 / math.sqrt(3.0), 1e-6)
-    assert math.isnan(estimate_mean([1.0]).high)
+    assert math.isnan(student_interval([1.0]).high)
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import math
 
 from lta_config.constants import AIR_DENSITY
 from lta_config.schema.comparison_file import load_comparison
-from lta_studies.platforms.entrants import build_entrant
+from lta_studies.platforms.flight import build_entrant
 from lta_studies.reproduce.studies.platforms import (
     count_thrust_lines,
     CRITERIA,

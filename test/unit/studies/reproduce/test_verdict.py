@@ -9,9 +9,7 @@ from lta_config.quantity import Quantity
 from lta_config.schema.paper_file import AgreementRule, PaperMeasure, PaperRow
 from lta_report.report import TextTable
 from lta_report.study_store import StudyStore
-from lta_studies.reproduce import stored_row
-from lta_studies.reproduce.agreement import DrawSummary, is_satisfied, summarize_draws
-from lta_studies.reproduce.registry import STUDIES
+from lta_studies.reproduce import study_result
 from lta_studies.reproduce.report import (
     build_claim_table,
     build_paper_figure_table,
@@ -19,9 +17,14 @@ from lta_studies.reproduce.report import (
     list_claim_findings,
     to_json,
 )
-from lta_studies.reproduce.run import STORE
+from lta_studies.reproduce.run import STORE, STUDIES
 from lta_studies.reproduce.studies.indoors import PRINTED, rms_misfit
-from lta_studies.reproduce.study_result import average_over_seeds, MeasuredValue
+from lta_studies.reproduce.study_result import (
+    DrawSummary,
+    is_satisfied,
+    MeasuredValue,
+    summarize_draws,
+)
 from lta_studies.reproduce.verdict import (
     ClaimVerdict,
     format_draws,
@@ -75,7 +78,7 @@ def test_a_rule_holds_or_not(rule, value, kept):
 
 
 def stored(draws=None, **values):
-    return stored_row.StoredRow(
+    return study_result.StoredRow(
         {name: MeasuredValue(value) for name, value in values.items()}, [], [], 1, 0.0, draws or {}
     )
 
@@ -154,7 +157,7 @@ def test_what_was_not_drawn_needs_its_whole_interval():
 
     def judge(*value):
         values = {'path': MeasuredValue(*value)}
-        return judge_claim('path', claim, stored_row.StoredRow(values, [], [], 1, 0.0))
+        return judge_claim('path', claim, study_result.StoredRow(values, [], [], 1, 0.0))
 
     # 6.57 to 8.03 m agree
     assert judge(7.3, 7.0, 8.0) is ClaimVerdict.AGREES
@@ -219,7 +222,7 @@ def test_values_are_told_rounded_as_declared_with_their_interval():
 def test_a_gap_is_told_where_a_claim_differs_alone():
     def told_of(path):
         found = {'path': MeasuredValue(path), 'first': MeasuredValue('BAG')}
-        return list_claim_findings(ROW, stored_row.StoredRow(found, [], [], 1, 0.0))
+        return list_claim_findings(ROW, study_result.StoredRow(found, [], [], 1, 0.0))
 
     # The second claim agrees and has no remark; the third says why it cannot be tested
     untested = '*A pressure.* No wind tunnel.'
@@ -229,7 +232,7 @@ def test_a_gap_is_told_where_a_claim_differs_alone():
 
 def test_each_claim_has_a_row_with_its_verdict():
     found = {'path': MeasuredValue(9.0, 8.5, 9.5, 3)}
-    table = build_claim_table(ROW, stored_row.StoredRow(found, [], [], 3, 0.0))
+    table = build_claim_table(ROW, study_result.StoredRow(found, [], [], 3, 0.0))
     dash = '\N{EN DASH}'
     assert table.rows == [
         [
@@ -257,17 +260,10 @@ def test_each_claim_has_a_row_with_its_verdict():
     assert [table.colors[row[-1]] for row in table.rows] == ['bad', 'soft', 'soft']
 
 
-def test_means_have_students_interval():
-    found = average_over_seeds([1.0, 2.0, 3.0])
-    assert found.value == 2.0
-    assert found.high == pytest.approx(2.0 + 4.302652729911275 / math.sqrt(3.0))
-    assert math.isnan(average_over_seeds([1.0]).low)
-
-
 def test_a_row_is_stored_whole(tmp_path):
     values = {'path': MeasuredValue(7.0, seeds=2), 'first': MeasuredValue('BAG')}
-    picture = stored_row.StoredPicture('path', 'Path', 'The path.', '{}', 'lta fly', '')
-    row = stored_row.StoredRow(values, [picture], [TextTable('T', ['a'], [['b']])], 2, 1.5)
+    picture = study_result.StoredPicture('path', 'Path', 'The path.', '{}', 'lta fly', '')
+    row = study_result.StoredRow(values, [picture], [TextTable('T', ['a'], [['b']])], 2, 1.5)
     with StudyStore(tmp_path, STORE, 'rows') as store:
         store.add('row', row)
     with StudyStore(tmp_path, STORE, 'rows') as store:
@@ -276,11 +272,11 @@ def test_a_row_is_stored_whole(tmp_path):
 
 def test_a_changed_row_file_or_effort_is_another_row():
     names = {
-        stored_row.hash_row(ROW, 1, True, 'code'),
-        stored_row.hash_row(ROW, 2, True, 'code'),
-        stored_row.hash_row(ROW, 1, False, 'code'),
-        stored_row.hash_row(ROW, 1, True, 'other'),
-        stored_row.hash_row(ROW.model_copy(update={'title': 'Other'}), 1, True, 'code'),
+        study_result.hash_row(ROW, 1, True, 'code'),
+        study_result.hash_row(ROW, 2, True, 'code'),
+        study_result.hash_row(ROW, 1, False, 'code'),
+        study_result.hash_row(ROW, 1, True, 'other'),
+        study_result.hash_row(ROW.model_copy(update={'title': 'Other'}), 1, True, 'code'),
     }
     assert len(names) == 5
 
@@ -297,7 +293,7 @@ def test_what_the_paper_leaves_for_later_is_no_claim_of_it():
     assert judge_claim('later', row.claims['later'], stored(path=1.0)) is ClaimVerdict.BEYOND
     assert judge_claim('later', row.claims['later'], stored()) is ClaimVerdict.BEYOND
     found = {
-        'row': stored_row.StoredRow(
+        'row': study_result.StoredRow(
             {'path': MeasuredValue(7.0), 'first': MeasuredValue('BAG')}, [], [], 1, 0.0
         )
     }
@@ -315,11 +311,11 @@ def test_nothing_is_told_of_a_measure_that_was_left_out():
 
 def test_figures_come_back_from_their_file():
     values = {'path': MeasuredValue(9.0, 8.0, math.inf, 3), 'first': MeasuredValue('DGA')}
-    drawn = stored_row.StoredPicture(
+    drawn = study_result.StoredPicture(
         'way', 'The way', 'From above.', '{}', 'lta simulate', 'bags/way'
     )
     draws = {'path': {'path': DrawSummary(200, 0.25, 9.0)}}
-    found = {'row': stored_row.StoredRow(values, [drawn], [], 3, 2.04, draws)}
+    found = {'row': study_result.StoredRow(values, [drawn], [], 3, 2.04, draws)}
     again = kepts_in(to_json([ROW], found))['row']
     assert again.values['path'][:2] == (9.0, 8.0)
     assert math.isnan(again.values['path'].high)
@@ -333,11 +329,11 @@ def test_figures_come_back_from_their_file():
 def test_a_cause_is_told_with_what_sized_it_and_not_where_that_was_left_out():
     series = {'one': {'figure': 'Fig. 1', 'printed': 'a path', 'said': 'It takes {path}.'}}
     row = validate_content(PaperRow, {**CONTENT, 'series': series}, 'row')
-    found = stored_row.StoredRow({'path': MeasuredValue(7.04)}, [], [], 1, 0.0)
+    found = study_result.StoredRow({'path': MeasuredValue(7.04)}, [], [], 1, 0.0)
     assert build_paper_figure_table([row], {'row': found}).rows == [
         ['1', 'Fig. 1', 'a path', 'It takes 7.0 m.']
     ]
-    none = stored_row.StoredRow({}, [], [], 1, 0.0)
+    none = study_result.StoredRow({}, [], [], 1, 0.0)
     assert build_paper_figure_table([row], {'row': none}).rows[0][3] == '\N{EN DASH}'
     wrong = {**CONTENT, 'series': {'one': {**series['one'], 'said': 'It takes {pth}.'}}}
     with pytest.raises(BadInput, match='but does not define it'):

@@ -12,11 +12,9 @@ from lta_control.gains_file import load_gains
 from lta_model.sensors.pressure import PressureErrors, PressureSettings
 from lta_model.sensors.range import RangeErrors, RangeSettings
 from lta_sim.world import World
-from lta_studies.tune.linearization import linearize_loop
-from lta_studies.tune.loop_cut import LoopCut
-from lta_studies.tune.margins import compute_margins, to_decibels
-from lta_studies.tune.parameters import replace_parameters
-from lta_studies.tune.stability_margins import compute_loop_margins
+from lta_studies.tune.gain_search import replace_parameters
+from lta_studies.tune.loop_cut import linearize_loop, LoopCut
+from lta_studies.tune.margins import compute_loop_margins, compute_margins, to_decibels
 from lta_studies.tune.step_response import TuningScene
 import numpy as np
 import pytest

@@ -10,19 +10,29 @@ from lta_config.settings import setting, Settings
 from lta_control.gains_file import load_gains
 from lta_report.study_store import StudyStore
 from lta_report.workers import ItemFailure, LocalWorkers
-from lta_studies.tune import evaluation, helium_limit
+from lta_studies.tune import compare, helium_limit
 from lta_studies.tune import run as tuning
-from lta_studies.tune.compare import compare_costs, compute_quartiles, GainEvaluation
-from lta_studies.tune.evaluation import evaluate_jobs, STORE
-from lta_studies.tune.gain_search import GainSearchResult, robust_cost, search_gains
-from lta_studies.tune.gains_file import format_gains, write_gains
-from lta_studies.tune.lamp_flight import fly_to_lamp, LampFlightResult
-from lta_studies.tune.metrics import compute_step_metrics, ResponseMetrics
-from lta_studies.tune.parameters import (
+from lta_studies.tune.compare import (
+    compare_costs,
+    compute_quartiles,
+    compute_step_metrics,
+    evaluate_jobs,
+    fly_to_lamp,
+    GainEvaluation,
+    LampFlightResult,
+    ResponseMetrics,
+    STORE,
+)
+from lta_studies.tune.gain_search import (
+    format_gains,
+    GainSearchResult,
     iterate_parameters,
     replace_parameters,
+    robust_cost,
+    search_gains,
     select_parameters,
     TunableParameter,
+    write_gains,
 )
 from lta_studies.tune.step_response import fly_steps, SetpointStep, TuningCase, TuningScene
 import numpy as np
@@ -268,7 +278,7 @@ def test_gains_that_may_ask_for_less_hold_less(monkeypatch):
 def test_the_verb_tunes(call, tmp_path, monkeypatch):
     monkeypatch.setattr(helium_limit, 'TRIED', 1)
     monkeypatch.setattr(helium_limit, 'HALVINGS', 0)
-    monkeypatch.setattr(evaluation, 'fly_to_lamp', lambda *_: LampFlightResult(True, 0.3))
+    monkeypatch.setattr(compare, 'fly_to_lamp', lambda *_: LampFlightResult(True, 0.3))
     folder = tmp_path / 't'
     words = ('--budget=2', '--draws=2', '--cases=1', '--workers=1', '--number=climb.kp', '--json')
     status, said = call('tune', 'gtmab', '--most=0 g', *words, f'--out={folder}')

@@ -20,8 +20,8 @@ from lta_data.plot.terminal import (
     select_channels,
     unwrap_to_degrees,
 )
-from lta_report.page_frame import write_file
 from lta_report.report_page import render_report
+from lta_report.results_folder import write_file
 from rich.console import Console
 import typer
 

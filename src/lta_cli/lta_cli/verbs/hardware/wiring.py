@@ -7,8 +7,7 @@ from lta_analysis.console import plain_console
 from lta_cli.options.common_options import VehicleName
 from lta_config.schema.crazyflie_file import find_crazyflie
 from lta_model.vehicle import load_vehicle
-from lta_report.page_frame import write_file
-from lta_report.results_folder import create_folder
+from lta_report.results_folder import create_folder, write_file
 from lta_vehicle.views.wiring import draw_wiring
 import typer
 

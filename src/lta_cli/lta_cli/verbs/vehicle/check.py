@@ -6,7 +6,7 @@ from lta_analysis.console import plain_console
 from lta_cli.options.common_options import Json, print_json, VehicleName
 from lta_config.files import find_file
 from lta_vehicle.validation import validate_vehicle_file
-from lta_vehicle.views import terminal
+from lta_vehicle.views import sheet_summary
 import typer
 
 
@@ -30,7 +30,7 @@ def check(name: VehicleName, json: Json = False) -> None:
             # PATH: MESSAGE, the format that editors recognise
             sys.stderr.write(f'{path}: {fault}\n')
         console = plain_console()
-        terminal.show_warnings(result.warnings, console)
+        sheet_summary.show_warnings(result.warnings, console)
         if not result.faults:
             console.print(f'{path} is a valid vehicle file.', highlight=False, soft_wrap=True)
     # A faulty file is bad input, status 2

@@ -7,8 +7,8 @@ from lta_cli.options.common_options import Json, print_json, VehicleName
 from lta_config.errors import BadInput
 from lta_model.vehicle import load_vehicle
 from lta_vehicle.difference import compare_vehicles, load_vehicle_variant
-from lta_vehicle.views import terminal
-from lta_vehicle.views.json_output import encode_difference
+from lta_vehicle.views import sheet_summary
+from lta_vehicle.views.sheet_summary import encode_difference
 import typer
 
 
@@ -58,4 +58,4 @@ def diff(
         print_json(encode_difference(difference))
         return
     label = f'{second} changed' if changes or swaps else second
-    terminal.show_difference(difference, (name, label), plain_console())
+    sheet_summary.show_difference(difference, (name, label), plain_console())

@@ -6,8 +6,7 @@ from typing import Annotated
 from lta_analysis.console import plain_console
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
-from lta_vehicle.new_vehicle import write_new_vehicle
-from lta_vehicle.sized_vehicle import describe_balance, write_sized_vehicle
+from lta_vehicle.new_vehicle import describe_balance, write_new_vehicle, write_sized_vehicle
 from lta_vehicle.vehicle_size import MOTORS, parse_size, VehicleSize
 import typer
 

@@ -21,7 +21,7 @@ from lta_studies.tune.helium_limit import find_tolerable_helium_loss
 from lta_studies.tune.run import select_start_gains
 from lta_vehicle.figures.sheet import build_sheet
 from lta_vehicle.validation import find_warnings
-from lta_vehicle.views import terminal
+from lta_vehicle.views import sheet_summary
 from lta_vehicle.views.report import build_report
 from rich.console import Console
 import typer
@@ -74,7 +74,7 @@ def show(
     if json:
         print_json(report.data)
     else:
-        terminal.show_sheet(sheet, report, console)
+        sheet_summary.show_sheet(sheet, report, console)
     if out is not None:
         console.print(format_page_line(out.absolute() / PAGE), highlight=False, soft_wrap=True)
 

@@ -12,8 +12,7 @@ from lta_data.bag.recorded_flight import open_flight
 from lta_data.scene import parse_provenance_file
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_vehicle.flight_record import read_flight_record
-from lta_vehicle.trim import estimate_heaviness
-from lta_vehicle.trim_report import describe_heaviness, encode_heaviness
+from lta_vehicle.trim import describe_heaviness, encode_heaviness, estimate_heaviness
 import typer
 
 

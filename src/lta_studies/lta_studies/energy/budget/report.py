@@ -1,17 +1,19 @@
 """Build the report of a power budget."""
 
+from dataclasses import asdict
 from typing import Final
 
 from lta_config.command_line import format_lta_command
 from lta_model.electrical.loads import BENCH, power_at_duty
-from lta_report.drawing import add_legend, create_figure, EndLabel, label_ends
-from lta_report.formatting import format_number, MISSING, Tile
-from lta_report.palette import ESTIMATE, GOOD, INK, LAMP, RAW, SOFT, TRUTH
+from lta_report.charts import ChartAxis, Curve, draw_bars, draw_curves
+from lta_report.formatting import Tile
+from lta_report.palette import ESTIMATE, GOOD, LAMP, RAW, TRUTH
 from lta_report.report import Picture, Report, TextSection, TextTable
+from lta_report.result_table import build_table, Column, to_record
 from lta_studies.energy import paper
-from lta_studies.energy.budget.run import format_paper_values, PowerBudget, to_json
+from lta_studies.energy.budget.run import PowerBudget, TaskPower
 import numpy as np
-from plotly.graph_objects import Bar, Figure, Scatter
+from plotly.graph_objects import Figure
 
 TO: Final = '\N{EN DASH}'
 VOLTAGES: Final = ((4.2, TRUTH), (3.7, GOOD), (3.3, ESTIMATE))  # V, full to nearly empty
@@ -27,107 +29,86 @@ MOTORS: Final = (
     '(16 rows) without the electronics. Their supply voltage dropped from 4.0 to 3.3 V with '
     'load, so the dots move from line to line.'
 )
+COLUMNS: Final[tuple[Column[TaskPower], ...]] = (
+    Column('', 'task', of=lambda task: task.name),
+    Column('power'),
+    Column('seconds', 'seconds', digits=1),
+    Column('electronics', 'electronics', 'mW', 0),
+    Column('rotors'),
+    Column('off'),
+    Column('', 'rotors [mW]', of=lambda task: f'{1e3 * task.rotors:.0f}' + (
+        f'\N{PLUS-MINUS SIGN}{1e3 * task.off:.0f}' if task.rotors else '')),
+    Column('', 'total', 'mW', 0, lambda task: task.power),
+    Column('', 'paper [mW]', of=lambda task: format_paper_power(task)),
+    # Of a range in the paper, its middle is compared
+    Column('', 'ours / paper', digits=2,
+           of=lambda task: task.power / np.mean(task.paper) if task.paper else None),
+)  # fmt: skip
 
 
 def build_report(result: PowerBudget) -> Report:
     """Return the report of a power budget."""
+    hover = result.tasks['hovering'].power
     return Report(
         command='energy budget',
         subject=result.vehicle,
-        headline=format_headline(result),
+        headline=(
+            f'Hovering takes {1e3 * hover:.0f} mW, {100.0 * result.hover_power_ratio:.0f} % of '
+            f'the power of a {result.standard}; the paper states {1e3 * paper.HOVER:.0f} mW, '
+            '"almost one third".'
+        ),
         introduction=(
             'Power of each task in simulated flights, compared with the paper (Huang et al. 2025).'
         ),
-        tiles=build_tiles(result),
+        tiles=[
+            *(
+                Tile(task.name, f'{1e3 * task.power:.0f}', 'mW',
+                     f'paper: {format_paper_power(task)} mW' if task.paper else 'not in the paper')
+                for task in result.tasks.values() if task.rotors > 0.0
+            ),
+            Tile(result.hover.name, f'{result.hover.power:.2f}', 'W',
+                 f'paper: 3 x {1e3 * paper.HOVER:.0f} mW'),
+        ],
         blocks=(
             Picture('tasks', 'Power by task', TASKS, draw_task_power(result)),
-            Picture(
-                'motors', 'Power of one rotor by duty and voltage', MOTORS,
-                draw_rotor_power(result),
-            ),
+            Picture('motors', 'Power of one rotor by duty and voltage', MOTORS,
+                    draw_rotor_power(result)),
             build_task_table(result),
             build_cause_table(result),
             TextSection('Meaning and method', describe_differences(result), printed=True),
         ),
-        data=to_json(result),
-        facts={
+        data={
             'vehicle': result.vehicle,
-            'compared with': result.standard,
+            'standard': result.standard,
+            'tasks': {name: to_record(COLUMNS, task) for name, task in result.tasks.items()},
+            'standard_hover': to_record(COLUMNS, result.hover),
+            'share_of_standard': result.hover_power_ratio,
+            'causes': asdict(result.causes),
         },
+        facts={'vehicle': result.vehicle, 'compared with': result.standard},
         commands={'Hover on one battery cell': format_lta_command('energy', 'hover')},
     )  # fmt: skip
 
 
-def format_headline(result: PowerBudget) -> str:
-    """Return the headline."""
-    hover = result.tasks['hovering'].power
-    return (
-        f'Hovering takes {1e3 * hover:.0f} mW, {100.0 * result.hover_power_ratio:.0f} % of '
-        f'the power of a {result.standard}; the paper states {1e3 * paper.HOVER:.0f} mW, '
-        '"almost one third".'
-    )
-
-
-def build_tiles(result: PowerBudget) -> list[Tile]:
-    """Return tiles for the tasks in flight and for the multirotor."""
-    tiles = []
-    for name, task in result.tasks.items():
-        if task.rotors > 0.0:
-            words = TO.join(format_paper_values(task))
-            note = f'paper: {words} mW' if words else 'not in the paper'
-            tiles.append(Tile(name, f'{1e3 * task.power:.0f}', 'mW', note))
-    note = f'paper: 3 x {1e3 * paper.HOVER:.0f} mW'
-    return [*tiles, Tile(f'{result.standard}, hovering', f'{result.hover.power:.2f}', 'W', note)]
+def format_paper_power(task: TaskPower) -> str:
+    """Return what the paper states, or the range of it. [mW]"""
+    return TO.join(f'{1e3 * each:.0f}' for each in task.paper)
 
 
 def build_task_table(result: PowerBudget) -> TextTable:
     """Return the table of tasks, compared with the paper."""
-    heads = ('task', 'seconds', 'electronics [mW]', 'rotors [mW]', 'total [mW]', 'paper [mW]',
-             'ours / paper')  # fmt: skip
-    rows = []
-    for name, each in {**result.tasks, f'{result.standard}, hovering': result.hover}.items():
-        words = (
-            format_paper_values(each)
-            if each is not result.hover
-            else [f'{1e3 * paper.STANDARD:.0f}']
-        )
-        # Of a range in the paper, its middle is compared.
-        mean = sum(map(float, words)) / len(words) if words else None
-        # The two ground tasks have no duration; NaN differs from itself.
-        rows.append([
-            name,
-            format_number(None if each.seconds != each.seconds else each.seconds, 1),
-            format_number(each.electronics, 0, 1e3),
-            f'{format_number(each.rotors, 0, 1e3)}\N{PLUS-MINUS SIGN}'
-            f'{format_number(each.off, 0, 1e3)}'
-            if each.rotors else '0',
-            format_number(each.power, 0, 1e3),
-            TO.join(words) or MISSING,
-            format_number(1e3 * each.power / mean) if mean else MISSING,
-        ])  # fmt: skip
-    return TextTable('Power by task, compared with the paper', heads, rows)
+    tasks = [*result.tasks.values(), result.hover]
+    return build_table('Power by task, compared with the paper', COLUMNS, tasks)
 
 
 def build_cause_table(result: PowerBudget) -> TextTable:
     """Return the table of causes that could explain the paper's hover power."""
     cause = result.causes
     rows = [
-        [
-            'hovering with ideal rotors',
-            f'{format_number(cause.least, 0, 1e3)} mW',
-            'in still air',
-        ],
-        [
-            'or heavier',
-            f'{format_number(cause.heaviness, 1, 1e3)} g',
-            'net weight in air, instead of 2 g',
-        ],
-        ['or against a draught', f'{format_number(cause.wind)} m/s', 'holding its position'],
-        [
-            'or worse rotors',
-            f'{format_number(cause.factor, 1)} times',
-            'the power at the same thrust',
-        ],
+        ['hovering with ideal rotors', f'{1e3 * cause.least:.0f} mW', 'in still air'],
+        ['or heavier', f'{1e3 * cause.heaviness:.1f} g', 'net weight in air, instead of 2 g'],
+        ['or against a draught', f'{cause.wind:.2f} m/s', 'holding its position'],
+        ['or worse rotors', f'{cause.factor:.1f} times', 'the power at the same thrust'],
     ]
     note = (
         'Each cause alone would raise our hover power to 1333 mW. The paper does not state '
@@ -159,75 +140,43 @@ def describe_differences(result: PowerBudget) -> list[str]:
 
 def draw_task_power(result: PowerBudget) -> Figure:
     """Plot a bar for each task, and the paper's values."""
-    figure = create_figure()
-    every = {**result.tasks, f'{result.standard}, hovering': result.hover}
-    names = list(every)
-    for key, colour in (('electronics', RAW), ('rotors', TRUTH)):
-        figure.add_trace(
-            Bar(
-                y=names, x=[1e3 * getattr(each, key) for each in every.values()], name=key,
-                marker={'color': colour}, orientation='h', hovertemplate='%{x:.0f} mW',
-            )
-        )  # fmt: skip
-    marks = [
-        (name, float(word))
-        for name, each in result.tasks.items()
-        for word in format_paper_values(each)
-    ]
-    marks.append((names[-1], 1e3 * paper.STANDARD))
-    figure.add_trace(
-        Scatter(
-            y=[name for name, _ in marks], x=[power for _, power in marks], mode='markers',
-            name='paper', marker={'color': ESTIMATE, 'size': 9, 'symbol': 'diamond'},
-            hovertemplate='paper %{x:.0f} mW',
-        )
-    )  # fmt: skip
-    for name, each in every.items():
-        figure.add_annotation(
-            y=name, x=1e3 * each.power, xanchor='left', xshift=6, text=f'{1e3 * each.power:.0f}',
-            font={'color': INK, 'size': 11},
-        )  # fmt: skip
-    add_legend(figure).update_layout(barmode='stack', bargap=0.35, hovermode='closest')
-    figure.update_xaxes(title_text='power [mW]', rangemode='tozero')
-    return figure.update_yaxes(automargin=True, autorange='reversed')
+    tasks = [*result.tasks.values(), result.hover]
+    parts = {
+        'electronics': ([1e3 * task.electronics for task in tasks], RAW),
+        'rotors': ([1e3 * task.rotors for task in tasks], TRUTH),
+    }
+    figure = draw_bars([task.name for task in tasks], parts, 'power', 'mW')
+    marks = [(task.name, 1e3 * power) for task in tasks for power in task.paper]
+    names, powers = zip(*marks, strict=True)
+    diamonds = {'marker_symbol': 'diamond'}
+    curve = Curve('paper', powers, names, ESTIMATE, 'paper %{x:.0f} mW', 'markers', size=9,
+                  more=diamonds)  # fmt: skip
+    return figure.add_trace(curve.to_trace())
 
 
 def draw_rotor_power(result: PowerBudget) -> Figure:
     """Plot the power of a rotor by duty at several voltages, and the bench data."""
-    figure = create_figure()
-    duty = np.linspace(0.0, 1.0, 101)
-    loads, labels = result.loads, []
+    duty, loads, idle = np.linspace(0.0, 1.0, 101).tolist(), result.loads, BENCH[0].power
+    curves = []
     for voltage, colour in VOLTAGES:
         power = [
-            power_at_duty(each, voltage, loads.rotor_offset, loads.rotor_slope)
-            for each in duty.tolist()
+            power_at_duty(each, voltage, loads.rotor_offset, loads.rotor_slope) for each in duty
         ]
-        figure.add_trace(
-            Scatter(x=duty, y=power, mode='lines', name=f'{voltage} V',
-                    line={'color': colour, 'width': 1.6}, hovertemplate='%{y:.2f} W')
-        )  # fmt: skip
-        labels.append(EndLabel(f'{voltage} V', power[-1], colour))
-    idle = BENCH[0].power
-    figure.add_trace(
-        Scatter(
-            x=[row.duty for row in BENCH],
-            # The bench data are for four rotors, including the electronics (row 0).
-            y=[(row.power - idle) / 4.0 for row in BENCH], mode='markers', name='bench',
-            marker={'color': LAMP, 'size': 6},
-            text=[f'{row.voltage} V' for row in BENCH],
-            hovertemplate='bench data: %{y:.2f} W at %{text}',
+        curves.append(
+            Curve(f'{voltage} V', duty, power, colour, '%{y:.2f} W', label=f'{voltage} V')
+        )
+    # The bench data are for four rotors, including the electronics (row 0)
+    bench = [(row.power - idle) / 4.0 for row in BENCH]
+    words = {'text': [f'{row.voltage} V' for row in BENCH]}
+    curves.append(
+        Curve(
+            'bench', [row.duty for row in BENCH], bench, LAMP,
+            'bench data: %{y:.2f} W at %{text}', 'markers', size=6, more=words,
         )
     )  # fmt: skip
-    last = BENCH[-1]
-    figure.add_annotation(
-        x=last.duty,
-        y=(last.power - idle) / 4.0,
-        text='bench data',
-        xanchor='right',
-        xshift=-8,
-        yshift=8,
+    power_axis = ChartAxis('power of one rotor [W]', range=(0.0, 5.6))
+    figure = draw_curves(curves, ChartAxis('duty'), power_axis)
+    return figure.add_annotation(
+        x=BENCH[-1].duty, y=bench[-1], text='bench data', xanchor='right', xshift=-8, yshift=8,
         font={'color': LAMP},
-    )
-    label_ends(figure, labels, (0.0, 5.6))
-    figure.update_xaxes(title_text='duty', title_font={'color': SOFT})
-    return figure.update_yaxes(title_text='power of one rotor [W]')
+    )  # fmt: skip

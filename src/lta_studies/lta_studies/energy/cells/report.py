@@ -1,27 +1,222 @@
 """Build the report of a comparison of solar cells and arrays."""
 
 from collections.abc import Sequence
-from typing import Final
+from typing import Any, Final
 
-from lta_config.schema.cell_file import CellTable
+from lta_config.schema.cell_file import CellFile, CellTable
 from lta_config.schema.vehicle_energy import EnergyBlock
-from lta_report.drawing import add_legend, create_figure
-from lta_report.formatting import format_number, Tile
+from lta_report.charts import ChartAxis, Curve, draw_curves
+from lta_report.formatting import format_number, MISSING, Tile
 from lta_report.palette import ESTIMATE, SOFT, TRUTH
-from lta_report.report import Picture, Report, TextSection
-from lta_studies.energy.cells.arrays import build_all_arrays, compute_net_powers
-from lta_studies.energy.cells.ranking import CellReading, Criterion, list_readings
-from lta_studies.energy.cells.tables import (
-    build_array_table,
-    build_mass_budget_table,
-    build_ranking_table,
-    GRAMS,
-    list_front_pairs,
-    SQUARE,
-    to_json,
-    WORDS,
+from lta_report.report import Picture, Report, TextSection, TextTable
+from lta_studies.energy.cells.arrays import (
+    build_all_arrays,
+    CellArray,
+    CellReading,
+    compute_net_powers,
+    Criterion,
+    find_largest_array,
+    find_pareto_front,
+    has_printed_signs,
+    list_readings,
+    NetPower,
+    select_readings,
 )
-from plotly.graph_objects import Figure, Scatter
+from plotly.graph_objects import Figure
+
+GRAMS: Final = 1e3
+SQUARE: Final = 1e4  # cm2 per m2
+FRONTS: Final = ('paper', 'fair')
+SHEET: Final = (
+    's/cm²: charging time per area, the criterion of the paper. s cm²: charging time times '
+    'area, the fair criterion. sheet: charging time computed from the short-circuit currents '
+    'of the cell files (assumed where no data sheet gives one), in sunlight and relative to the '
+    'fastest cell (a capacitor far below the open-circuit '
+    'voltage draws about this current). front: the criteria by which the cell is on the Pareto '
+    'front; if the row of the paper can mean several panels, one of them is enough.'
+)
+CHARGED: Final = (
+    'harvest: maximum power of the array. charged: output of the charger. idle and sending: '
+    'output of the charger minus the loads in stand-by and while transmitting. printed: '
+    'sign of the net power in the paper; "not" marks a different sign here.'
+)
+WORDS: Final = {'white_led': 'LED', 'sun': 'sun'}
+
+
+def find_fronts_by_criterion(
+    entries: Sequence[CellReading], which: int
+) -> tuple[list[CellReading], list[CellReading]]:
+    """Return the fronts by the paper's and the fair criterion, for one reading of the rows."""
+    rows = select_readings(entries, which)
+    return find_pareto_front(rows, lambda each: each.charging_time_per_area), find_pareto_front(
+        rows, lambda each: each.charging_time_times_area
+    )
+
+
+def list_front_pairs(
+    entries: Sequence[CellReading],
+) -> list[tuple[list[CellReading], list[CellReading]]]:
+    """Return one pair of fronts for each reading of the ambiguous rows."""
+    count = max(each.readings for each in entries)
+    return [find_fronts_by_criterion(entries, which) for which in range(count)]
+
+
+def build_ranking_table(table: CellTable) -> TextTable:
+    """Return the table of cells with both criteria and the fronts they are on."""
+    readings = list_readings(table)
+    fronts = list_front_pairs(readings)
+    heads = ('cell', 'cm²', 'g/cm²', 's', 'sheet', 's/cm²', 's cm²', 'g s', 'front')
+    rows = []
+    for each in readings:
+        on = [
+            word
+            for place, word in enumerate(FRONTS)
+            if any(each in pair[place] for pair in fronts)
+        ]
+        rows.append([
+            each.title,
+            format_number(each.cell.area, 1, SQUARE),
+            format_number(each.areal_mass, 3, GRAMS / SQUARE),
+            format_number(each.row.charge.si, 1),
+            format_number(datasheet_charging_time(each, readings), 1),
+            format_number(each.charging_time_per_area, 3, 1.0 / SQUARE),
+            format_number(each.charging_time_times_area, 0, SQUARE),
+            format_number(each.charging_time_times_mass, 0, GRAMS),
+            'both' if len(on) == len(FRONTS) else ''.join(on) or MISSING,
+        ])  # fmt: skip
+    return TextTable(
+        'Cells of the table', heads, rows, ' '.join([SHEET, *describe_defects(table)])
+    )
+
+
+def datasheet_charging_time(each: CellReading, entries: Sequence[CellReading]) -> float:
+    """Return the charging time by short-circuit current, relative to the fastest cell. [s]"""
+    first = min(entries, key=lambda entry: entry.row.charge.si)
+    # Charging a capacitor takes Q / I, so times are inverse to the short-circuit currents.
+    currents = [entry.cell.electrical.short_circuit.si for entry in (first, each)]
+    return first.row.charge.si * currents[0] / currents[1]
+
+
+def describe_defects(table: CellTable) -> list[str]:
+    """Return a sentence for each defect of the printed table."""
+    defects = [(row.maker, each) for row in table.rows.values() for each in row.defects]
+    defects += [
+        (f'The array {n}', d) for n, built in table.arrays.built.items() for d in built.defects
+    ]
+    return [f'{who}: {what}.' for who, what in defects]
+
+
+def build_array_table(table: CellTable, energy: EnergyBlock) -> TextTable:
+    """Return the table of the paper's arrays, compared with the printed signs."""
+    klux = table.arrays.illuminance.si / 1e3
+    heads = ('array', 'light', 'W/m²', 'harvest', 'charged', 'idle', 'sending', 'printed')
+    rows = []
+    for name, strings in build_all_arrays(table).items():
+        built = table.arrays.built[name]
+        for array in strings:
+            for net in compute_net_powers(array, energy, table):
+                prefix = '' if has_printed_signs(net, built) else 'not '
+                light = WORDS.get(net.light, net.light)
+                rows.append(
+                    [
+                        format_array(array),
+                        light,
+                        *format_net_power(net),
+                        f'{prefix}{built.standby}',
+                    ]
+                )
+    heading = f'Arrays of the paper at {klux:g} klx, power in mW'
+    return TextTable(heading, heads, rows, CHARGED)
+
+
+def format_net_power(net: NetPower) -> list[str]:
+    """Format irradiance [W/m2] and powers [mW]."""
+    powers = (net.harvest, net.charger, net.standby, net.transmitting)
+    return [format_number(net.irradiance, 0), *(format_number(power, 1, 1e3) for power in powers)]
+
+
+def format_array(array: CellArray) -> str:
+    """Format an array, for example '2S1P anysolar'."""
+    return f'{array.series}S{array.parallel}P {array.cell.name}'
+
+
+def build_mass_budget_table(table: CellTable, energy: EnergyBlock, budget: float) -> TextTable:
+    """Return the table of the largest array of each cell within a mass. [kg]"""
+    lights = table.lights
+    heads = ('array', 'g', 'cm²', 'rated [W]', *(WORDS.get(light, light) for light in lights))
+    rows = []
+    for cell in list_cells(table):
+        array = find_largest_array(cell, budget)
+        if array is None:
+            # Mass, area and rated power, and one column per light
+            rows.append([f'{cell.name}: too heavy', *[MISSING] * (3 + len(lights))])
+            continue
+        powers = compute_net_powers(array, energy, table)
+        rated = array.panel_count * cell.rated_power
+        rows.append([
+            format_array(array), format_number(array.mass, 1, GRAMS),
+            format_number(array.area, 0, SQUARE), format_number(rated, 2),
+            *(format_number(net.standby, 1, 1e3) for net in powers),
+        ])  # fmt: skip
+    klux = table.arrays.illuminance.si / 1e3
+    heading = f'Arrays within {GRAMS * budget:g} g: net power in stand-by at {klux:g} klx, in mW'
+    return TextTable(heading, heads, rows)
+
+
+def list_cells(table: CellTable) -> list[CellFile]:
+    """Return the cells of a table."""
+    return [each.cell for each in list_readings(table)]
+
+
+def to_json(table: CellTable, energy: EnergyBlock, budget: float) -> dict[str, Any]:
+    """Convert the comparison to JSON, in SI units."""
+    readings = list_readings(table)
+    return {
+        'cells': {
+            each.cell.name: {
+                'area': each.cell.area, 'mass': each.cell.mass.si, 'areal_mass': each.areal_mass,
+                'charge': each.row.charge.si, 'charge_by_area': each.charging_time_per_area,
+                'charge_times_area': each.charging_time_times_area,
+                'charge_times_mass': each.charging_time_times_mass,
+            }
+            for each in readings
+        },
+        'fronts': [
+            {
+                name: [each.cell.name for each in front]
+                for name, front in zip(FRONTS, pair, strict=True)
+            }
+            for pair in list_front_pairs(readings)
+        ],
+        'arrays': [
+            {'cell': array.cell.name, 'series': array.series, 'parallel': array.parallel,
+             'agrees': has_printed_signs(net, table.arrays.built[name]), **_net_power_to_json(net)}
+            for name, strings in build_all_arrays(table).items()
+            for array in strings
+            for net in compute_net_powers(array, energy, table)
+        ],
+        'budget': budget,
+        'within': {
+            cell.name: None if array is None else {
+                'series': array.series, 'parallel': array.parallel, 'mass': array.mass,
+                'area': array.area,
+                'net': [
+                    _net_power_to_json(net) for net in compute_net_powers(array, energy, table)
+                ],
+            }
+            for cell in list_cells(table)
+            # A loop over one value names it within the comprehension.
+            for array in (find_largest_array(cell, budget),)
+        },
+    }  # fmt: skip
+
+
+def _net_power_to_json(net: NetPower) -> dict[str, float | str]:
+    return {
+        'light': net.light, 'irradiance': net.irradiance, 'harvest': net.harvest,
+        'given': net.charger, 'standby': net.standby, 'transmitting': net.transmitting,
+    }  # fmt: skip
+
 
 PAPER: Final = (
     'Charging time per area against mass per area, the criterion of the paper (Huang et al. '
@@ -112,44 +307,32 @@ def draw_fronts(
     fronts: Sequence[Sequence[CellReading]],
 ) -> Figure:
     """Plot a criterion of the cells against mass per area, with the Pareto fronts."""
-    figure = create_figure()
+
+    def plot(name: str, cells: Sequence[CellReading], colour: str, **look: Any) -> Curve:  # noqa: ANN401 - of a curve
+        x, y = [_areal_mass(each) for each in cells], [criterion(each) for each in cells]
+        return Curve(name, x, y, colour, **look)
+
+    curves = []
     for front, dash in zip(fronts, ('solid', '5px,4px'), strict=False):
         # The reading in which the fronts differ names them
         read = [each.title for each in front if each.readings > 1]
-        figure.add_trace(
-            Scatter(
-                x=[_areal_mass(each) for each in front], y=[criterion(each) for each in front],
-                mode='lines', line={'color': TRUTH, 'width': 1.6, 'dash': dash},
-                name=', '.join(['Pareto front', *read]), hoverinfo='skip',
-            )
-        )  # fmt: skip
+        name = ', '.join(['Pareto front', *read])
+        curves.append(plot(name, front, TRUTH, dash=dash, hover='', more={'hoverinfo': 'skip'}))
     # By identity: the fronts hold the same objects as `entries`.
     on = {id(each) for front in fronts for each in front}
-    figure.add_trace(
-        Scatter(
-            x=[_areal_mass(each) for each in entries], y=[criterion(each) for each in entries],
-            mode='markers+text', text=[each.title for each in entries],
-            textposition=[SIDES.get(each.row.maker, 'top center') for each in entries],
-            textfont={'color': SOFT, 'size': 11}, cliponaxis=False, showlegend=False,
-            marker={
-                'size': 9, 'color': [ESTIMATE if id(each) in on else SOFT for each in entries],
-            },
-            hovertemplate=f'%{{text}}: %{{x:.3f}} g/cm², %{{y:.3g}} {unit}<extra></extra>',
-        )
-    )  # fmt: skip
-    for name, colour in (('cell on a front', ESTIMATE), ('other cell', SOFT)):
-        # Only for the legend: one trace draws all cells
-        dot = {'size': 9, 'color': colour}
-        figure.add_trace(Scatter(x=[None], y=[None], mode='markers', name=name, marker=dot))
-    add_legend(figure).update_layout(hovermode='closest')
-    figure.update_xaxes(
-        # On a logarithmic axis the range is in decades: 0.025 to 0.89 g/cm2.
-        type='log',
-        title_text='mass per area [g/cm²]',
-        range=[-1.6, -0.05],
-        tickvals=TICKS,
-    )
-    return figure.update_yaxes(type='log', title_text=f'charging time [{unit}]', dtick='D2')
+    hover = f'%{{text}}: %{{x:.3f}} g/cm², %{{y:.3g}} {unit}<extra></extra>'
+    for name, colour, is_on in (('cell on a front', ESTIMATE, True), ('other cell', SOFT, False)):
+        cells = [each for each in entries if (id(each) in on) == is_on]
+        words = {
+            'mode': 'markers+text', 'text': [each.title for each in cells], 'cliponaxis': False,
+            'textposition': [SIDES.get(each.row.maker, 'top center') for each in cells],
+            'textfont': {'color': SOFT, 'size': 11},
+        }  # fmt: skip
+        curves.append(plot(name, cells, colour, size=9, hover=hover, more=words))
+    # On a logarithmic axis the range is in decades: 0.025 to 0.89 g/cm2
+    mass = ChartAxis('mass per area [g/cm²]', log=True, range=(-1.6, -0.05), ticks=TICKS)
+    time = ChartAxis(f'charging time [{unit}]', log=True, more={'dtick': 'D2'})
+    return draw_curves(curves, mass, time).update_layout(hovermode='closest')
 
 
 def _areal_mass(each: CellReading) -> float:

@@ -1,15 +1,16 @@
 """Build the report of a hover comparison."""
 
-from typing import Any, Final
+from typing import Final, NamedTuple
 
 from lta_config.command_line import format_lta_command
-from lta_report.drawing import build_line_trace, create_figure, EndLabel, label_ends, padded_range
-from lta_report.formatting import format_number, MISSING, Tile
-from lta_report.palette import ESTIMATE, SETPOINT, SOFT, TRUTH
-from lta_report.report import Picture, Report, TextSection, TextTable
+from lta_report.charts import ChartAxis, Curve, DASHED, draw_curves
+from lta_report.drawing import decimate_line
+from lta_report.formatting import Tile
+from lta_report.palette import ESTIMATE, SETPOINT, TRUTH
+from lta_report.report import Picture, Report, TextSection
+from lta_report.result_table import build_table, Column, to_record
 from lta_studies.energy import paper
-from lta_studies.energy.hover.discharge import DischargeTrace
-from lta_studies.energy.hover.run import HoverComparison, HoverResult
+from lta_studies.energy.hover.run import DischargeTrace, HoverComparison
 from lta_vehicle.figures.thrust_envelope import NOMINAL
 from plotly.graph_objects import Figure
 
@@ -24,6 +25,10 @@ CHARGE: Final = 'True state of charge of the same cells.'
 
 def build_report(result: HoverComparison) -> Report:
     """Return the report of a hover comparison."""
+    rows = list_rows(result)
+    share: Column[HoverRow] = Column(
+        '', 'of the multirotor', '%', 0, lambda row: row.power / result.second.power
+    )
     return Report(
         command='energy hover',
         subject=f'{result.first.name} and {result.second.name}',
@@ -36,13 +41,24 @@ def build_report(result: HoverComparison) -> Report:
         blocks=(
             Picture('voltage', 'Battery voltage', CAPTION, draw_traces(result, 'voltage')),
             Picture('charge', 'State of charge', CHARGE, draw_traces(result, 'charge')),
-            build_discharge_table(result),
+            build_table(f'{result.seconds:.0f} s of hovering', (*COLUMNS, share), rows),
             TextSection('Meaning and method', describe_differences(result), printed=True),
         ),
-        data=to_json(result),
+        data={
+            'seconds': result.seconds,
+            'share': result.power_ratio,
+            'flown': {
+                each.name: {
+                    'power': each.power, 'energy': each.energy, 'endurance': each.endurance,
+                    **to_record(COLUMNS, row),
+                }
+                for each, row in zip((result.first, result.second), rows, strict=False)
+            },
+            'paper': {row.name: to_record(COLUMNS, row) for row in rows[2:]},
+        },
         facts={'vehicles': f'{result.first.name}, {result.second.name}'},
         commands={'Power of the other tasks': format_lta_command('energy', 'budget')},
-    )
+    )  # fmt: skip
 
 
 def format_headline(result: HoverComparison) -> str:
@@ -82,32 +98,34 @@ def build_tiles(result: HoverComparison) -> list[Tile]:
     return [*tiles, Tile('power when hovering', f'{100 * result.power_ratio:.0f}', '%', note)]
 
 
-def build_discharge_table(result: HoverComparison) -> TextTable:
-    """Return the table of the plotted lines."""
-    heads = ('load', 'power [mW]', 'drop [V]', 'at the end [V]', 'charge left [%]',
-             'failed after [s]', 'of the multirotor [%]')  # fmt: skip
-    rows = [
-        format_discharge_row(each.name, each.trace, each.power, result)
-        for each in (result.first, result.second)
-    ]
-    for power, (name, trace) in zip(
-        (paper.HOVER, paper.STANDARD), result.paper.items(), strict=True
-    ):
-        rows.append(format_discharge_row(name, trace, power, result))
-    return TextTable(f'{result.seconds:.0f} s of hovering', heads, rows)
+class HoverRow(NamedTuple):
+    """A discharge of the cell: flown, or at a power of the paper. [W]"""
+
+    name: str
+    power: float
+    trace: DischargeTrace
 
 
-def format_discharge_row(
-    name: str, trace: DischargeTrace, power: float, result: HoverComparison
-) -> list[str]:
-    """Return one row of the table."""
-    failed = MISSING if trace.failed is None else format_number(trace.failed, 0)
+COLUMNS: Final[tuple[Column[HoverRow], ...]] = (
+    Column('', 'load', of=lambda row: row.name),
+    Column('', 'power', 'mW', 0, lambda row: row.power),
+    Column('drop', 'drop', 'V', 2, lambda row: row.trace.voltage_drop),
+    Column('voltage', 'at the end', 'V', 2, lambda row: float(row.trace.voltage[-1])),
+    Column('charge', 'charge left', '%', 0, lambda row: float(row.trace.charge[-1])),
+    Column('failed', 'failed after', 's', 0, lambda row: row.trace.failed),
+)
+
+
+def list_rows(result: HoverComparison) -> list[HoverRow]:
+    """Return both flights, then the cell at the powers of the paper."""
+    powers = (paper.HOVER, paper.STANDARD)
     return [
-        name, format_number(power, 0, 1e3), format_number(trace.voltage_drop),
-        format_number(float(trace.voltage[-1])),
-        format_number(float(trace.charge[-1]), 0, 100.0), failed,
-        format_number(power / result.second.power, 0, 100.0),
-    ]  # fmt: skip
+        *(HoverRow(each.name, each.power, each.trace) for each in (result.first, result.second)),
+        *(
+            HoverRow(name, power, trace)
+            for power, (name, trace) in zip(powers, result.paper.items(), strict=True)
+        ),
+    ]
 
 
 def describe_differences(result: HoverComparison) -> list[str]:
@@ -139,54 +157,27 @@ def describe_differences(result: HoverComparison) -> list[str]:
 
 def draw_traces(result: HoverComparison, key: str) -> Figure:
     """Plot voltage or charge over time."""
-    figure = create_figure()
-    unit, factor = ('V', 1.0) if key == 'voltage' else ('%', 100.0)
-    traces = {result.first.name: result.first.trace, result.second.name: result.second.trace}
-    # In the order of the traces: both flights, then the paper's two powers
-    looks = [(TRUTH, 'solid'), (ESTIMATE, 'solid'), (TRUTH, '4px,3px'), (SETPOINT, '4px,3px')]
-    labels, lines = [], []
-    for (name, trace), (colour, dash) in zip(
-        (traces | dict(result.paper)).items(), looks, strict=True
-    ):
-        values = factor * getattr(trace, key)
-        lines.append(values)
-        figure.add_trace(
-            build_line_trace(name, trace.time, values, colour, unit=unit, dash=dash, width=1.4)
+    words, unit, factor = (
+        ('voltage', 'V', 1.0) if key == 'voltage' else ('state of charge', '%', 100.0)
+    )
+    # In the order of the rows: both flights, then the paper's two powers
+    looks = [(TRUTH, 'solid'), (ESTIMATE, 'solid'), (TRUTH, DASHED), (SETPOINT, DASHED)]
+    curves, ends = [], []
+    for row, (colour, dash) in zip(list_rows(result), looks, strict=True):
+        time, values = decimate_line(row.trace.time, factor * getattr(row.trace, key))
+        # A line that ends early is labelled at its end, the others at the right margin
+        label = row.name if row.trace.failed is None else None
+        hover = f'%{{y:.3~f}} {unit}'
+        curves.append(
+            Curve(row.name, time, values, colour, hover, 'lines', dash, 1.4, label=label)
         )
-        # A line that ends early is labelled at its end, the others at the right margin.
-        if trace.failed is None:
-            labels.append(EndLabel(name, float(values[-1]), colour))
-        else:
-            figure.add_annotation(
-                x=trace.failed, y=float(values[-1]), xanchor='right', xshift=-8,
-                text=f'{name}: fails', font={'size': 11, 'color': colour},
-            )  # fmt: skip
-    label_ends(figure, labels, padded_range(*lines))
-    figure.update_layout(margin={'r': 130})
-    figure.update_xaxes(title_text='time [s]', range=[0.0, result.seconds])
-    words = 'voltage' if key == 'voltage' else 'state of charge'
-    return figure.update_yaxes(title_text=f'{words} [{unit}]', title_font={'color': SOFT})
-
-
-def to_json(result: HoverComparison) -> dict[str, Any]:
-    """Convert the comparison to JSON, in SI units."""
-    return {
-        'seconds': result.seconds,
-        'share': result.power_ratio,
-        'flown': {each.name: _hover_to_json(each) for each in (result.first, result.second)},
-        'paper': {name: _trace_to_json(trace) for name, trace in result.paper.items()},
-    }
-
-
-def _hover_to_json(each: HoverResult) -> dict[str, Any]:
-    return {
-        'power': each.power, 'energy': each.energy, 'endurance': each.endurance,
-        **_trace_to_json(each.trace),
-    }  # fmt: skip
-
-
-def _trace_to_json(trace: DischargeTrace) -> dict[str, Any]:
-    return {
-        'drop': trace.voltage_drop, 'voltage': float(trace.voltage[-1]),
-        'charge': float(trace.charge[-1]), 'failed': trace.failed,
-    }  # fmt: skip
+        if label is None:
+            ends.append((row.trace.failed, float(values[-1]), row.name, colour))
+    time_axis = ChartAxis('time [s]', range=(0.0, result.seconds))
+    figure = draw_curves(curves, time_axis, ChartAxis(f'{words} [{unit}]'))
+    for x, y, name, colour in ends:
+        figure.add_annotation(
+            x=x, y=y, xanchor='right', xshift=-8, text=f'{name}: fails',
+            font={'size': 11, 'color': colour},
+        )  # fmt: skip
+    return figure.update_layout(margin={'r': 130})

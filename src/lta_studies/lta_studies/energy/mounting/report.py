@@ -4,11 +4,18 @@ from collections.abc import Mapping
 import math
 from typing import Final
 
+from lta_config.schema.spectrum_file import luminous_efficacy
+from lta_energy.harvest import WHITE_LED
+from lta_model.electrical.charger import charger_output
+from lta_model.electrical.panel import array_spectral_factor, find_max_power_point
+from lta_model.vehicle import Vehicle
+from lta_report.charts import ChartAxis, Curve, DASHED, draw_curves
 from lta_report.curves import Array
 from lta_report.drawing import (
     add_legend,
     build_line_trace,
     create_figure,
+    decimate_line,
     EndLabel,
     label_ends,
     padded_range,
@@ -16,16 +23,136 @@ from lta_report.drawing import (
 from lta_report.formatting import Tile
 from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, TRUTH, WALL
 from lta_report.report import Picture, Report, TextSection
-from lta_studies.energy.mounting import verdict
-from lta_studies.energy.mounting.panel_light import LIGHTS
+from lta_studies.energy.mounting.mounted_vehicle import LIGHTS
 from lta_studies.energy.mounting.run import MountingStudy, MountTrial
-from lta_studies.energy.mounting.straight_flight import AWAY, END, HELD, LIFT_OFF
+from lta_studies.energy.mounting.straight_flight import (
+    average_over_seeds,
+    AWAY,
+    END,
+    HELD,
+    LIFT_OFF,
+)
 from lta_studies.energy.mounting.tables import build_comparison_tables, to_json
 from lta_vehicle.figures.mass_budget import DEGREES
 import numpy as np
 from plotly.graph_objects import Bar, Figure
 import yaml
 
+LAMP_LUX = 80e3  # lx, seed paper
+
+
+def mean_light_share(study: MountingStudy) -> dict[str, float]:
+    """Return the light on the panels in series, mean over the lights, by mount. [1]"""
+    return {
+        name: math.fsum(at.series for at in shares.values()) / len(shares)
+        for name, shares in study.light.items()
+    }
+
+
+def pitch_rms(study: MountingStudy) -> dict[str, float]:
+    """Return the rms pitch in flight, in the hull that carries all mounts. [rad]"""
+    return {
+        name: average_over_seeds(each.flights, 'rms').mean for name, each in study.shared.items()
+    }
+
+
+def mean_flight_power(study: MountingStudy) -> dict[str, float]:
+    """Return the mean flight power, in the hull that carries all mounts. [W]"""
+    return {
+        name: average_over_seeds(each.flights, 'power').mean for name, each in study.shared.items()
+    }
+
+
+def charger_power(study: MountingStudy, light: str) -> dict[str, float]:
+    """Return the charger output at 80 klux of white LED from a direction, by mount. [W]"""
+    return {
+        name: _charger_output(each.fitted.vehicle, study.light[name][light].series)
+        for name, each in study.shared.items()
+    }
+
+
+def _charger_output(vehicle: Vehicle, share: float) -> float:
+    """Return the charger output with a share of the lamp's light on the darkest panel. [W]"""
+    efficacy = luminous_efficacy(WHITE_LED)
+    irradiance = LAMP_LUX / efficacy * array_spectral_factor(vehicle.file.energy, efficacy)
+    voltage, current = find_max_power_point(vehicle.panel, irradiance * share)
+    return charger_output(vehicle.charger, voltage * current)
+
+
+def find_best_mount(study: MountingStudy) -> str:
+    """Return the mount with the most light among those the hull carries, else among all."""
+    shares = mean_light_share(study)
+    # `own` holds the mounts that the hull can carry.
+    able = {name: shares[name] for name in study.own} or shares
+    return max(able, key=lambda name: able[name])
+
+
+def format_headline(study: MountingStudy) -> str:
+    """Return the headline."""
+    won, light, swing = find_best_mount(study), mean_light_share(study), pitch_rms(study)
+    steady = min(swing, key=lambda name: swing[name])
+    text = f'{won.capitalize()} gets the most light of the mounts that the hull can carry'
+    if len(light) > 1 and steady != won:
+        heavy = study.lacking[steady]
+        why = f', {1e3 * heavy:.1f}\N{NO-BREAK SPACE}g too heavy to fly,' if heavy > 0.0 else ''
+        text += (
+            f'; {steady}{why} oscillates {100.0 * (1.0 - swing[steady] / swing[won]):.0f} % '
+            'less in pitch'
+        )
+    return f'{text}.'
+
+
+def format_findings(study: MountingStudy) -> list[str]:
+    """Return the findings as sentences."""
+    sentences = []
+    for name, short in study.lacking.items():
+        if short > 0.0:
+            sentences.append(
+                f'With the mount {name}, the vehicle is {1e3 * short:.1f} g heavier than '
+                'trim.heaviness in the vehicle file allows; a hull of the same outline would '
+                f'need {100.0 * (study.fuller - 1.0):.1f} % more volume.'
+            )
+    sentences.append(
+        'In a hull large enough for every mount, at equal lift: '
+        + format_ranking('rms pitch', pitch_rms(study), DEGREES, '°', 3)
+        + '; '
+        + format_ranking('power in flight', mean_flight_power(study), 1e3, 'mW', 0)
+        + '.'
+    )
+    sentences.extend(
+        format_ranking(
+            f'Charger output at 80 klx of white LED light ({light}):',
+            charger_power(study, light),
+            1e3,
+            'mW',
+            0,
+        )
+        + ', after the charger.'
+        for light in ('overhead', 'overcast sky')
+    )
+    swings = {
+        name: average_over_seeds(each.flights, 'swing').mean
+        for name, each in study.misplaced.items()
+    }
+    sentences.append(
+        f'With the panels {100.0 * study.ahead:g} cm too far forward: '
+        + format_ranking('pitch oscillation after lift-off', swings, DEGREES, '°', 2)
+        + '; the paper (Huang et al. 2025) reports ±2.5° for the side mount.'
+    )
+    return sentences
+
+
+def format_ranking(
+    words: str, values: Mapping[str, float], factor: float, unit: str, digits: int
+) -> str:
+    """Format values by mount in ascending order."""
+    order = sorted(values, key=lambda name: values[name])
+    gap = '' if unit == '°' else ' '
+    entries = [f'{name} {factor * values[name]:.{digits}f}{gap}{unit}' for name in order]
+    return f'{words} {", ".join(entries)}'
+
+
+HOVER: Final = '%{y:.3~f} °'
 COLOURS: Final = (ESTIMATE, TRUTH, GOOD, LAMP, SETPOINT)
 ABOUT: Final = (
     'The same solar panels at the side, at the bottom and on top: how their position '
@@ -65,7 +192,7 @@ def build_report(study: MountingStudy, commands: Mapping[str, str]) -> Report:
     return Report(
         command='energy mounting',
         subject=study.vehicle,
-        headline=verdict.format_headline(study),
+        headline=format_headline(study),
         introduction=ABOUT,
         tiles=build_tiles(study),
         blocks=(
@@ -79,7 +206,7 @@ def build_report(study: MountingStudy, commands: Mapping[str, str]) -> Report:
                 draw_overturning(study),
             ),
             *build_comparison_tables(study),
-            TextSection('Findings', verdict.format_findings(study), printed=True),
+            TextSection('Findings', format_findings(study), printed=True),
             TextSection('Method', METHOD),
         ),
         data=to_json(study),
@@ -102,7 +229,7 @@ def format_vehicle_files(study: MountingStudy) -> dict[str, str]:
 def build_tiles(study: MountingStudy) -> list[Tile]:
     """Return tiles with pitch and light of each mount."""
     tiles = []
-    swing, light = verdict.pitch_rms(study), verdict.mean_light_share(study)
+    swing, light = pitch_rms(study), mean_light_share(study)
     for name in study.shared:
         short = 1e3 * study.lacking[name]
         carried = f'{short:.1f} g too heavy' if short > 0.0 else f'{-short:.1f} g to spare'
@@ -136,25 +263,18 @@ def draw_straight_flights(study: MountingStudy) -> Figure:
 
 def draw_swings(study: MountingStudy) -> Figure:
     """Plot the free swing of each mount and its analytical envelope."""
-    figure = create_figure()
-    labels = []
+    curves = []
     for colour, (name, each) in zip(COLOURS, study.shared.items(), strict=False):
-        time, tilt = each.release.time, DEGREES * each.release.tilt
-        figure.add_trace(build_line_trace(name, time, tilt, colour, unit='°', width=1.3))
-        figure.add_trace(
-            build_line_trace(
-                f'{name}, by hand',
-                time,
-                swing_envelope(each, time),
-                colour,
-                unit='°',
-                dash='4px,3px',
-            )
-        )
-        labels.append(EndLabel(name, float(tilt[-1]), colour))
-    label_ends(figure, labels, (-6.0, 6.0))
-    figure.update_xaxes(title_text='time [s]')
-    return figure.update_yaxes(title_text='pitch [°]')
+        time = each.release.time
+        lines = (name, DEGREES * each.release.tilt, 'solid'), (
+            f'{name}, by hand', swing_envelope(each, time), DASHED,
+        )  # fmt: skip
+        curves += [
+            Curve(words, *decimate_line(time, tilt), colour, HOVER, 'lines', dash, 1.3,
+                  label=name if words == name else None)
+            for words, tilt, dash in lines
+        ]  # fmt: skip
+    return draw_curves(curves, ChartAxis('time [s]'), ChartAxis('pitch [°]', range=(-6.0, 6.0)))
 
 
 def swing_envelope(each: MountTrial, time: Array) -> Array:
@@ -168,20 +288,13 @@ def swing_envelope(each: MountTrial, time: Array) -> Array:
 
 def draw_overturning(study: MountingStudy) -> Figure:
     """Plot the tilt with the centre of gravity below, at and above the hull centre."""
-    figure = create_figure()
-    labels = []
+    curves = []
     for colour, each in zip((TRUTH, GOOD, ESTIMATE), study.overturning, strict=True):
         where = 'coincident' if each.height == 0.0 else 'above' if each.height > 0.0 else 'below'
         name = f'{where} ({100 * each.height:+.1f} cm)' if each.height else where
-        tilt = DEGREES * each.release.tilt
-        figure.add_trace(
-            build_line_trace(name, each.release.time, tilt, colour, unit='°', width=1.4)
-        )
-        labels.append(EndLabel(where, float(tilt[-1]), colour))
-    lines = [DEGREES * each.release.tilt for each in study.overturning]
-    label_ends(figure, labels, padded_range(*lines))
-    figure.update_xaxes(title_text='time [s]')
-    return figure.update_yaxes(title_text='tilt [°]')
+        line = decimate_line(each.release.time, DEGREES * each.release.tilt)
+        curves.append(Curve(name, *line, colour, HOVER, width=1.4, label=where))
+    return draw_curves(curves, ChartAxis('time [s]'), ChartAxis('tilt [°]'))
 
 
 def draw_light_shares(study: MountingStudy) -> Figure:

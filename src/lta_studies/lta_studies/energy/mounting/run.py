@@ -10,26 +10,29 @@ from typing import Any, Final, final, NamedTuple
 
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.files import find_file, load_yaml
-from lta_report.line_log import LogKind
 from lta_report.report import Report
 from lta_report.request import Names, option, StudyRequest, StudyRun, VEHICLE
 from lta_report.study import hash_inputs, Study
-from lta_report.study_store import StoreFormat
+from lta_report.study_store import LogKind, StoreFormat
 from lta_studies.energy.mounting.mounted_vehicle import (
     build_mounted_vehicle,
-    lift_deficit,
-    MountedVehicle,
-    required_volume_factor,
-)
-from lta_studies.energy.mounting.panel_light import (
     compute_light_shares,
+    lift_deficit,
     LightDirection,
     LIGHTS,
+    MountedVehicle,
     PanelLightShares,
+    required_volume_factor,
 )
-from lta_studies.energy.mounting.straight_flight import fly_straight, SCENE, StraightFlightResult
-from lta_studies.energy.mounting.tilt_release import Release, simulate_release, tilt_growth_rate
-from lta_vehicle.figures.pendulum import compute_pendulum_mode, PendulumMode
+from lta_studies.energy.mounting.straight_flight import (
+    fly_straight,
+    Release,
+    SCENE,
+    simulate_release,
+    StraightFlightResult,
+    tilt_growth_rate,
+)
+from lta_vehicle.figures.stability import compute_pendulum_mode, PendulumMode
 from pydantic import TypeAdapter
 
 TILT = math.radians(5.0)  # at the release
@@ -117,8 +120,7 @@ class MountingRequest(StudyRequest, command='energy mounting', quick={'seeds': 1
 
     def run(self, run: StudyRun) -> Report:
         """Return the report of all mounts."""
-        from lta_studies.energy.mounting.report import build_report
-        from lta_studies.energy.mounting.verdict import find_best_mount
+        from lta_studies.energy.mounting.report import build_report, find_best_mount
 
         # cm to m; the raw file, because mounts replace one of its layers
         content = load_yaml(find_file('vehicle', self.vehicle))

@@ -1,16 +1,76 @@
-"""Build the tables of the mount comparison: balance, flights and light."""
+"""Build the tables and the JSON of the mount comparison: balance, flights and light."""
 
+from collections.abc import Callable
 from typing import Any, Final
 
-from lta_report.formatting import format_number, MISSING
+from lta_report.formatting import format_number
 from lta_report.report import TextTable
-from lta_studies.energy.mounting.panel_light import LIGHTS
+from lta_report.result_table import build_table, Column, to_record
+from lta_studies.energy.mounting.mounted_vehicle import LIGHTS
 from lta_studies.energy.mounting.run import MountingStudy, MountTrial
 from lta_studies.energy.mounting.straight_flight import average_over_seeds
 from lta_vehicle.figures.mass_budget import DEGREES
 
-GRAMS: Final = 1e3
 CENTIMETRES: Final = 1e2
+TITLE: Final[Column[tuple[str, MountTrial]]] = Column('', 'mount', of=lambda row: row[0])
+
+
+def trial_column(
+    key: str,
+    head: str | None = None,
+    unit: str = '',
+    digits: int | None = None,
+    of: Callable[[MountTrial], Any] | None = None,
+    factor: float | None = None,
+) -> Column[tuple[str, MountTrial]]:
+    """Return a column of the named trials; without `of`, of the flights' means of `key`."""
+    value = of or (lambda trial: average_over_seeds(trial.flights, key).mean)
+    return Column(key, head, unit, digits, lambda row: value(row[1]), factor)
+
+
+def flight_column(key: str, head: str, unit: str, digits: int) -> Column[tuple[str, MountTrial]]:
+    """Return a column of the mean over the flights, and how far a single one is from it."""
+    return trial_column(
+        '', head, unit, digits, lambda trial: average_over_seeds(trial.flights, key)
+    )
+
+
+BALANCE: Final = (
+    TITLE,
+    trial_column('mass', 'mass', 'g', 1, lambda trial: trial.fitted.vehicle.mass),
+    trial_column('ballast', 'ballast', 'g', 1, lambda trial: trial.fitted.vehicle.ballast_mass),
+    trial_column('', 'CG below CB', 'cm', 1, lambda trial: -float(trial.fitted.vehicle.cg[2])),
+    trial_column('cg', of=lambda trial: trial.fitted.vehicle.cg),
+    trial_column('inertia', of=lambda trial: trial.fitted.vehicle.inertia),
+    trial_column('', 'inertia, pitch', 'g m²', 1,
+                 lambda trial: float(trial.fitted.vehicle.inertia[1, 1]), 1e3),
+    trial_column('', 'drag, ahead', 'mN s²/m²', 1,
+                 lambda trial: trial.fitted.vehicle.collect_effects()['quadratic_drag']['surge'],
+                 1e3),
+    # From N m/rad
+    trial_column('stiffness', 'righting', 'mN m/°', 2, lambda trial: trial.swing.stiffness,
+                 1e3 / DEGREES),
+    trial_column('period_by_hand', 'period by hand', 's', 3, lambda trial: trial.swing.period),
+    trial_column('period', 'simulated', 's', 3, lambda trial: trial.release.period),
+    trial_column('damping_by_hand', 'damping by hand', '%', 3,
+                 lambda trial: trial.swing.damping_ratio),
+    trial_column('damping', 'simulated', '%', 3, lambda trial: trial.release.damping_ratio),
+)  # fmt: skip
+FLOWN: Final = (
+    TITLE,
+    trial_column('lean_by_hand', 'lean at rest', '°', 2,
+                 lambda trial: trial.fitted.nose_down_pitch),
+    flight_column('swing', 'swing after lift-off', '±°', 2),
+    flight_column('amplitude', 'pitch in flight', '±°', 2),
+    flight_column('rms', 'rms pitch', '°', 3),
+    flight_column('hover', 'hovering', 'mW', 0),
+    flight_column('power', 'flying', 'mW', 0),
+    # Only with the panels in place is the misplacement relative to the file's position
+    trial_column('', 'misplacement for ±2.5°', 'cm', 1,
+                 lambda trial: trial.misplacement if trial.fitted.ahead == 0.0 else None),
+    trial_column('misplacement_for_paper', of=lambda trial: trial.misplacement),
+    *map(trial_column, ('swing', 'lean', 'amplitude', 'rms', 'hover', 'power')),
+)  # fmt: skip
 
 
 def build_comparison_tables(study: MountingStudy) -> list[TextTable]:
@@ -21,68 +81,10 @@ def build_comparison_tables(study: MountingStudy) -> list[TextTable]:
     out = f'panels {CENTIMETRES * study.ahead:g} cm too far forward'
     misplaced = {f'{name}, {out}': each for name, each in study.misplaced.items()}
     return [
-        build_balance_table(own | shared),
-        build_flight_table(own | shared | misplaced),
+        build_table('Balance and swing', BALANCE, (own | shared).items()),
+        build_table('Straight flight at 0.1 m/s', FLOWN, (own | shared | misplaced).items()),
         build_light_table(study),
     ]
-
-
-def build_balance_table(entries: dict[str, MountTrial]) -> TextTable:
-    """Return the table of mass, balance and swing."""
-    heads = ('mount', 'mass [g]', 'ballast [g]', 'CG below CB [cm]', 'inertia, pitch [g m²]',
-             'drag, ahead [mN s²/m²]', 'righting [mN m/°]', 'period by hand [s]', 'simulated [s]',
-             'damping by hand [%]', 'simulated [%]')  # fmt: skip
-    rows = []
-    for name, each in entries.items():
-        body, swing, free = each.fitted.vehicle, each.swing, each.release
-        rows.append([
-            name,
-            format_number(body.mass, 1, GRAMS),
-            format_number(body.ballast_mass, 1, GRAMS),
-            format_number(-float(body.cg[2]), 1, CENTIMETRES),
-            format_number(float(body.inertia[1, 1]), 1, GRAMS),
-            format_number(body.collect_effects()['quadratic_drag']['surge'], 1, 1e3),
-            # N m/rad to mN m per degree
-            format_number(swing.stiffness, 2, 1e3 / DEGREES),
-            format_number(swing.period, 3),
-            format_number(free.period, 3),
-            format_number(swing.damping_ratio, 3, 100.0),
-            format_number(free.damping_ratio, 3, 100.0),
-        ])  # fmt: skip
-    return TextTable('Balance and swing', heads, rows)
-
-
-def build_flight_table(entries: dict[str, MountTrial]) -> TextTable:
-    """Return the table of flights."""
-    heads = ('mount', 'lean at rest [°]', 'swing after lift-off [±°]', 'pitch in flight [±°]',
-             'rms pitch [°]', 'hovering [mW]', 'flying [mW]',
-             'misplacement for ±2.5° [cm]')  # fmt: skip
-    rows = []
-    for name, each in entries.items():
-        figures = [
-            format_seed_mean(each, key, digits, factor)
-            for key, digits, factor in (
-                ('swing', 2, DEGREES), ('amplitude', 2, DEGREES), ('rms', 3, DEGREES),
-                ('hover', 0, 1e3), ('power', 0, 1e3),
-            )
-        ]  # fmt: skip
-        far = (
-            format_number(each.misplacement, 1, CENTIMETRES)
-            # Only with the panels in place is the misplacement relative to the file's position.
-            if each.fitted.ahead == 0.0
-            else MISSING
-        )
-        rows.append([name, format_number(each.fitted.nose_down_pitch, 2, DEGREES), *figures, far])
-    return TextTable('Straight flight at 0.1 m/s', heads, rows)
-
-
-def format_seed_mean(each: MountTrial, key: str, digits: int, factor: float) -> str:
-    """Format a mean over flights, with the deviation of single seeds if visible."""
-    average = average_over_seeds(each.flights, key)
-    off = format_number(average.off, digits, factor)
-    text = format_number(average.mean, digits, factor)
-    # A deviation that rounds to zero is left out.
-    return text if not float(off) else f'{text}\N{PLUS-MINUS SIGN}{off}'
 
 
 def build_light_table(study: MountingStudy) -> TextTable:
@@ -102,7 +104,10 @@ def to_json(study: MountingStudy) -> dict[str, Any]:
         'vehicle': study.vehicle, 'misplacement': study.ahead, 'fuller': study.fuller,
         'lift_lacking': dict(study.lacking),
         **{
-            group: {name: _trial_to_json(each) for name, each in getattr(study, group).items()}
+            group: {
+                name: to_record((*BALANCE, *FLOWN), (name, each))
+                for name, each in getattr(study, group).items()
+            }
             for group in ('own', 'shared', 'misplaced')
         },
         'overturning': [
@@ -114,17 +119,4 @@ def to_json(study: MountingStudy) -> dict[str, Any]:
             name: {light: {'series': at.series, 'apart': at.apart} for light, at in shares.items()}
             for name, shares in study.light.items()
         },
-    }  # fmt: skip
-
-
-def _trial_to_json(each: MountTrial) -> dict[str, Any]:
-    body = each.fitted.vehicle
-    keys = ('swing', 'lean', 'amplitude', 'rms', 'hover', 'power')
-    return {
-        'mass': body.mass, 'ballast': body.ballast_mass, 'cg': body.cg.tolist(),
-        'inertia': body.inertia.tolist(), 'lean_by_hand': each.fitted.nose_down_pitch,
-        'stiffness': each.swing.stiffness, 'period_by_hand': each.swing.period,
-        'period': each.release.period, 'damping_by_hand': each.swing.damping_ratio,
-        'damping': each.release.damping_ratio, 'misplacement_for_paper': each.misplacement,
-        **{key: average_over_seeds(each.flights, key).mean for key in keys},
     }  # fmt: skip

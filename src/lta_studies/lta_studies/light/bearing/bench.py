@@ -1,15 +1,17 @@
 """Simulate light blocks of a vehicle at rest and estimate the bearing to the lamp."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 import math
-from typing import final
+from typing import Final, final, NamedTuple
 
+from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table
 from lta_control.cascade import wrap_angle
-from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec
+from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec, load_spec
 from lta_model.light.view import LightView
+from lta_model.scenario import Scenario
 from lta_model.sensors.photodiode import PhotodiodeArray
-from lta_studies.light.bearing.poses import Pose
 from lta_vlc.bearing import estimate_bearing
 from lta_vlc.demodulation import demodulate_beacon, Peaks, plan_bins
 from lta_vlc.diodes import build_diode_array
@@ -17,6 +19,117 @@ from lta_vlc.direction import DirectionFinder, RAYLEIGH_SHARE
 import numpy as np
 from numpy.random import Generator
 from scipy.spatial.transform import Rotation
+
+DIODES: Final = 'vehicle.sensors.diodes'
+# In full daylight people mount a smaller resistor; GT-MAB's own saturates at 2 klx
+FOR_SUN: Final = {
+    f'{DIODES}.feedback': {
+        'value': 10, 'unit': 'kohm', 'source': 'assumed: full scale near 20 klx, for daylight'
+    }
+}  # fmt: skip
+
+
+class TrueDiodes(NamedTuple):
+    """The simulated diodes where they differ from the vehicle file, which the drone assumes."""
+
+    response: float | None = None  # exponent of the cosine
+    gain_spread: float | None = None  # relative standard deviation of the gains
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class BearingScenario:
+    """A named scenario file of the bearing studies, and what is mounted for it."""
+
+    name: str
+    scenario: str
+    about: str
+    mounted: Mapping[str, object] = field(default_factory=dict)
+
+
+PLACES: Final[dict[str, BearingScenario]] = {
+    'indoor': BearingScenario('indoor', 'lamp_room', 'a room with reflecting surfaces'),
+    'outdoor': BearingScenario(
+        'outdoor', 'sunny_field', 'a field in full daylight, 80 klx on the ground', FOR_SUN
+    ),
+}
+
+
+def build_flight_spec(
+    place: BearingScenario, vehicle: str, count: int, diodes: TrueDiodes | None = None
+) -> FlightSpec:
+    """Return the spec of a vehicle with an even ring at a place; the file's diodes by default."""
+    values: dict[str, object] = {f'{DIODES}.count': count, **place.mounted}
+    changes = {} if diodes is None else diodes._asdict()
+    for name, value in changes.items():
+        if value is not None:
+            values[f'{DIODES}.{name}'] = {'value': value, 'unit': '1', 'source': 'option'}
+    return load_spec(vehicle, place.scenario, 'bag', '').with_values(values)
+
+
+HEIGHTS: Final = 0.5, 1.5  # range of the hull centre's height, uniform [m]
+TILT: Final = math.radians(2.0)  # standard deviation of pitch and roll [rad]
+BESIDE: Final = math.radians(60.0)  # largest angle to the lamp's axis, seen from above [rad]
+CLEAR: Final = 0.6  # minimum distance of the hull centre to a wall [m]
+NEAREST: Final = 1.5  # minimum distance to the lamp; nearer, the diodes saturate [m]
+FARTHEST: Final = 12.0  # maximum |x| and |y| of places in an open field [m]
+TRIES: Final = 10_000
+
+Pose = tuple[float, ...]  # position and quaternion x y z w
+
+
+def draw_pose(
+    scenario: Scenario, distance: float | None, chance: Generator, off_axis: float = BESIDE
+) -> Pose:
+    """
+    Draw a random pose within the lamp's beam.
+
+    `scenario`: the scene. `distance`: horizontal distance to the lamp; None for any place in the
+    room [m]. `off_axis`: largest angle to the lamp's axis, seen from above [rad]. Raise `BadInput`
+    if no place at that distance is in the room.
+    """
+    height = chance.uniform(*HEIGHTS)
+    # Rejection sampling: draw places until one is usable.
+    for _ in range(TRIES):
+        x, y = draw_place(scenario, distance, chance, off_axis)
+        if is_within_lamp_beam(scenario, x, y, off_axis):
+            pitch, roll = TILT * chance.standard_normal(2)
+            # Upper-case axes are intrinsic: yaw, then pitch, then roll.
+            turn = Rotation.from_euler('ZYX', [chance.uniform(-math.pi, math.pi), pitch, roll])
+            return (x, y, height, *turn.as_quat().tolist())
+    raise BadInput(
+        f'The scenario {scenario.name} has no usable place at {distance:g} m from its lamp, '
+        "inside the room and within the lamp's beam; choose a shorter --range."
+    )
+
+
+def draw_place(
+    scenario: Scenario, distance: float | None, chance: Generator, off_axis: float = BESIDE
+) -> tuple[float, float]:
+    """Draw a horizontal position at a distance from the lamp, or anywhere. [m]"""
+    lamp_x, lamp_y, _ = scenario.goal_lamp.position.vector
+    length, width, _ = scenario.room.size.vector
+    if distance is None:
+        # A field is far larger than the range of the lamp, so places are limited to its middle.
+        reach = [min(0.5 * side - CLEAR, FARTHEST) for side in (length, width)]
+        x, y = (chance.uniform(-each, each) for each in reach)
+        return x, y
+    ahead_x, ahead_y, _ = scenario.goal_lamp.facing.vector
+    angle = math.atan2(ahead_y, ahead_x) + chance.uniform(-off_axis, off_axis)
+    return lamp_x + distance * math.cos(angle), lamp_y + distance * math.sin(angle)
+
+
+def is_within_lamp_beam(scenario: Scenario, x: float, y: float, off_axis: float = BESIDE) -> bool:
+    """Return whether a place [m] is in the room, within the beam and far enough away."""
+    lamp_x, lamp_y, _ = scenario.goal_lamp.position.vector
+    ahead = np.array(scenario.goal_lamp.facing.vector[:2])
+    length, width, _ = scenario.room.size.vector
+    way = np.array([x - lamp_x, y - lamp_y])
+    away = math.hypot(*way)
+    inside = abs(x) <= 0.5 * length - CLEAR and abs(y) <= 0.5 * width - CLEAR
+    # Angle by dot product; 1e-9 admits places exactly on the edge of the beam.
+    within = way @ ahead >= (math.cos(off_axis) - 1e-9) * away * math.hypot(*ahead)
+    return inside and bool(within) and away >= NEAREST
 
 
 @final

@@ -4,15 +4,21 @@ from collections.abc import Sequence
 import math
 from typing import Final
 
-from lta_report.drawing import add_legend, create_figure
+from lta_report.charts import ChartAxis, Curve, DASHED, draw_curves
 from lta_report.formatting import MISSING, Tile
 from lta_report.palette import ESTIMATE, TIME, TRUTH, WALL
-from lta_report.report import Picture, Report, TextSection, TextTable
-from lta_studies.light.bearing.places import PLACES
-from lta_studies.light.bearing.run import BearingTrialRequest, BearingTrialResult, to_json
-from lta_studies.light.bearing.score import extract_column, interval_coverage
+from lta_report.report import Picture, Report, TextSection
+from lta_report.result_table import build_table, Column
+from lta_studies.light.bearing.bench import PLACES
+from lta_studies.light.bearing.run import (
+    BearingTrialRequest,
+    BearingTrialResult,
+    extract_column,
+    interval_coverage,
+    to_json,
+)
 import numpy as np
-from plotly.graph_objects import Figure, Scatter
+from plotly.graph_objects import Figure
 from scipy.special import ndtri
 
 CAPTION: Final = (
@@ -38,13 +44,6 @@ METHOD: Final = (
 )
 DASHES: Final = ('solid', '5px,3px', '2px,2px')  # of curves that share a colour
 TICKS: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)  # degrees
-PLACE_HEADS: Final = ('place', 'diodes', 'range [m]')
-DIODE_HEADS: Final = ('true exponent', 'true gain spread [%]')
-BEARING_HEADS: Final = (
-    'SNR', 'bound, median [°]', 'paper, median [°]', 'paper, 95 % quantile [°]',
-    'fit, median [°]', 'fit, 95 % quantile [°]', 'fit deviation [°]', 'holds [%]',
-)  # fmt: skip
-ELEVATION_HEADS: Final = ('elevation, median [°]', 'holds [%]', 'lost: paper, fit [%]')
 
 
 def build_report(results: Sequence[BearingTrialResult], request: BearingTrialRequest) -> Report:
@@ -59,8 +58,8 @@ def build_report(results: Sequence[BearingTrialResult], request: BearingTrialReq
         tiles=build_tiles(results),
         blocks=(
             Picture('errors', 'Error of the bearing', CAPTION, plot_errors(results), height=420),
-            build_bearing_table(results),
-            build_elevation_table(results),
+            build_table('Comparison of the estimators', BEARING, results),
+            build_table('Elevation, and readings without an estimate', ELEVATION, results),
             Picture(
                 'honest', 'How often the interval contains the true bearing', HONEST,
                 plot_calibration(results), height=420,
@@ -101,47 +100,38 @@ def format_percent(part: float) -> str:
     return f'{100.0 * part:.1f}' if math.isfinite(part) else MISSING
 
 
-def build_bearing_table(results: Sequence[BearingTrialResult]) -> TextTable:
-    """Return the table of the bearings of both estimators."""
-    rows = [
-        [
-            *format_place(each), *format_diodes(each), f'{s.snr:.0f}', format_degrees(s.bound),
-            format_median(s.paper, s.paper_interval),
-            format_degrees(s.paper_most, 1), format_median(s.ours, s.ours_interval),
-            format_degrees(s.ours_most, 1), format_degrees(s.deviation), format_percent(s.holds),
-        ]
-        for each, s in ((each, each.score) for each in results)
-    ]  # fmt: skip
-    heads = (*PLACE_HEADS, *DIODE_HEADS, *BEARING_HEADS)
-    return TextTable('Comparison of the estimators', heads, rows)
+PLACE: Final[tuple[Column[BearingTrialResult], ...]] = (
+    Column('', 'place', of=lambda each: each.place),
+    Column('', 'diodes', of=lambda each: each.count),
+    Column('', 'range [m]', of=lambda each: format_range(each.range)),
+)
+BEARING: Final[tuple[Column[BearingTrialResult], ...]] = (
+    *PLACE,
+    Column('', 'true exponent', of=lambda each: format_simulated(each.diodes[0], 1.0)),
+    Column('', 'true gain spread [%]', of=lambda each: format_simulated(each.diodes[1], 100.0)),
+    Column('', 'SNR', digits=0, of=lambda each: each.score.snr),
+    Column('', 'bound, median', '°', 2, lambda each: each.score.bound),
+    Column('', 'paper, median [°]',
+           of=lambda each: format_median(each.score.paper, each.score.paper_interval)),
+    Column('', 'paper, 95 % quantile', '°', 1, lambda each: each.score.paper_most),
+    Column('', 'fit, median [°]',
+           of=lambda each: format_median(each.score.ours, each.score.ours_interval)),
+    Column('', 'fit, 95 % quantile', '°', 1, lambda each: each.score.ours_most),
+    Column('', 'fit deviation', '°', 2, lambda each: each.score.deviation),
+    Column('', 'holds', '%', 1, lambda each: each.score.holds),
+)  # fmt: skip
+ELEVATION: Final[tuple[Column[BearingTrialResult], ...]] = (
+    *PLACE,
+    Column('', 'elevation, median', '°', 1, lambda each: each.score.elevation),
+    Column('', 'holds', '%', 1, lambda each: each.score.elevation_holds),
+    Column('', 'lost: paper, fit', '%', 1,
+           lambda each: (each.score.paper_lost, each.score.ours_lost)),
+)  # fmt: skip
 
 
-def build_elevation_table(results: Sequence[BearingTrialResult]) -> TextTable:
-    """Return the table of elevations and of readings without an estimate."""
-    rows = [
-        [
-            *format_place(each), format_degrees(s.elevation, 1),
-            format_percent(s.elevation_holds),
-            f'{format_percent(s.paper_lost)}, {format_percent(s.ours_lost)}',
-        ]
-        for each, s in ((each, each.score) for each in results)
-    ]  # fmt: skip
-    heading = 'Elevation, and readings without an estimate'
-    return TextTable(heading, (*PLACE_HEADS, *ELEVATION_HEADS), rows)
-
-
-def format_place(result: BearingTrialResult) -> list[str]:
-    """Return the cells of place, number of diodes and range."""
-    return [result.place, str(result.count), format_range(result.range)]
-
-
-def format_diodes(result: BearingTrialResult) -> list[str]:
-    """Return the cells of the simulated diodes."""
-    response, spread = result.diodes
-    return [
-        'file' if response is None else f'{response:g}',
-        'file' if spread is None else f'{100.0 * spread:g}',
-    ]
+def format_simulated(value: float | None, factor: float) -> str:
+    """Format a property of the simulated diodes, which is that of the file if not chosen."""
+    return 'file' if value is None else f'{factor * value:g}'
 
 
 def format_headline(results: Sequence[BearingTrialResult]) -> str:
@@ -174,72 +164,41 @@ def build_tiles(results: Sequence[BearingTrialResult]) -> list[Tile]:
 
 def plot_errors(results: Sequence[BearingTrialResult]) -> Figure:
     """Plot median and 95 % quantile of both estimators."""
-    figure = create_figure()
     names = [
         f'{each.place}<br>{each.count} diodes<br>{format_distance(each.range)}' for each in results
     ]
     pairs = (
-        # Shifted by 0.12 of a category, so that the two markers do not overlap.
-        (
-            'weighted mean of the paper',
-            ESTIMATE,
-            -0.12,
-            [(e.score.paper, e.score.paper_most) for e in results],
-        ),
+        ('weighted mean of the paper', ESTIMATE, -0.12,
+         [(e.score.paper, e.score.paper_most) for e in results]),
         ('our fit', TRUTH, 0.12, [(e.score.ours, e.score.ours_most) for e in results]),
-    )
+    )  # fmt: skip
+    curves = []
+    # Shifted aside, so that the two markers do not overlap
     for name, colour, aside, quantiles in pairs:
         middle, most = np.degrees(np.array(quantiles)).T
-        figure.add_trace(
-            Scatter(
-                x=np.arange(len(results)) + aside, y=middle, mode='markers', name=name,
-                marker={'color': colour, 'size': 9},
-                error_y={
-                    # Bars only upwards, from the median to the quantile
-                    'type': 'data', 'array': most - middle, 'arrayminus': 0.0 * middle,
-                    'color': colour, 'thickness': 1.4, 'width': 3, 'symmetric': False,
-                },
-                hovertemplate='%{y:.2f}°',
-            )
-        )  # fmt: skip
-    figure.update_xaxes(tickvals=list(range(len(results))), ticktext=names, tickfont={'size': 10})
-    figure.update_yaxes(
-        title_text='bearing error [°]', type='log', tickvals=TICKS,
-        ticktext=[f'{each:g}' for each in TICKS],
-    )  # fmt: skip
-    return add_legend(figure).update_layout(margin_b=70)
+        places = np.arange(len(results)) + aside
+        # Bars only upwards, from the median to the quantile
+        bars = {'above': most - middle, 'below': 0.0 * middle}
+        curves.append(Curve(name, places, middle, colour, '%{y:.2f}°', 'markers', size=9, **bars))
+    places_axis = ChartAxis('', ticks=range(len(results)), words=names, more={'tickfont_size': 10})
+    error_axis = ChartAxis('bearing error [°]', log=True, ticks=TICKS)
+    return draw_curves(curves, places_axis, error_axis).update_layout(margin_b=70)
 
 
 def plot_calibration(results: Sequence[BearingTrialResult]) -> Figure:
     """Plot the coverage of intervals against their nominal probability."""
-    figure = create_figure()
     stated = np.linspace(0.02, 0.99, 60)
     # Half width of the central normal interval, in standard deviations
-    widths = ndtri(0.5 + 0.5 * stated)
-    figure.add_trace(
-        Scatter(
-            x=100.0 * stated, y=100.0 * stated, mode='lines', name='calibrated', hoverinfo='skip',
-            line={'color': WALL, 'width': 1, 'dash': '4px,4px'},
-        )
-    )  # fmt: skip
+    widths = ndtri(0.5 + 0.5 * stated).tolist()
+    percent = 100.0 * stated
+    curves = [Curve('calibrated', percent, percent, WALL, '', 'lines', DASHED, 1.0)]
     for k, each in enumerate(results):
-        own, deviation = (
-            extract_column(each.readings, 'ours'),
-            extract_column(each.readings, 'deviation'),
-        )
-        figure.add_trace(
-            Scatter(
-                x=100.0 * stated,
-                y=[100.0 * interval_coverage(own, deviation, float(width)) for width in widths],
-                mode='lines',
-                name=f'{each.place}, {each.count} diodes, {format_distance(each.range)}',
-                line={
-                    'color': TIME[k % len(TIME)], 'width': 1.4,
-                    'dash': DASHES[k // len(TIME) % len(DASHES)],
-                },
-                hovertemplate='%{y:.0f} %',
-            )
-        )  # fmt: skip
-    figure.update_xaxes(title_text='nominal [%]', range=[0, 100])
-    figure.update_yaxes(title_text='true bearings inside [%]', range=[0, 101])
-    return add_legend(figure)
+        own = extract_column(each.readings, 'ours')
+        deviation = extract_column(each.readings, 'deviation')
+        inside = [100.0 * interval_coverage(own, deviation, width) for width in widths]
+        name = f'{each.place}, {each.count} diodes, {format_distance(each.range)}'
+        dash = DASHES[k // len(TIME) % len(DASHES)]
+        colour = TIME[k % len(TIME)]
+        curves.append(Curve(name, percent, inside, colour, '%{y:.0f} %', 'lines', dash, 1.4))
+    nominal = ChartAxis('nominal [%]', range=(0, 100))
+    return draw_curves(curves, nominal, ChartAxis('true bearings inside [%]', range=(0, 101)))

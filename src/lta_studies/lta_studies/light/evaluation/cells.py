@@ -1,20 +1,59 @@
-"""Group flights by strategy and case, and compute their statistics with intervals."""
+"""Group flights by strategy and case, and compute statistics with bootstrap intervals."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 import math
-from typing import final
+from typing import Final, final, NamedTuple
 
 from lta_config.schema.sweep_file import CASE_COLUMN
 from lta_flight.flight_spec import FlightSpec
 from lta_flight.sweep.job_runner import FAILED, SweepRow
 from lta_flight.sweep.plan import SweepPlan
 from lta_flight.sweep.statistics import format_value, REACHED, ShareInterval, wilson_interval
-from lta_studies.light.evaluation import pilot
-from lta_studies.light.evaluation.flights import STRATEGY
-from lta_studies.light.evaluation.intervals import bootstrap_mean, bootstrap_ratio, BootstrapMean
+from lta_studies.light.evaluation.flights import PILOT, STRATEGY
 from lta_studies.light.evaluation.sets import find_flight_set
 from lta_studies.light.evaluation.wind import wind_to_airspeed_ratio
+import numpy as np
+
+DRAWS: Final = 4000
+SEED: Final = 7
+ENDS: Final = (2.5, 97.5)  # %
+
+
+class BootstrapMean(NamedTuple):
+    """A mean, or a ratio of means, with its 95 % interval and number of flights."""
+
+    value: float
+    low: float
+    high: float
+    flights: int
+
+
+def bootstrap_mean(values: Sequence[float]) -> BootstrapMean:
+    """
+    Return a mean with its percentile bootstrap interval.
+
+    Efron and Tibshirani, An Introduction to the Bootstrap (1993), chapter 13. NaN without values;
+    a single value has no interval.
+    """
+    # A mean is a ratio with the denominator 1.
+    return bootstrap_ratio(values, [1.0] * len(values))
+
+
+def bootstrap_ratio(above: Sequence[float], below: Sequence[float]) -> BootstrapMean:
+    """Return the ratio of two means over the same flights, resampled in pairs."""
+    count = len(above)
+    if count == 0:
+        return BootstrapMean(math.nan, math.nan, math.nan, 0)
+    top, bottom = np.array(above, dtype=np.float64), np.array(below, dtype=np.float64)
+    value = float(top.mean() / bottom.mean())
+    # Resampling one value would give an interval of zero width.
+    if count == 1:
+        return BootstrapMean(value, math.nan, math.nan, 1)
+    # A fixed seed makes the page reproducible.
+    resamples = np.random.default_rng(SEED).integers(count, size=(DRAWS, count))
+    low, high = np.percentile(top[resamples].mean(axis=1) / bottom[resamples].mean(axis=1), ENDS)
+    return BootstrapMean(value, float(low), float(high), count)
 
 
 @final
@@ -100,7 +139,7 @@ def parse_family(row: SweepRow) -> str:
 
 
 def build_flight_spec(plan: SweepPlan, row: SweepRow) -> FlightSpec:
-    """Return the spec of a flight without its strategy, which may be the pilot."""
+    """Return the spec of a flight without its strategy, which may be the flights."""
     changes = {
         path: value
         for path, value in plan.build_job(row.index).changes.items()
@@ -110,5 +149,5 @@ def build_flight_spec(plan: SweepPlan, row: SweepRow) -> FlightSpec:
 
 
 def select_pilot_cells(cells: Iterable[EvaluationCell]) -> dict[str, EvaluationCell]:
-    """Return the cells of the reference pilot, by case."""
-    return {cell.case: cell for cell in cells if cell.strategy == pilot.NAME}
+    """Return the cells of the reference flights, by case."""
+    return {cell.case: cell for cell in cells if cell.strategy == PILOT}

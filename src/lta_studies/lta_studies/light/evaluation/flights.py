@@ -5,6 +5,17 @@ All sets fly their first seed before any flies its second, so that an evaluation
 early covers all sets. A flight is identified by its set and its index in that set's sweep, which
 does not depend on the number of seeds: more seeds extend an existing evaluation. In batch mode the
 flights of a strategy are one batch, and the pilot, which reads the simulated world, flies alone.
+
+The pilot is a reference: it knows the positions of lamp and drone and the wind at the hull, and
+uses the same mission, controller and rotors as every strategy. With the wind w, the unit vector t
+to the lamp and n to the left of it, its air velocity is
+
+    a = sqrt(V^2 - (w.n)^2) t - (w.n) n
+
+so that the ground track is straight wherever the airspeed V exceeds the crosswind. V is the cruise
+speed, or the controller's limit if the cruise speed leaves less than half of itself over ground.
+The wind is low-pass filtered, because following every gust would only cost time. The path of the
+pilot is the reference for the strategies.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -14,15 +25,81 @@ from typing import Final, final, Self
 
 from lta_config.errors import BadInput
 from lta_config.schema.sweep_file import load_sweep, SweepSeeds
+from lta_control.attitude import yaw_from_quaternion
 from lta_control.cascade import CascadeGains
+from lta_control.strategies.protocol import (
+    CruiseSettings,
+    LightMeasurement,
+    Memory,
+    NavigationStrategy,
+    SteeringCommand,
+)
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_spec import build_loop, FlightSpec, load_spec
 from lta_flight.sweep.batch_workers import BatchWorkers
 from lta_flight.sweep.job_runner import run_job, SweepRow
 from lta_flight.sweep.plan import SweepJob, SweepPlan
+from lta_model.state import QUATERNION
 from lta_report.workers import ItemFailure, Workers
-from lta_studies.light.evaluation import pilot
+from lta_sim.world import World
 from lta_studies.light.evaluation.sets import find_flight_set
+
+PILOT = 'pilot'
+EDDIES = 5.0  # s, time constant of the low-pass filter of the wind
+LEAST = 0.5  # share of the cruise speed over ground below which the pilot flies faster
+
+
+def build_pilot_strategy(world: World, top: float) -> NavigationStrategy:
+    """
+    Return a strategy that uses the true state of the world instead of the light.
+
+    `world`: simulated world. `top`: airspeed limit of the controller [m/s].
+    """
+    lamp_x, lamp_y, _ = world.scenario.goal_lamp.position.vector
+
+    def start(heading: float) -> Memory:
+        return (heading,)
+
+    def steer(
+        settings: CruiseSettings, memory: Memory, sight: LightMeasurement
+    ) -> tuple[SteeringCommand, Memory]:
+        towards = math.atan2(lamp_y - float(world.state[1]), lamp_x - float(world.state[0]))
+        c, s = math.cos(towards), math.sin(towards)
+        x, y, _ = world.wind
+        # The first call has no filtered wind yet and takes the current one.
+        if len(memory) > 1:
+            # First-order low-pass filter, discretised; at most 1 for long intervals
+            share = min(sight.interval / EDDIES, 1.0)
+            x, y = memory[1] + share * (x - memory[1]), memory[2] + share * (y - memory[2])
+        # Wind along the track and to the left of it
+        along, left = solve_wind_triangle(x * c + y * s, y * c - x * s, settings.speed, top)
+        qx, qy, qz, qw = world.state[QUATERNION].tolist()
+        # The drone's heading is relative to its start; correct it by the true heading.
+        turn = towards + math.atan2(left, along) - yaw_from_quaternion((qx, qy, qz, qw))
+        heading = sight.heading + math.remainder(turn, math.tau)
+        return SteeringCommand(heading, math.hypot(along, left)), (heading, x, y)
+
+    return NavigationStrategy(PILOT, start, steer)
+
+
+def solve_wind_triangle(
+    with_it: float, across: float, cruise: float, top: float
+) -> tuple[float, float]:
+    """
+    Return the air velocity for a straight track: along the track, and left of it. [m/s]
+
+    `with_it`, `across`: wind along the track to the lamp, and to the left of it [m/s]. `cruise`,
+    `top`: cruise and maximum airspeed [m/s].
+    """
+    # Cruise if that makes enough way, else as fast as the controller allows
+    for speed in (cruise, max(cruise, top)):
+        # Cancel the crosswind as far as the airspeed allows.
+        left = min(max(-across, -speed), speed)
+        along = math.sqrt(speed * speed - left * left)
+        if along + with_it >= LEAST * cruise and left == -across:
+            break
+    return along, left
+
 
 MOST: Final = 1000  # seeds per point of a plan; fixes the indices of the flights
 STRATEGY: Final = 'strategy'
@@ -66,7 +143,7 @@ class BatchEvaluation:
         by_strategy: dict[str, list[EvaluationTask]] = {}
         for task in items:
             by_strategy.setdefault(str(task.job.changes[STRATEGY]), []).append(task)
-        piloted = by_strategy.pop(pilot.NAME, [])
+        piloted = by_strategy.pop(PILOT, [])
         for tasks in by_strategy.values():
             by_job = {id(task.job): task for task in tasks}
             for job, row in self._batches.run(task.job for task in tasks):
@@ -90,7 +167,7 @@ def build_sweep_plan(name: str, check: Callable[[SweepPlan], None] = SweepPlan.c
         )
     # Check before the pilot is added, which is not a strategy that a file may name.
     check(SweepPlan(file))
-    flyers = [*strategies, *([pilot.NAME] if part.piloted else [])]
+    flyers = [*strategies, *([PILOT] if part.piloted else [])]
     seeds = SweepSeeds(first=file.seeds.first, count=MOST)
     return SweepPlan(
         file.model_copy(update={'vary': {**file.vary, STRATEGY: flyers}, 'seeds': seeds})
@@ -132,14 +209,14 @@ def fly_standalone_job(job: SweepJob) -> SweepRow:
 def prepare_flight(job: SweepJob) -> ClosedLoop:
     """Return the closed loop of a self-contained job before its first step."""
     changes = dict(job.changes)
-    piloted = changes[STRATEGY] == pilot.NAME
+    piloted = changes[STRATEGY] == PILOT
     if piloted:
         # The spec needs a real strategy; the pilot replaces it below.
         changes[STRATEGY] = job.case[STRATEGY]
     loop = build_loop(build_flight_spec(changes), job.seed)
     if piloted:
         loop.policy = replace(
-            loop.policy, strategy=pilot.build_pilot_strategy(loop.world, top_airspeed(loop))
+            loop.policy, strategy=build_pilot_strategy(loop.world, top_airspeed(loop))
         )
     return loop
 

@@ -5,8 +5,7 @@ from itertools import pairwise
 import math
 from typing import Final, NamedTuple
 
-from lta_studies.light.evaluation.cells import EvaluationCell
-from lta_studies.light.evaluation.intervals import BootstrapMean, SEED
+from lta_studies.light.evaluation.cells import BootstrapMean, EvaluationCell, SEED
 from lta_studies.light.evaluation.paper import ORDER
 import numpy as np
 

@@ -1,25 +1,32 @@
-"""Plot the evaluation: comparison with the paper, success along an axis, and factors."""
+"""Plot the evaluation: the paper, success along an axis, factors, and one flight of each."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from itertools import groupby
 import math
-from typing import Any, Final
+from typing import Any, Final, final
 
+from lta_flight.loop_view import LoopView
+from lta_flight.report.room import choose_tick_distance, draw_room
+from lta_flight.sweep.plan import SweepPlan
 from lta_flight.sweep.statistics import ShareInterval
+from lta_model.scenario import Scenario
+from lta_report.curves import Array
 from lta_report.drawing import create_figure, TEMPLATE
 from lta_report.palette import ESTIMATE, GOOD, INK, LAMP, PAPER, SOFT, TIME, TRUTH
-from lta_studies.light.evaluation import labels, paper, pilot
-from lta_studies.light.evaluation.cells import EvaluationCell, select_pilot_cells
-from lta_studies.light.evaluation.intervals import BootstrapMean
+from lta_studies.light.evaluation import paper, tables
+from lta_studies.light.evaluation.cells import BootstrapMean, EvaluationCell, select_pilot_cells
+from lta_studies.light.evaluation.flights import build_standalone_job, PILOT, prepare_flight
 from lta_studies.light.evaluation.sets import EvaluationAxis
+import numpy as np
 from plotly.graph_objects import Figure, Scatter
 from plotly.subplots import make_subplots
 
 COLOURS: Final[Mapping[str, str]] = {
-    'bag': TRUTH, 'dga': LAMP, 'des': ESTIMATE, 'homing': GOOD, pilot.NAME: SOFT,
+    'bag': TRUTH, 'dga': LAMP, 'des': ESTIMATE, 'homing': GOOD, PILOT: SOFT,
 }  # fmt: skip
 SYMBOLS: Final[Mapping[str, str]] = {
-    'bag': 'circle', 'dga': 'square', 'des': 'diamond', 'homing': 'triangle-up', pilot.NAME: 'x',
+    'bag': 'circle', 'dga': 'square', 'des': 'diamond', 'homing': 'triangle-up', PILOT: 'x',
 }  # fmt: skip
 Interval = BootstrapMean | ShareInterval
 APART: Final = 0.012  # share of the axis between the markers of two strategies
@@ -63,7 +70,7 @@ def build_markers(
     return Scatter(
         x=list(x), y=[none_if_nan(each.value) for each in values],
         error_y=build_error_bars(values, shade),
-        mode='lines+markers' if joined else 'markers', name=labels.label_strategy(name),
+        mode='lines+markers' if joined else 'markers', name=tables.label_strategy(name),
         line={'color': shade, 'width': 1.4}, showlegend=legend, legendgroup=name,
         marker={'color': shade, 'size': 8, 'symbol': SYMBOLS.get(name, 'circle')},
         hovertemplate='%{y:.3~g}',
@@ -74,7 +81,7 @@ def plot_paper_comparison(cells: Sequence[EvaluationCell]) -> Figure:
     """Plot path, time and success of each strategy indoors, with the paper's flights."""
     figure = create_figure(3, [0.42, 0.34, 0.24])
     for cell in cells:
-        name = labels.label_strategy(cell.strategy)
+        name = tables.label_strategy(cell.strategy)
         intervals: tuple[Interval, ...] = (
             cell.mean('path_length'),
             cell.mean('search_time'),
@@ -87,7 +94,7 @@ def plot_paper_comparison(cells: Sequence[EvaluationCell]) -> Figure:
     for row, part in enumerate(('path', 'time'), start=1):
         figure.add_trace(
             Scatter(
-                x=[labels.label_strategy(name) for name in strategies],
+                x=[tables.label_strategy(name) for name in strategies],
                 y=[getattr(paper.INDOORS[name], part) for name in strategies],
                 mode='markers', name='paper, one flight', showlegend=row == 1,
                 marker={'symbol': 'star', 'size': 11, 'color': PAPER,
@@ -126,7 +133,7 @@ def plot_along_axis(cells: Sequence[EvaluationCell], axis: EvaluationAxis) -> Fi
             seen.add(name)
         set_share_axis(figure, row)
         if family:
-            figure.update_yaxes(title_text=wrap_text(labels.label_factor(family)), row=row)
+            figure.update_yaxes(title_text=wrap_text(tables.label_factor(family)), row=row)
     if piloted:
         add_ratios(figure, cells, places, axis, len(families) + 1)
     last = len(families) + piloted
@@ -150,7 +157,7 @@ def add_ratios(
     best = select_pilot_cells(cells)
     worst = 1.5
     for name, line in group_by_strategy(cells).items():
-        if name == pilot.NAME:
+        if name == PILOT:
             continue
         ratios = [cell.ratio_to(best.get(cell.case)) for cell in line]
         x = offset_marker_positions(line, places, axis, name)
@@ -207,7 +214,7 @@ def plot_factors(cells: Sequence[EvaluationCell]) -> Figure:
     )
     figure.update_yaxes(
         tickvals=list(range(len(cases))), range=[len(cases) - 0.5, -0.5],
-        ticktext=[wrap_text(labels.label_factor(case)) for case in cases],
+        ticktext=[wrap_text(tables.label_factor(case)) for case in cases],
     )  # fmt: skip
     figure.update_layout(template=TEMPLATE).update_layout(LAYOUT)
     return figure.update_layout(margin={'l': 122})
@@ -230,3 +237,77 @@ def wrap_text(text: str, width: int = 16) -> str:
             lines.append('')
         lines[-1] = f'{lines[-1]} {word}'.strip()
     return '<br>'.join(lines)
+
+
+BEADS = 400  # points of a track, at most about twice that
+MARGIN = 0.25  # m of blank space around the room
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class EvaluationTrack:
+    """Ground track of one flight over time. [s], [m, map]"""
+
+    strategy: str
+    time: Array
+    x: Array
+    y: Array
+    reached: bool
+
+
+def select_track_seed(cells: Sequence[EvaluationCell]) -> int:
+    """Return the first seed in which the most strategies reach the lamp."""
+    seeds = sorted({seed for cell in cells for seed in cell.rows})
+    # -seed: of equal seeds the first
+    return max(seeds, key=lambda seed: (sum(seed in cell.arrivals for cell in cells), -seed))
+
+
+def fly_again(
+    plan: SweepPlan, cells: Sequence[EvaluationCell], seed: int
+) -> tuple[list[EvaluationTrack], Scenario]:
+    """Repeat the flights of one seed, since rows do not store tracks."""
+    flight_tracks = []
+    for cell in cells:
+        if seed not in cell.rows:
+            continue
+        row = cell.rows[seed]
+        loop = prepare_flight(build_standalone_job(plan, plan.build_job(row.index)))
+        view = LoopView(loop)
+        for _ in loop.iterate_steps():
+            view.record_step()
+        truth = view.truth
+        # Integer division, so the step is too small rather than too large.
+        keep = slice(None, None, max(1, len(truth.x) // BEADS))
+        way = (truth.time[keep], truth.x[keep], truth.y[keep])
+        flight_tracks.append(EvaluationTrack(cell.strategy, *way, seed in cell.arrivals))
+    return flight_tracks, loop.world.scenario
+
+
+def plot_tracks(tracks: Sequence[EvaluationTrack], scenario: Scenario, height: float) -> Figure:
+    """Plot some tracks in their room."""
+    figure = create_figure()
+    draw_room(figure, scenario, height)
+    figure.update_traces(showlegend=False)
+    for each in tracks:
+        shade = strategy_color(each.strategy)
+        figure.add_trace(
+            Scatter(
+                x=each.x.astype(np.float32), y=each.y.astype(np.float32), mode='lines',
+                name=tables.label_strategy(each.strategy), line={'color': shade, 'width': 1.8},
+                showlegend=True, hoverinfo='name',
+            )
+        )  # fmt: skip
+    length, width, _ = scenario.room.size.vector
+    step = choose_tick_distance(max(length, width))
+    shared = {'showgrid': False, 'dtick': step, 'constrain': 'domain'}
+    figure.update_xaxes(
+        range=[-length / 2 - MARGIN, length / 2 + MARGIN], title_text='x [m]', **shared
+    )
+    figure.update_yaxes(
+        range=[-width / 2 - MARGIN, width / 2 + MARGIN], title_text='y [m]', scaleanchor='x',
+        constraintoward='top', **shared,
+    )  # fmt: skip
+    return figure.update_layout(
+        hovermode='closest', showlegend=True, legend=LEGEND,
+        margin={'l': 44, 'r': 12, 't': 26, 'b': 40},
+    )  # fmt: skip

@@ -5,20 +5,13 @@ from typing import Any, Final
 
 from lta_config.command_line import format_lta_command
 from lta_flight.sweep.statistics import ShareInterval
-from lta_report.formatting import format_count, Tile
+from lta_report.formatting import format_count, format_markdown_table, Tile
 from lta_report.json_value import replace_nonfinite
-from lta_report.report import Block, Grid, Picture, Report, STOPPED, TextSection
-from lta_studies.light.evaluation import (
-    ground_roughness,
-    labels,
-    paper,
-    pictures,
-    pilot,
-    tables,
-    tracks,
-)
-from lta_studies.light.evaluation.cells import EvaluationCell, select_pilot_cells
-from lta_studies.light.evaluation.intervals import BootstrapMean
+from lta_report.report import Block, Grid, Picture, Report, STOPPED, TextSection, TextTable
+from lta_report.result_table import format_value
+from lta_studies.light.evaluation import paper, pictures, tables
+from lta_studies.light.evaluation.cells import BootstrapMean, EvaluationCell, select_pilot_cells
+from lta_studies.light.evaluation.flights import PILOT
 from lta_studies.light.evaluation.path_order import describe_order, find_path_orders, PathOrder
 from lta_studies.light.evaluation.run import EvaluationStatus
 from lta_studies.light.evaluation.sets import (
@@ -95,9 +88,9 @@ def format_headline(status: EvaluationStatus) -> str:
         return 'No flight could be simulated.'
     # The headline is about the indoor set if it was flown, else the first set.
     name = INDOORS if INDOORS in names else names[0]
-    cells = [cell for cell in status.cells[name] if cell.rows and cell.strategy != pilot.NAME]
+    cells = [cell for cell in status.cells[name] if cell.rows and cell.strategy != PILOT]
     shares = ', '.join(
-        f'{labels.label_strategy(cell.strategy)} {100 * cell.reached_share.value:.0f} %'
+        f'{tables.label_strategy(cell.strategy)} {100 * cell.reached_share.value:.0f} %'
         for cell in cells
         # Of a set with several cases only the first fits into a headline.
         if cell.case == cells[0].case
@@ -126,12 +119,12 @@ def find_ablations(status: EvaluationStatus) -> list[PathOrder]:
 def describe_paper_order(status: EvaluationStatus, ablations: Sequence[PathOrder]) -> str:
     """Return the sentence on the paper's order of paths and its causes."""
     indoors = find_path_orders(status.cells.get(INDOORS, []))
-    return describe_order(indoors, ablations, labels.FACTORS)
+    return describe_order(indoors, ablations, tables.FACTORS)
 
 
 def describe_cautions(status: EvaluationStatus) -> list[str]:
     """Return remarks on the comparison with the paper."""
-    ground = ground_roughness.describe_grounds(status.cells.get(ROUGHNESS, []))
+    ground = tables.describe_grounds(status.cells.get(ROUGHNESS, []))
     return [*([ground] if ground else []), *paper.CAUTIONS]
 
 
@@ -156,11 +149,11 @@ def build_tiles(status: EvaluationStatus) -> list[Tile]:
     cells = next((own for own in status.cells.values() if own), [])
     return [
         Tile(
-            labels.label_strategy(cell.strategy), f'{100 * cell.reached_share.value:.0f}', '%',
-            f'reached; path {labels.format_mean(cell.mean("path_length"))} m',
+            tables.label_strategy(cell.strategy), f'{100 * cell.reached_share.value:.0f}', '%',
+            f'reached; path {format_value(cell.mean("path_length"), 1)} m',
         )
         for cell in cells
-        if cell.strategy != pilot.NAME and cell.rows and cell.case == cells[0].case
+        if cell.strategy != PILOT and cell.rows and cell.case == cells[0].case
     ]  # fmt: skip
 
 
@@ -186,8 +179,8 @@ def draw_indoors(status: EvaluationStatus, cells: Sequence[EvaluationCell]) -> l
     """Return the pictures of the indoor set: comparison with the paper, and tracks."""
     part, plan = find_flight_set(INDOORS), status.plans[INDOORS]
     # One seed for all tracks, so that start and noise are the same.
-    seed = tracks.select_track_seed(cells)
-    results, scenario = tracks.fly_again(plan, cells, seed)
+    seed = pictures.select_track_seed(cells)
+    results, scenario = pictures.fly_again(plan, cells, seed)
     altitude = plan.base.read_value('mission.altitude')
     return [
         Picture(
@@ -196,7 +189,7 @@ def draw_indoors(status: EvaluationStatus, cells: Sequence[EvaluationCell]) -> l
         Picture(
             'tracks', 'One flight of each strategy',
             f'All strategies with the same seed, seen from above. Seed {seed}.',
-            tracks.plot_tracks(results, scenario, altitude), height=470,
+            pictures.plot_tracks(results, scenario, altitude), height=470,
         ),
     ]  # fmt: skip
 
@@ -298,3 +291,28 @@ def encode_cells(cells: Sequence[EvaluationCell]) -> list[Mapping[str, Any]]:
         }  # fmt: skip
 
     return [encode_cell(cell) for cell in cells]
+
+
+def format_scores_page(status: EvaluationStatus) -> str:
+    """Return the page as Markdown."""
+    sets = status.cells
+    some = '' if len(sets) == len(SETS) else f' --sets {" ".join(sets)}'
+    device = '' if status.order.device is None else f' --device {status.order.device}'
+    command = f'lta light evaluate --seeds {status.order.seeds}{some}{device} --markdown'
+    ablations = find_ablations(status)
+    parts = [
+        '# Scores of navigation',
+        f'Written by `{command}`: {describe_flights(status)}; its page has every figure. What the '
+        'sets are and how to read them: [navigation.md](navigation.md).',
+        '![Path, time and success of each strategy](images/evaluate.png)',
+        format_table(tables.build_paper_table(sets.get(INDOORS, []))),
+        METHOD,
+        *describe_cautions(status),
+        describe_paper_order(status, ablations),
+    ]
+    return '\n\n'.join(parts) + '\n'
+
+
+def format_table(table: TextTable) -> str:
+    """Return a table in Markdown, without its heading."""
+    return format_markdown_table(table.heads, table.rows)

@@ -79,8 +79,7 @@ class EvaluationRequest(
 
     def run(self, run: StudyRun) -> Report:
         """Return the report of all flights that are stored."""
-        from lta_studies.light.evaluation.report import build_report
-        from lta_studies.light.evaluation.scores_page import format_scores_page
+        from lta_studies.light.evaluation.report import build_report, format_scores_page
 
         # No time in the name, so that repeating the command resumes
         run.open_folder(Path('runs') / 'light-evaluate')

@@ -6,11 +6,76 @@ from typing import Final
 
 from lta_report.formatting import format_number, MISSING
 from lta_report.report import TextTable
-from lta_studies.light.evaluation import labels, paper, pilot
-from lta_studies.light.evaluation.cells import EvaluationCell, select_pilot_cells
+from lta_report.result_table import format_share, format_value
+from lta_studies.light.evaluation import paper, tables
+from lta_studies.light.evaluation.cells import (
+    EvaluationCell,
+    select_pilot_cells,
+)
+from lta_studies.light.evaluation.flights import PILOT
 from lta_studies.light.evaluation.path_order import PathOrder
-from lta_studies.light.evaluation.sets import find_flight_set, INDOORS
+from lta_studies.light.evaluation.sets import EvaluationAxis, find_flight_set, INDOORS
 from lta_studies.light.evaluation.wind import ALLOWED
+
+MOST: Final = 0.5  # share of seeds that counts as most flights
+
+
+def describe_grounds(cells: Sequence[EvaluationCell]) -> str:
+    """Return the smallest roughness at which each strategy arrives; '' if none flew."""
+    parts = []
+    for name in dict.fromkeys(cell.strategy for cell in cells if cell.strategy != PILOT):
+        own = [cell for cell in cells if cell.strategy == name]
+        rough = [cell.place for cell in own if cell.reached_share.value > MOST]
+        over = f'over {min(rough):g} m and more' if rough else 'over none of these grounds'
+        parts.append(f'{tables.label_strategy(name)} {over}')
+    if not parts:
+        return ''
+    return (
+        'Against a wind of 8 m/s at 10 m height, most flights reach the lamp if the '
+        f'roughness of the ground is large enough: {", ".join(parts)}.'
+    )
+
+
+STRATEGIES: Final[Mapping[str, str]] = {
+    'bag': 'BAG', 'dga': 'DGA', 'des': 'DES', 'homing': 'homing', PILOT: 'pilot',
+}  # fmt: skip
+FACTORS: Final[Mapping[str, str]] = {
+    'as_flown': 'as flown',
+    'head': 'head wind',
+    'cross': 'cross wind',
+    'tail': 'tail wind',
+    'light_wind': '0.22 m/s outside',
+    'more_wind': '0.36 m/s outside',
+    'start_heading': 'start heading within 30\N{DEGREE SIGN} of the lamp',
+    'open_walls': 'no walls; flights that leave the room fail',
+    'not_stopping': 'DGA does not stop to turn',
+    'no_computing': 'DGA needs no computing time',
+    'plane_through_origin': 'plane of DGA through the origin, as printed',
+    'ideal_cosine': 'diodes with an ideal cosine response',
+    'narrow_diodes': 'narrow diodes (cosine to the power of 4)',
+    'small_swing': 'DES swings its nose by 0.5 rad',
+    'gradient_alone': 'DES uses only the gradient',
+    'scan_and_gradient': 'DES uses scan and gradient',
+}
+
+
+def label_strategy(name: str) -> str:
+    """Return the label of a strategy."""
+    return STRATEGIES.get(name, name)
+
+
+def label_factor(name: str) -> str:
+    """Return the label of a named case."""
+    return FACTORS.get(name, name.replace('_', ' ')) or MISSING
+
+
+def label_case(cell: EvaluationCell, axis: EvaluationAxis | None) -> str:
+    """Return the label of a cell's case: its name, or its value on the axis."""
+    if axis is None or math.isnan(cell.place):
+        return label_factor(cell.case)
+    family = f'{label_factor(cell.family)}, ' if cell.family else ''
+    return f'{family}{cell.place:,.6g} {axis.unit}'
+
 
 SET_HEADS: Final = (
     'case', 'strategy', 'flights', 'reached', 'path [m]', 'time [s]', 'path / pilot',
@@ -18,7 +83,7 @@ SET_HEADS: Final = (
 PAPER_HEADS: Final = ('strategy', 'path here [m]', 'paper', 'time here [s]', 'paper')
 WIND_HEADS: Final = ('wind at 10 m', 'strategy', 'reached here', 'paper')
 ORDER_HEADS: Final = (
-    'changed', *map(labels.label_strategy, paper.ORDER), 'order of the paper', 'draws',
+    'changed', *map(label_strategy, paper.ORDER), 'order of the paper', 'draws',
 )  # fmt: skip
 TARGET_HEADS: Final = ('case', 'reached', 'at least', 'path / pilot', 'at most', 'met')
 OURS: Final = 'homing'
@@ -31,14 +96,14 @@ def build_set_table(name: str, cells: Sequence[EvaluationCell]) -> TextTable:
     part, best = find_flight_set(name), select_pilot_cells(cells)
     rows = [
         [
-            labels.label_case(cell, part.axis),
-            labels.label_strategy(cell.strategy),
+            label_case(cell, part.axis),
+            label_strategy(cell.strategy),
             str(len(cell.rows)) + (f' (+{cell.failed} failed)' if cell.failed else ''),
-            labels.format_share(cell.reached_share),
-            labels.format_mean(cell.mean('path_length')),
-            labels.format_mean(cell.mean('search_time')),
-            MISSING if cell.strategy == pilot.NAME
-            else labels.format_mean(cell.ratio_to(best.get(cell.case)), 2),
+            format_share(cell.reached_share),
+            format_value(cell.mean('path_length'), 1),
+            format_value(cell.mean('search_time'), 1),
+            MISSING if cell.strategy == PILOT
+            else format_value(cell.ratio_to(best.get(cell.case)), 2),
         ]
         for cell in cells
     ]  # fmt: skip
@@ -50,9 +115,9 @@ def build_paper_table(cells: Sequence[EvaluationCell]) -> TextTable:
     own = {cell.strategy: cell for cell in cells}
     rows = [
         [
-            labels.label_strategy(name),
-            labels.format_mean(own[name].mean('path_length')), f'{figures.path:g}',
-            labels.format_mean(own[name].mean('search_time')), format_number(figures.time, 1),
+            label_strategy(name),
+            format_value(own[name].mean('path_length'), 1), f'{figures.path:g}',
+            format_value(own[name].mean('search_time'), 1), format_number(figures.time, 1),
         ]
         for name, figures in paper.INDOORS.items()
         if name in own
@@ -65,8 +130,8 @@ def build_wind_table(cells: Sequence[EvaluationCell]) -> TextTable:
     rows = [
         [
             f'{cell.place:g} m/s',
-            labels.label_strategy(cell.strategy),
-            labels.format_share(cell.reached_share),
+            label_strategy(cell.strategy),
+            format_share(cell.reached_share),
             'reached' if cell.strategy in paper.OUTDOORS[cell.place] else 'failed',
         ]
         for cell in cells
@@ -80,8 +145,8 @@ def build_order_table(orders: Sequence[PathOrder], statement: str) -> TextTable:
     """Return the table of the order of paths, with a row for each ablation."""
     rows = [
         [
-            labels.label_factor(each.case),
-            *(labels.format_mean(each.paths[name]) for name in paper.ORDER),
+            label_factor(each.case),
+            *(format_value(each.paths[name], 1) for name in paper.ORDER),
             'yes' if each.is_significant else 'not significant' if each.holds else 'no',
             MISSING if math.isnan(each.share) else f'{100 * each.share:.0f} %',
         ]
@@ -97,20 +162,18 @@ def build_target_table(sets: Mapping[str, Sequence[EvaluationCell]]) -> TextTabl
     for name, cells in sets.items():
         part, best = find_flight_set(name), select_pilot_cells(cells)
         for cell in cells:
-            # The targets apply in wind that the vehicle can fly against, relative to the pilot.
+            # The targets apply in wind that the vehicle can fly against, relative to the flights.
             if cell.strategy != OURS or not part.piloted or cell.wind > ALLOWED:
                 continue
             reached, ratio = cell.reached_share, cell.ratio_to(best.get(cell.case))
             met = reached.value >= SHARE_WANTED and ratio.value <= RATIO_WANTED
             title = (
-                part.title
-                if name == INDOORS
-                else f'{part.title}: {labels.label_case(cell, part.axis)}'
+                part.title if name == INDOORS else f'{part.title}: {label_case(cell, part.axis)}'
             )
             rows.append(
                 [
-                    title, labels.format_share(reached), f'{100 * SHARE_WANTED:.0f} %',
-                    labels.format_mean(ratio, 2), f'{RATIO_WANTED:g}', 'yes' if met else 'no',
+                    title, format_share(reached), f'{100 * SHARE_WANTED:.0f} %',
+                    format_value(ratio, 2), f'{RATIO_WANTED:g}', 'yes' if met else 'no',
                 ]
             )  # fmt: skip
     return TextTable('Targets of our strategy', TARGET_HEADS, rows)

@@ -1,16 +1,17 @@
 """
-Compute illuminance and SNR of a scene's first lamp against distance.
+Compute and report illuminance and SNR of a scene's first lamp against distance.
 
 The drone is on the lamp's axis (seen from above) and faces the lamp. The light comes from the link
 model. The SNR is the demodulator's median over several ADC blocks with different gains, noise and
 heading.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, replace
 import math
-from typing import final
+from typing import Final, final
 
+from lta_config.command_line import format_lta_command
 from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table
 from lta_model.light.direct_light import build_beam, direct_light
@@ -20,12 +21,17 @@ from lta_model.light.view import build_field_geometry, LightView, Pose
 from lta_model.scenario import load_scenario, Scenario
 from lta_model.sensors.photodiode import PhotodiodeArray
 from lta_model.vehicle import load_vehicle, Vehicle
-from lta_report.report import Report
+from lta_report.charts import ChartAxis, Curve, draw_curves, item_colour, Level
+from lta_report.formatting import Tile
+from lta_report.palette import WALL
+from lta_report.report import Picture, Report, TextSection, TextTable
 from lta_report.request import Names, option, ReportRequest, StudyRun, VEHICLE
+from lta_report.result_table import build_table, Column
 from lta_vlc.demodulation import demodulate_beacon, plan_bins
 from lta_vlc.settings import DemodulationSettings
 import numpy as np
 from numpy.typing import NDArray
+from plotly.graph_objects import Figure
 from rich.progress import track
 
 BLOCK_NS = 100_000_000
@@ -69,8 +75,6 @@ class LinkRequest(ReportRequest, command='light link'):
 
     def run(self, run: StudyRun) -> Report:
         """Return the report of all scenes."""
-        from lta_studies.light.link.report import build_report
-
         distances = sorted(set(self.distance))
         # Load all before the first is computed
         scenes = [load_scenario(name) for name in self.scenario]
@@ -226,3 +230,133 @@ def simulate_block(
 
 def _build_level_pose(x: float, y: float, z: float, heading: float) -> Pose:
     return (x, y, z, 0.0, 0.0, math.sin(0.5 * heading), math.cos(0.5 * heading))
+
+
+COLUMNS: Final[tuple[Column[LinkPoint], ...]] = (
+    Column('distance', 'distance', 'm'),
+    Column('lux', 'direct', 'lx', 1),
+    Column('read', 'read', 'lx', 1),
+    Column('echo', 'echo', 'lx', 1),
+    Column('steady', 'steady', 'lx', 1),
+    Column('', 'SNR', of=lambda at: f'{at.snr:.1f}' + (' clipped' if at.clipped else '')),
+)
+PAPER_DISTANCE: Final = 7.0  # m
+PAPER_LUX: Final = (20.0, 90.0)  # range read from "several tens of lux"
+NEEDED: Final = 10.0  # required SNR at that distance
+LUX: Final = (
+    'Solid: light measured by the brightest diode while the lamp is on, including its '
+    'angular response and reflections. Dotted: direct light on a plane that faces the lamp. '
+    'Grey bar: the "several tens of lux" at 7 m of the paper (Huang et al. 2025).'
+)
+SNR: Final = (
+    'SNR of the best diode after demodulation: median of several blocks of samples with '
+    'different gains, noise and heading. Dotted: an SNR of 10.'
+)
+METHOD: Final = (
+    'The drone is level and faces the lamp within 22.5 degrees. The light falls with the '
+    'square of the distance, the surfaces of the scene reflect it, and the hull shades the '
+    'diodes below it.'
+)
+PAPER: Final = (
+    'For comparison: the seed paper reports several tens of lux at 7 m from the lamp, and a high '
+    'SNR.'
+)
+
+
+def build_report(links: Sequence[LampLink], vehicle: str, altitude: float) -> Report:
+    """Return the report of a link budget."""
+    return Report(
+        command='light link',
+        subject=vehicle,
+        headline=format_headline(links),
+        introduction='Illuminance and signal-to-noise ratio of a lamp against the distance from '
+        'it.',
+        tiles=build_tiles(links),
+        blocks=(
+            Picture('lux', 'Light on the diodes', LUX, plot_lux(links)),
+            Picture('snr', 'Signal-to-noise ratio', SNR, plot_snr(links)),
+            *map(build_link_table, links),
+            TextSection('Method', (METHOD,)),
+        ),
+        data={
+            'vehicle': vehicle, 'altitude': altitude, 'links': [asdict(each) for each in links],
+        },
+        facts={'vehicle': vehicle},
+        commands={
+            'Fly in the first scenario': format_lta_command(
+                'simulate', '--scenario', links[0].scenario
+            ),
+        },
+        closing=(PAPER,),
+    )  # fmt: skip
+
+
+def find_reference_point(link: LampLink) -> LinkPoint:
+    """Return the point nearest to the paper's distance."""
+    return min(link.at, key=lambda at: abs(at.distance - PAPER_DISTANCE))
+
+
+def format_headline(links: Sequence[LampLink]) -> str:
+    """Return the headline."""
+    values = [f'{find_reference_point(each).snr:.0f} in {each.scenario}' for each in links]
+    distances = {f'{find_reference_point(each).distance:g}' for each in links}
+    return f'At {"/".join(sorted(distances))} m the SNR is {", ".join(values)}.'
+
+
+def build_tiles(links: Sequence[LampLink]) -> list[Tile]:
+    """Return tiles with light and SNR of each scene at the paper's distance."""
+    tiles = []
+    for each in links:
+        at = find_reference_point(each)
+        note = f'direct light at {at.distance:g} m; paper: several tens of lx'
+        tiles.append(Tile(each.scenario, f'{at.lux:.0f}', 'lx', note))
+        tiles.append(Tile(each.scenario, f'{at.snr:.0f}', '', f'SNR at {at.distance:g} m'))
+    return tiles
+
+
+def plot_lux(links: Sequence[LampLink]) -> Figure:
+    """Plot light against distance."""
+    curves = list_curves(links, lambda at: at.read, '%{y:.3g} lx')
+    direct = list_curves(links, lambda at: at.lux, '%{y:.3g} lx direct', ', direct')
+    curves += [
+        replace(each, mode='lines', dash='dot', width=1.2, more={'showlegend': False})
+        for each in direct
+    ]
+    figure = draw_curves(curves, distance_axis(links), ChartAxis('light [lx]', log=True))
+    return figure.add_shape(
+        type='line', x0=PAPER_DISTANCE, x1=PAPER_DISTANCE, y0=PAPER_LUX[0], y1=PAPER_LUX[1],
+        line={'color': WALL, 'width': 8}, layer='below',
+    )  # fmt: skip
+
+
+def plot_snr(links: Sequence[LampLink]) -> Figure:
+    """Plot SNR against distance."""
+    curves = list_curves(links, lambda at: at.snr, 'SNR %{y:.3g}')
+    return draw_curves(
+        curves, distance_axis(links), ChartAxis('SNR', log=True), levels=[Level(NEEDED)]
+    )
+
+
+def list_curves(
+    links: Sequence[LampLink], figure_of: Callable[[LinkPoint], float], hover: str, words: str = ''
+) -> list[Curve]:
+    """Return a curve against distance for each scene."""
+    return [
+        Curve(
+            link.scenario + words, [at.distance for at in link.at],
+            [figure_of(at) for at in link.at], item_colour(k), hover, 'lines+markers', size=6,
+        )
+        for k, link in enumerate(links)
+    ]  # fmt: skip
+
+
+def distance_axis(links: Sequence[LampLink]) -> ChartAxis:
+    """Return the axis of distances; a small scene has fewer of them."""
+    ticks = max(([at.distance for at in link.at] for link in links), key=len)
+    return ChartAxis('distance from the lamp [m]', log=True, ticks=ticks)
+
+
+def build_link_table(link: LampLink) -> TextTable:
+    """Return the table of one scene by distance."""
+    heading = f'{link.scenario}, feedback resistor of {link.feedback / 1e3:g} kohm'
+    return build_table(heading, COLUMNS, link.at, link.about)

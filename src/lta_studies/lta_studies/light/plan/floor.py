@@ -11,10 +11,10 @@ from typing import final
 from lta_config.errors import BadInput
 from lta_model.mass_properties import half_axes
 from lta_model.vehicle import Vehicle
-from lta_studies.light.plan.floor_plan import FloorPlan
-from lta_studies.light.plan.polygon import (
+from lta_studies.light.plan.floor_plan import (
     Array,
     distance_to_edges,
+    FloorPlan,
     Mask,
     points_in_polygon,
     polygon_edges,

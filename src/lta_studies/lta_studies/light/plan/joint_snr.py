@@ -10,14 +10,90 @@ q is the crosstalk of a unit wave of another lamp in this lamp's noise bins. As 
 a diode whose ADC is saturated is excluded, and the strongest peak in a search window over all
 valid diodes counts as the lamp's tone. A lamp is therefore not received unless it is `PURE` times
 as strong there as the harmonics of the others.
+
+For q, the wave of each lamp passes the amplifier's pole and the demodulator's spectrum as in the
+simulator. Its magnitude in another lamp's search window and in the bins that measure that lamp's
+noise is the crosstalk.
 """
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 import math
-from typing import Final
+from typing import Final, final
 
+from lta_config.topics import AdcBlockShape
 from lta_model.effects.protocol import Vector
 from lta_model.light.direct_light import DiodeResponse, unpack_beam
-from lta_studies.light.plan.rays import Array, diode_light
+from lta_model.light.lamp import NANOSECONDS, SquareWave
+from lta_model.vehicle import Vehicle
+from lta_studies.light.plan.floor_plan import Array
+from lta_studies.light.plan.rays import diode_light
+from lta_vlc.demodulation import find_peaks, plan_bins
+from lta_vlc.settings import DemodulationSettings
+from lta_vlc.spectral.spectrum import amplitude_spectrum
+import numpy as np
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class LightReceiver:
+    """Receiver of the lamps."""
+
+    vehicle: Vehicle  # hull and photodiode ring
+    # Demodulator; its frequency is replaced by that of each lamp
+    demodulation: DemodulationSettings
+    light: AdcBlockShape  # sampling rate and block length
+    margin: float  # required SNR relative to the threshold
+
+    @property
+    def required_snr(self) -> float:
+        """SNR above which a lamp counts as received."""
+        return self.margin * self.demodulation.threshold
+
+
+def compute_crosstalk(
+    ear: LightReceiver, frequencies: Sequence[float], duty: float
+) -> tuple[Array, Array]:
+    """
+    Compute the crosstalk of unit waves.
+
+    Parameters
+    ----------
+    ear : LightReceiver
+        Diodes and demodulation.
+    frequencies : sequence of float
+        Frequencies of the lamps. [Hz]
+    duty : float
+        Duty cycle of all lamps.
+
+    Returns
+    -------
+    window, quiet : ndarray, shape (k, k)
+        Row i, column j: magnitude of lamp j in the search window of lamp i, and its mean over the
+        noise bins of lamp i. Zero on the diagonal.
+
+    """
+    rate, samples = ear.light.sample_rate.si, ear.light.samples
+    # Sample times in integer nanoseconds, as in the simulator
+    times = np.rint(np.arange(samples) * (NANOSECONDS / rate)).astype(np.int64)
+    # Time constant of the amplifier's pole [s]
+    lag = 1.0 / (2.0 * math.pi * ear.vehicle.diodes.bandwidth)
+    waves = np.stack(
+        [SquareWave(f, duty).sample_filtered(times, lag) for f in frequencies], axis=1
+    )
+    spectrum = amplitude_spectrum(waves)
+    window, quiet = np.zeros((2, len(frequencies), len(frequencies)))
+    for i, frequency in enumerate(frequencies):
+        settings = ear.demodulation.model_copy(update={'frequency': frequency})
+        bins = plan_bins(settings, rate, samples)
+        window[i] = find_peaks(spectrum, bins).amplitude
+        # Bins that measure the noise: a wave in them raises the apparent noise.
+        quiet[i] = spectrum[bins.quiet].mean(axis=0)
+    # A lamp's own wave is signal, not crosstalk.
+    np.fill_diagonal(window, 0.0)
+    np.fill_diagonal(quiet, 0.0)
+    return window, quiet
+
 
 PURE: Final = 2.0  # required amplitude ratio of a lamp to the crosstalk in its window
 Numbers = tuple[float, float, float, float, float, float, float, float]

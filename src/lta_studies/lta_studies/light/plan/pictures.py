@@ -19,8 +19,7 @@ from lta_report.palette import (
     VEIL,
     WALL,
 )
-from lta_studies.light.plan.handover import LampHandover, Place
-from lta_studies.light.plan.layout import LampLayout
+from lta_studies.light.plan.layout import LampHandover, LampLayout, Place
 import numpy as np
 from numpy.typing import NDArray
 from plotly.graph_objects import Figure, Heatmap, Scatter

@@ -15,18 +15,19 @@ from lta_model.light.lamp import BeaconLamp, SquareWave
 from lta_model.light.ray_integration import LAMP_ROWS, scratch_size, UNIFORM_ROW
 from lta_model.mass_properties import half_axes
 from lta_report.json_value import ExactArray
-from lta_report.line_log import LogKind
-from lta_report.study_store import StoreFormat
+from lta_report.study_store import LogKind, StoreFormat
 from lta_sim.light_link import build_light_link, expected_magnitude, LightLink, write_ring_light
-from lta_studies.light.plan.crosstalk import compute_crosstalk
 from lta_studies.light.plan.floor import FloorGrid
-from lta_studies.light.plan.floor_plan import FloorPlan
+from lta_studies.light.plan.floor_plan import Array, FloorPlan, LampMount, Mask, Vector
 from lta_studies.light.plan.frequencies import LOWEST
-from lta_studies.light.plan.joint_snr import compute_joint_snr, is_saturated, Numbers
-from lta_studies.light.plan.mounts import LampMount, Vector
-from lta_studies.light.plan.polygon import Array, Mask
+from lta_studies.light.plan.joint_snr import (
+    compute_crosstalk,
+    compute_joint_snr,
+    is_saturated,
+    LightReceiver,
+    Numbers,
+)
 from lta_studies.light.plan.rays import compute_cell_light
-from lta_studies.light.plan.receiver import LightReceiver
 import numpy as np
 from pydantic import TypeAdapter
 

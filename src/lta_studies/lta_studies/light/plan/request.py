@@ -9,12 +9,11 @@ from lta_report.request import argument, CHANGES, Changes, option, StudyRequest,
 from lta_report.results_folder import resolve_folder
 from lta_report.study import hash_inputs, Study
 from lta_studies.light.plan.floor import build_floor
-from lta_studies.light.plan.handover import plan_handover
-from lta_studies.light.plan.inputs import load_inputs
-from lta_studies.light.plan.mounts import list_mounts
-from lta_studies.light.plan.planner import plan_layout
-from lta_studies.light.plan.polygon import Array
+from lta_studies.light.plan.floor_plan import Array
+from lta_studies.light.plan.layout import plan_handover
+from lta_studies.light.plan.planner import list_mounts, plan_layout
 from lta_studies.light.plan.reception import compute_group_light, GROUP, STORE
+from lta_studies.light.plan.scenario_file import load_inputs
 
 
 @final

@@ -4,29 +4,27 @@ from collections.abc import Mapping, Sequence
 import math
 from typing import Any, Final
 
+from lta_report.charts import ChartAxis, Curve, draw_curves
 from lta_report.drawing import add_legend, create_figure
 from lta_report.formatting import Tile
 from lta_report.palette import ESTIMATE, GRID, SETPOINT, SOFT, TIME, TRUTH
 from lta_report.report import Grid, Picture, Report, TextSection, TextTable
 from lta_studies.light.bearing.report import format_degrees
 from lta_studies.light.bearing.study import (
-    CLAIMS,
-    DIRECTIONS,
-    judge_claim,
-    list_directions,
-    RingStudy,
-)
-from lta_studies.light.bearing.study_report import (
     build_claim_table,
     build_ring_table,
+    CLAIMS,
+    DIRECTIONS,
     format_median_errors,
+    judge_claim,
+    list_directions,
     median_error,
+    RingStudy,
 )
-from lta_studies.light.turntable.response import TurntableResponse
-from lta_studies.light.turntable.turntable import TurntableReadings
+from lta_studies.light.turntable.turntable import TurntableReadings, TurntableResponse
 from lta_vlc.diodes import DiodeArray
 import numpy as np
-from plotly.graph_objects import Figure, Scatter, Scatterpolar
+from plotly.graph_objects import Figure, Scatterpolar
 
 POLAR: Final = (
     'Direction: true direction of the lamp, counter-clockwise from the nose. Radius: median '
@@ -220,23 +218,18 @@ def plot_response(
     ))  # fmt: skip
     # Normalised: a diode that faces the lamp reads 1 plus the pedestal.
     read = readings.amplitude / (np.array(response.gains) * response.strength)
-    for k in range(len(azimuth)):
-        figure.add_trace(
-            Scatter(
-                x=apart[:, k], y=read[:, k], mode='markers', name=f'diode {k + 1}',
-                marker={'size': 4, 'color': TIME[k % len(TIME)]}, hovertemplate='%{y:.3f}',
-            )
-        )  # fmt: skip
+    curves = [
+        Curve(f'diode {k + 1}', apart[:, k], read[:, k], TIME[k % len(TIME)], '%{y:.3f}',
+              'markers', size=4)
+        for k in range(len(azimuth))
+    ]  # fmt: skip
     angle = np.linspace(0.0, 180.0, POINTS)
     cosine = np.maximum(np.cos(np.radians(angle)), 0.0)
-    figure.add_trace(
-        Scatter(
-            x=angle, y=cosine**response.exponent + response.pedestal, mode='lines', name='fit',
-            line={'color': SETPOINT, 'width': 1.4}, hovertemplate='%{y:.3f}',
-        )
-    )  # fmt: skip
-    figure.update_xaxes(title_text="angle between the diode's axis and the lamp [°]", dtick=30)
-    figure.update_yaxes(
-        title_text='reading, relative to a diode that faces the lamp', rangemode='tozero'
+    fit = cosine**response.exponent + response.pedestal
+    curves.append(Curve('fit', angle, fit, SETPOINT, '%{y:.3f}', width=1.4))
+    figure = draw_curves(
+        curves,
+        ChartAxis("angle between the diode's axis and the lamp [°]", more={'dtick': 30}),
+        ChartAxis('reading, relative to a diode that faces the lamp', zero=True),
     )
-    return figure.update_layout(hovermode='closest')
+    return figure.update_layout(hovermode='closest', showlegend=False)

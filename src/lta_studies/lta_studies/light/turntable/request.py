@@ -7,8 +7,8 @@ from typing import Any, final
 from lta_config.errors import BadInput
 from lta_report.report import Report
 from lta_report.request import argument, option, ReportRequest, ROBOT, StudyRun, VEHICLE
-from lta_studies.light.turntable.response import fit_response
 from lta_studies.light.turntable.turntable import (
+    fit_response,
     read_turn,
     summarize_directions,
     TurntableMotion,

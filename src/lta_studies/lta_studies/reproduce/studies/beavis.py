@@ -4,7 +4,7 @@ from typing import Final
 
 from lta_config.command_line import format_lta_command
 from lta_config.constants import AIR_DENSITY, STANDARD_GRAVITY
-from lta_studies.platforms.entrants import build_entrant
+from lta_studies.platforms.flight import build_entrant
 from lta_studies.platforms.summary import compute_lift_margin
 from lta_studies.reproduce.manoeuvres import ComparisonFlights, draw_gtmab, fly_entries
 from lta_studies.reproduce.study_result import (

@@ -6,11 +6,15 @@ from typing import Final
 from lta_config.command_line import format_lta_command
 from lta_report.request import StudyRun
 from lta_report.study import StudyOptions
-from lta_studies.light.bearing.bench import BearingBench
-from lta_studies.light.bearing.places import build_flight_spec, PLACES
+from lta_studies.light.bearing.bench import BearingBench, build_flight_spec, PLACES
 from lta_studies.light.bearing.study import READINGS, RingStudy, study_ring
-from lta_studies.light.evaluation.pictures import plot_paper_comparison
-from lta_studies.light.evaluation.tracks import fly_again, plot_tracks, select_track_seed
+from lta_studies.light.evaluation.pictures import (
+    fly_again,
+    plot_paper_comparison,
+    plot_tracks,
+    select_track_seed,
+)
+from lta_studies.mission.flyer import AWARE, NAIVE
 from lta_studies.mission.pictures import draw_charge
 from lta_studies.mission.run import (
     filter_by_schedule,
@@ -18,7 +22,6 @@ from lta_studies.mission.run import (
     load_request,
     run_missions,
 )
-from lta_studies.mission.simulate_mission import AWARE, NAIVE
 from lta_studies.reproduce.flights import (
     FlightGroup,
     fly_group,

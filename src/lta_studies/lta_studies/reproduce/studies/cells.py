@@ -16,16 +16,20 @@ from lta_model.electrical.charger import ChargerModel
 from lta_model.light.spectral_factor import spectral_factor
 from lta_studies.energy.cells.arrays import (
     build_all_arrays,
+    CellReading,
     compute_ground_loads,
     compute_net_powers,
+    list_readings,
     NetPower,
+    select_readings,
 )
-from lta_studies.energy.cells.ranking import CellReading, list_readings, select_readings
-from lta_studies.energy.cells.report import draw_fronts, FAIR, PAPER
-from lta_studies.energy.cells.tables import (
+from lta_studies.energy.cells.report import (
     build_array_table,
     datasheet_charging_time,
+    draw_fronts,
+    FAIR,
     find_fronts_by_criterion,
+    PAPER,
     SQUARE,
 )
 from lta_studies.reproduce.study_result import (

@@ -19,9 +19,10 @@ from lta_studies.energy.budget.report import (
     draw_task_power,
     TASKS,
 )
-from lta_studies.energy.budget.run import measure_budget, PowerBudget
-from lta_studies.energy.budget.tasks import (
+from lta_studies.energy.budget.run import (
     END,
+    measure_budget,
+    PowerBudget,
     prepare_flight,
     SCENE,
     STRATEGIES,

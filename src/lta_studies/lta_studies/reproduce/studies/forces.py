@@ -13,7 +13,7 @@ from lta_model.electrical.loads import BENCH
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_report.drawing import add_legend, create_figure
 from lta_report.palette import LAMP, SOFT, TRUTH
-from lta_studies.platforms.entrants import build_entrant
+from lta_studies.platforms.flight import build_entrant
 from lta_studies.platforms.summary import compute_lift_margin
 from lta_studies.reproduce.studies import pressure, tunnel
 from lta_studies.reproduce.study_result import (

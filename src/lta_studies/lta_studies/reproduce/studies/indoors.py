@@ -8,8 +8,12 @@ from lta_config.command_line import format_lta_command
 from lta_studies.light.evaluation.cells import EvaluationCell
 from lta_studies.light.evaluation.paper import ORDER
 from lta_studies.light.evaluation.path_order import assess_path_order
-from lta_studies.light.evaluation.pictures import plot_paper_comparison
-from lta_studies.light.evaluation.tracks import fly_again, plot_tracks, select_track_seed
+from lta_studies.light.evaluation.pictures import (
+    fly_again,
+    plot_paper_comparison,
+    plot_tracks,
+    select_track_seed,
+)
 from lta_studies.reproduce.flights import (
     arrival_figure,
     FlightGroup,

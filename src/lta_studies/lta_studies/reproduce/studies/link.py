@@ -12,18 +12,20 @@ from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from lta_report.drawing import add_legend, create_figure
 from lta_report.palette import ESTIMATE, RAW, TRUTH
-from lta_studies.light.bearing.places import FOR_SUN
+from lta_studies.light.bearing.bench import FOR_SUN
 from lta_studies.light.link.link_budget import (
     compute_lamp_link,
     LampLink,
     LinkPoint,
+    LUX,
+    plot_lux,
+    plot_snr,
     simulate_block,
+    SNR,
 )
-from lta_studies.light.link.report import LUX, plot_lux, plot_snr, SNR
 from lta_studies.light.plan.floor import build_floor
-from lta_studies.light.plan.inputs import load_inputs
-from lta_studies.light.plan.mounts import list_mounts
-from lta_studies.light.plan.planner import plan_layout
+from lta_studies.light.plan.planner import list_mounts, plan_layout
+from lta_studies.light.plan.scenario_file import load_inputs
 from lta_studies.reproduce.study_result import (
     collect_draws,
     MeasuredValue,

@@ -81,7 +81,7 @@ def measure_mounts(comparison: MountingStudy, seeds: int) -> dict[str, MeasuredV
     for name, each in comparison.shared.items():
         spread = average_over_seeds(each.flights, 'amplitude')
         # One seed has no spread.
-        off = spread.off if seeds > 1 else math.nan
+        off = spread.deviation if seeds > 1 else math.nan
         ends = (spread.mean - off, spread.mean + off)
         values[f'{name}_swing'] = MeasuredValue(spread.mean, *ends, seeds)
         values[f'{name}_rms'] = MeasuredValue(

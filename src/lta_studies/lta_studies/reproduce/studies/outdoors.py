@@ -18,11 +18,10 @@ from lta_report.curves import Array
 from lta_report.drawing import create_figure
 from lta_report.report import TextTable
 from lta_sim.wind_limits import static_wind_limit, wind_share_at_hull
-from lta_studies.light.evaluation import pilot
 from lta_studies.light.evaluation.cells import EvaluationCell
-from lta_studies.light.evaluation.labels import label_strategy
-from lta_studies.light.evaluation.pictures import LEGEND, strategy_color
-from lta_studies.light.evaluation.tracks import fly_again, plot_tracks
+from lta_studies.light.evaluation.flights import PILOT
+from lta_studies.light.evaluation.pictures import fly_again, LEGEND, plot_tracks, strategy_color
+from lta_studies.light.evaluation.tables import label_strategy
 from lta_studies.reproduce.flights import (
     FlightGroup,
     FLIGHTS_A_DRAW,
@@ -67,7 +66,7 @@ DISTANCES: Final = 'Distance to the lamp over time, seed 1. Dotted: 1 m, which c
 def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Fly in the paper's winds and over rough ground, and time the updates."""
     speeds = WINDS[:1] if request.quick else WINDS
-    flyers = PAPERS if request.quick else (*PAPERS, pilot.NAME)
+    flyers = PAPERS if request.quick else (*PAPERS, PILOT)
     winds = fly_group(
         'winds', request.seeds, strategies=flyers, vary={WIND: [f'{w:g} m/s' for w in speeds]}
     )
@@ -83,7 +82,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     for speed in WINDS:
         # If even the pilot fails, who knows wind and lamp, the failure of a strategy says nothing
         values[f'vacuous_{speed:g}'] = yes_no_value(
-            find_cell(winds, pilot.NAME, speed).reached_share.value <= MOST
+            find_cell(winds, PILOT, speed).reached_share.value <= MOST
         )
     gusts = fly_group('winds', request.seeds, vary={WIND: [f'{WINDS[0]:g} m/s']}, change=EDDIES)
     for name in PAPERS:

@@ -8,19 +8,19 @@ from lta_config.command_line import format_lta_command
 from lta_flight.flight_spec import build_vehicle_scenario_stack
 from lta_report.drawing import create_figure
 from lta_report.palette import GRID, SOFT
-from lta_studies.light.bearing.bench import BearingBench
-from lta_studies.light.bearing.places import build_flight_spec, DIODES, PLACES
+from lta_studies.light.bearing.bench import BearingBench, build_flight_spec, DIODES, PLACES
 from lta_studies.light.bearing.study import (
     ASIDE,
+    COLOURS,
     count_accurate_directions,
     COUNTS,
+    describe_method,
     DIRECTIONS,
     list_directions,
     READINGS,
     RingStudy,
     study_ring,
 )
-from lta_studies.light.bearing.study_report import COLOURS, describe_method
 from lta_studies.reproduce.study_result import (
     average_measures,
     average_over_seeds,

@@ -13,7 +13,7 @@ from lta_model.propulsion import select_lifting_rotors
 from lta_model.vehicle import Vehicle
 from lta_report.drawing import create_figure
 from lta_report.palette import GRID, INK, PAPER, TRUTH
-from lta_studies.platforms.entrants import build_entrant
+from lta_studies.platforms.flight import build_entrant
 from lta_studies.reproduce.manoeuvres import (
     ComparisonFlights,
     find_speed_limit,

@@ -8,7 +8,7 @@ from lta_config.files import share_folder
 from lta_model.vehicle import Vehicle
 from lta_report.drawing import create_figure
 from lta_report.palette import ESTIMATE, PAPER, TRUTH
-from lta_studies.cfd.pictures import draw_drag
+from lta_studies.cfd.report import draw_drag
 from lta_studies.reproduce.study_result import MeasuredValue, StudyPicture
 from lta_windtunnel.aero_fit import fit_drag_by_axis
 from lta_windtunnel.sweep_table import read_sweep, TunnelSweep

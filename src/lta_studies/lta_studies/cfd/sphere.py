@@ -4,13 +4,66 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Final
 
+from lta_report.charts import ChartAxis, Curve, draw_curves
 from lta_report.formatting import Tile
+from lta_report.palette import ESTIMATE, FILL, GOOD, LAMP, RAW, SETPOINT, TRUTH
 from lta_report.report import Picture, Report, TextSection
-from lta_studies.cfd.pictures import draw_sphere_drag
-from lta_studies.cfd.tables import build_sphere_table
+from lta_report.result_table import build_table, Column
 from lta_windtunnel.openfoam.programs import find_openfoam_version
 from lta_windtunnel.tunnel import MAX_LAMINAR_REYNOLDS
-from lta_windtunnel.validation import SphereComparison
+from lta_windtunnel.validation import (
+    morrison_drag_coefficient,
+    SCATTER,
+    SCATTER_RANGE,
+    SphereComparison,
+)
+import numpy as np
+from plotly.graph_objects import Figure
+
+SETTINGS: Final = (ESTIMATE, LAMP, GOOD, TRUTH, SETPOINT)
+
+
+def draw_sphere_drag(results: Sequence[SphereComparison]) -> Figure:
+    """Plot the drag coefficient of the sphere, compared with measurements."""
+    band = {'fill': 'toself', 'fillcolor': FILL, 'hoverinfo': 'skip'}
+    ends = [*SCATTER_RANGE, *SCATTER_RANGE[::-1]]
+    heights = [SCATTER[0], SCATTER[0], SCATTER[1], SCATTER[1]]
+    reynolds = np.geomspace(5e3, 3e5, 200).tolist()
+    morrison = [morrison_drag_coefficient(each) for each in reynolds]
+    curves = [
+        Curve('Achenbach 1972', ends, heights, TRUTH, '', width=0.0, more=band),
+        Curve('Morrison 2013', reynolds, morrison, RAW, width=2.0),
+    ]
+    for k, setting in enumerate(dict.fromkeys(each.setting for each in results)):
+        those = [each for each in results if each.setting == setting]
+        curves.append(
+            Curve(
+                setting, [each.reynolds for each in those], [each.coefficient for each in those],
+                SETTINGS[k % len(SETTINGS)], mode='lines+markers', width=1.0,
+                above=[each.error * each.coefficient for each in those],
+            )
+        )  # fmt: skip
+    numbers = ChartAxis('Reynolds number', log=True, more={'exponentformat': 'power', 'dtick': 1})
+    return draw_curves(curves, numbers, ChartAxis('drag coefficient', range=(0.2, 0.54)))
+
+
+COLUMNS: Final[tuple[Column[SphereComparison], ...]] = (
+    Column('setting', 'setting'),
+    Column('', 'Re', of=lambda each: f'{each.reynolds:.2g}'),
+    Column('coefficient', 'Cd', digits=3),
+    Column('error', 'error', '%', 1),
+    Column('measured', 'Morrison', digits=3),
+    Column('', 'from Morrison [%]',
+           of=lambda each: f'{100 * (each.coefficient / each.measured - 1.0):+.0f}'),
+    Column('', 'from scatter [%]', of=lambda each: f'{100 * each.off:+.0f}'),
+    Column('seconds', 'CPU s', digits=0),
+)  # fmt: skip
+NOTE: Final = (
+    'Error: standard error of the mean of a transient flow, or standard deviation of a '
+    'steady flow over its averaging window. From scatter: deviation from the measured '
+    "range, which reaches from Morrison's value to the 0.50 of Achenbach."
+)
+
 
 CAPTION: Final = (
     'Line: correlation of Morrison (2013). Band: 0.45 to 0.50, measured by Achenbach (1972) '
@@ -38,7 +91,7 @@ def build_report(results: Sequence[SphereComparison], count: int) -> Report:
         tiles=build_tiles(results),
         blocks=(
             Picture('sphere', 'Drag coefficient', CAPTION, draw_sphere_drag(results)),
-            build_sphere_table(results),
+            build_table('Sphere', COLUMNS, results, NOTE),
             TextSection('Meaning and method', METHOD),
         ),
         data=[asdict(each) for each in results],

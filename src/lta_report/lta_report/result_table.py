@@ -1,0 +1,139 @@
+"""
+A long table of results: one row an item, and columns that carry name, unit, digits and meaning.
+
+Terminal, page and Markdown show it in display units, and JSON holds it in SI units, so that a
+study names each of its numbers once.
+"""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+import math
+from typing import Any, Final, final, Generic, NamedTuple, Protocol, runtime_checkable, TypeVar
+
+from lta_config.quantity import UNITS
+from lta_report.formatting import format_number, MISSING
+from lta_report.json_value import to_json_value
+from lta_report.report import CellColor, TextTable
+
+Row = TypeVar('Row')
+TYPED: Final = str.maketrans({'²': '2', '³': '3', '°': 'deg'})  # signs of units, as in files
+
+
+@runtime_checkable
+class Interval(Protocol):
+    """A value with the ends of its interval, NaN where it has none."""
+
+    @property
+    def value(self) -> float:
+        """Best value."""
+
+    @property
+    def low(self) -> float:
+        """Lower end."""
+
+    @property
+    def high(self) -> float:
+        """Upper end."""
+
+
+class Spread(NamedTuple):
+    """A mean and the deviation of a single item from it, which is not shown if it rounds to 0."""
+
+    mean: float
+    deviation: float
+
+
+def unit_factor(unit: str) -> float:
+    """Return by what a value in SI units is multiplied to have a unit, such as 'mW' or '°'."""
+    return 1.0 / UNITS[unit.strip('±').translate(TYPED)][1] if unit else 1.0
+
+
+def format_value(value: Any, digits: int | None = None, factor: float = 1.0) -> str:  # noqa: ANN401 - any cell
+    """
+    Return a cell: a number, an interval, a spread, or words.
+
+    `digits`: of numbers after the point; None for as few as needed. A dash stands for None, NaN
+    and infinity, 'yes' or 'no' for a bool.
+    """
+    if isinstance(value, Spread):
+        mean, off = (format_value(each, digits, factor) for each in value)
+        # A deviation that rounds to zero would claim more than it knows
+        return mean if off == MISSING or not float(off) else f'{mean}\N{PLUS-MINUS SIGN}{off}'
+    if isinstance(value, Interval):
+        best, low, high = (
+            format_value(each, digits, factor) for each in (value.value, value.low, value.high)
+        )
+        return best if MISSING in {best, low} else f'{best} ({low} to {high})'
+    if isinstance(value, bool):
+        return 'yes' if value else 'no'
+    if isinstance(value, list | tuple):
+        return ', '.join(format_value(each, digits, factor) for each in value) or MISSING
+    if value is None or (isinstance(value, float) and not math.isfinite(value)):
+        return MISSING
+    if isinstance(value, str):
+        return value or MISSING
+    return f'{value * factor:g}' if digits is None else format_number(value, digits, factor)
+
+
+def format_share(value: Interval) -> str:
+    """Return a share with its interval in percent; a dash for NaN."""
+    if math.isnan(value.value):
+        return MISSING
+    return f'{100 * value.value:.0f} % ({100 * value.low:.0f} to {100 * value.high:.0f})'
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Column(Generic[Row]):
+    """A number or word that every row has."""
+
+    key: str  # name in JSON; '' keeps the column out of it
+    # Head of the table, to which the unit is added; None keeps the column out of the table
+    head: str | None = None
+    unit: str = ''
+    digits: int | None = None
+    # Returns the value of a row in SI units; by default its attribute `key`
+    of: Callable[[Row], Any] | None = None
+    factor: float | None = None  # from SI to display units, where `UNITS` lacks the unit
+
+    def value(self, row: Row) -> Any:  # noqa: ANN401 - any cell
+        """Return the value of a row, in SI units."""
+        return getattr(row, self.key) if self.of is None else self.of(row)
+
+    def format(self, row: Row) -> str:
+        """Return the cell of a row."""
+        value = self.value(row)
+        # Text that a study has formatted itself, which may be bold
+        if isinstance(value, str) and value:
+            return value
+        factor = unit_factor(self.unit) if self.factor is None else self.factor
+        return format_value(value, self.digits, factor)
+
+    @property
+    def title(self) -> str:
+        """Head with the unit."""
+        return f'{self.head} [{self.unit}]' if self.unit else self.head or ''
+
+
+def build_table(
+    heading: str,
+    columns: Iterable[Column[Row]],
+    rows: Iterable[Row],
+    note: str = '',
+    *,
+    groups: tuple[tuple[str, int], ...] = (),
+    printed: bool = True,
+    colors: Mapping[str, CellColor] | None = None,
+) -> TextTable:
+    """Return the table of some rows, as `TextTable` describes it."""
+    visible = [each for each in columns if each.head is not None]
+    return TextTable(
+        heading, [each.title for each in visible],
+        [[each.format(row) for each in visible] for row in rows],
+        note, groups, printed, colors or {},
+    )  # fmt: skip
+
+
+def to_record(columns: Iterable[Column[Row]], row: Row) -> dict[str, Any]:
+    """Return a row as a JSON object in SI units, with null for NaN and infinity."""
+    return {each.key: to_json_value(each.value(row)) for each in columns if each.key}

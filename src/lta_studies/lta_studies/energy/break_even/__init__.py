@@ -1,1 +1,0 @@
-"""Break-even map: the light that powers each task, by lamp and cell."""
