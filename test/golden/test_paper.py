@@ -106,6 +106,7 @@ def test_the_pages_are_made_of_the_full_run_and_of_the_rows_as_they_are():
     for row in rows:
         first = kepts[row.name].pictures[0]
         assert (docs / IMAGES / f'{row.name}-{first.name}.png').exists()
+        assert all(each.command.startswith('./lta ') for each in kepts[row.name].pictures)
         found = {name: str(each) for name, each in judge_claims(row, kepts[row.name]).items()}
         assert found == told['rows'][row.name]['verdicts']
 

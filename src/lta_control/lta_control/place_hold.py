@@ -13,7 +13,7 @@ from typing import NamedTuple, TYPE_CHECKING
 
 from lta_control.cascade import wrap_angle
 from lta_control.odometry.tracked_motion import LocatedMotion, Pair
-from lta_control.strategies.homing import LARGEST_TURN, stopping_speed
+from lta_control.strategies.homing import LARGEST_TURN, limit_turn, stopping_speed
 
 if TYPE_CHECKING:
     from lta_control.strategies.settings import StrategySettings
@@ -75,11 +75,8 @@ def steer_to_place(
     push_y = drag * left + (lead * y - motion.velocity[1]) / CHANGE_TIME
     heading = math.atan2(push_y, push_x)
     airspeed = ahead * math.cos(heading) + left * math.sin(heading)
-    turn, most = wrap_angle(heading - motion.heading), CALM_TURN if wind < CALM else LARGEST_TURN
-    if abs(turn) > most:
-        # The sense of a turn stays
-        last = wrap_angle(hold.heading - motion.heading)
-        heading = motion.heading + math.copysign(most, last if abs(last) > 0.25 * most else turn)
+    most = CALM_TURN if wind < CALM else LARGEST_TURN
+    heading = limit_turn(heading, motion.heading, hold.heading, most)
     airspeed = min(max(airspeed, -own.top_speed), own.top_speed)
     return airspeed, hold._replace(heading=wrap_angle(heading), resting=False)
 

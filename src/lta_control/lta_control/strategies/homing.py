@@ -411,18 +411,25 @@ def brake_ahead(
     away = max(math.hypot(fix.x, fix.y), 1e-6)
     closing = (fix.x * x + fix.y * y) / away
     heading = math.atan2(-y, -x)
-    turn = wrap_angle(heading - sight.heading)
     # Once turned, it decelerates as planned
     plan = stopping_speed(own, away, 0.0) if closing > 0.0 else 0.0
     want_x, want_y = plan * fix.x / away - fix.wind_x, plan * fix.y / away - fix.wind_y
     top = max(own.top_speed, settings.speed)
     speed = want_x * math.cos(heading) + want_y * math.sin(heading)
     speed = min(max(speed, -top), top)
-    if abs(turn) > LARGEST_TURN:
-        last = wrap_angle(m.heading - sight.heading)
-        sense = last if abs(last) > 0.25 * LARGEST_TURN else turn
-        heading = sight.heading + math.copysign(LARGEST_TURN, sense)
-    return heading, speed
+    return limit_turn(heading, sight.heading, m.heading, LARGEST_TURN), speed
+
+
+def limit_turn(goal: float, heading: float, last: float, most: float) -> float:
+    """
+    Return a heading at most so far from the present one that the sense of a turn stays. [rad]
+
+    `last`: heading that was commanded before.
+    """
+    turn, before = wrap_angle(goal - heading), wrap_angle(last - heading)
+    if abs(turn) <= most:
+        return goal
+    return heading + math.copysign(most, before if abs(before) > 0.25 * most else turn)
 
 
 def full_turn_time(settings: 'StrategySettings') -> float:

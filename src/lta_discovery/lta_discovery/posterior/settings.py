@@ -31,8 +31,9 @@ STEPS: Final = 12  # from one model to a better one, most
 # Conclusion
 CERTAIN: Final = 0.95  # probability among the models from which on something is named
 # Nats by which a fit without a name has to be less probable: by a factor of 100, as at most one
-# name in a hundred is to be wrong. In 22 flown cases with known answers, right names of 5 standard
-# deviations or more had 6.5 nats or more, and the only wrong one had 0.6
+# name in a hundred is to be wrong. Of 22 simulated cases with known answers, with a factor of 10,
+# 100 or 10,000 in its place, 6, 6 or 5 of 7 single effects of 4 to 40 standard deviations were
+# named, and nothing wrong
 LEAST_GAIN: Final = math.log(100.0)
 # Typical sizes of an effect; a smaller one is taken for an error of the model, as of a drag beside
 # a strong wind
