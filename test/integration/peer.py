@@ -142,13 +142,14 @@ class Peer:
         self._beside.append(rclpy.create_node(name, namespace='/lta1', context=self._context))
         return self._beside[-1]
 
-    def until(self, condition: Callable[[], Any]) -> Any:
-        """Take what comes until something holds, and return that."""
+    def until(self, condition: Callable[[], Any], patience: float = PATIENCE) -> Any:
+        """Take what comes until something holds, and return that; `patience`: [s]."""
         return wait_until(
             condition,
             _place_of(condition),
             lambda: sorted(self.heard.items()),
             step=lambda: self._executor.spin_once(timeout_sec=0.02),
+            patience=patience,
         )
 
     def hear(self, name: str, callback: Callable[[Any], object]) -> None:
@@ -222,7 +223,8 @@ class Peer:
                 asked = time.monotonic()
             return done()
 
-        self.until(flown)
+        # A drone that comes down begins its flight again, which takes half a minute
+        self.until(flown, 3.0 * PATIENCE)
 
     def set(self, node: str, name: str, value: object) -> Any:
         """Set a parameter and return what the node said to it."""
