@@ -17,7 +17,7 @@ from typing import Any
 
 from campaigns.chaos_spoilt import over_fields, spoil, SPOILT
 from lta_bridge.nodes.crazyflie_bridge import CrazyflieBridge
-from lta_bridge.nodes.live import LiveViewNode, REPLACED
+from lta_bridge.nodes.live import LiveViewNode
 from lta_bridge.nodes.teleop import Teleop
 from lta_control.nodes.controller import Controller
 from lta_control.nodes.estimator import Estimator
@@ -55,7 +55,7 @@ BESIDE = {  # topics that a node hears as they come, beside what the table says 
     'crazyflie_bridge': ['/diagnostics', 'ground_truth/odom', 'odom', 'setpoint/pose',
                          'setpoint/velocity', 'teleop/held', 'teleop/pose', 'teleop/velocity'],
     'teleop': ['/diagnostics', 'odom'],
-    'live': sorted(TABLE.topics.keys() - set(REPLACED)),
+    'live': sorted(TABLE.topics),
 }  # fmt: skip
 # A command or a state that cannot be meant ends their flight: each topic has a node of its own.
 FLOWN = ('controller', 'simulator', 'crazyflie_bridge')

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from lta_bridge.live.address import build_app_url, check_port_available, LOCAL, PORT
+from lta_bridge.live.origin_gate import build_app_url, check_port_available, LOCAL, PORT
 from lta_config.command_line import relative_path
 from lta_config.errors import BadInput
 from lta_config.files import share_folder

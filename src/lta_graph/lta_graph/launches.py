@@ -147,7 +147,7 @@ DRONE_NODES = (
         'lta_bridge',
         'live',
         lambda a: a.live,
-        'use_sim_time time frame_prefix source vehicle scenario',
+        'use_sim_time time frame_prefix source',
         lambda a: {'host': a.live_host, 'port': a.live_port},
         on_exit_shutdown=False,
         apart=True,

@@ -12,8 +12,8 @@ from html import escape
 import itertools
 from typing import Final, final
 
-from lta_bridge.live.shapes import EllipsoidShape, ORIGIN, Shape, ShapeEntity
-from lta_bridge.live.vehicle_shapes import BASE, draw_body, ENVELOPE, vehicle_reach
+from lta_bridge.description.scene import BASE, draw_body, ENVELOPE, vehicle_reach
+from lta_bridge.description.shapes import EllipsoidShape, ORIGIN, Shape, ShapeEntity
 from lta_config.errors import BadInput
 from lta_config.schema.vehicle_file import VehicleFile
 from lta_model.mass_properties import half_axes

@@ -5,15 +5,23 @@ import math
 from pathlib import Path
 from xml.etree import ElementTree
 
-from lta_bridge.description.messages import iterate_descriptions
-from lta_bridge.live.frames import list_sensor_frames
-from lta_bridge.live.messages import build_marker_array, list_cone_triangles
-from lta_bridge.live.room_shapes import draw_static_scene
-from lta_bridge.live.shapes import BillboardText, CylinderShape, EllipsoidShape, PolylineShape
-from lta_bridge.urdf import (
+from lta_bridge.description.messages import (
+    build_marker_array,
+    iterate_descriptions,
+    list_cone_triangles,
+)
+from lta_bridge.description.scene import draw_static_scene
+from lta_bridge.description.shapes import (
+    BillboardText,
+    CylinderShape,
+    EllipsoidShape,
+    PolylineShape,
+)
+from lta_bridge.description.urdf import (
     build_urdf,
     convert_to_rods,
     list_fixed_frames,
+    list_sensor_frames,
     slice_into_discs,
     to_rpy,
 )

@@ -38,8 +38,8 @@ class TopicThrottle:
     """
     Limit the rate of each topic for viewers.
 
-    Only periodic topics are thinned. On others, such as /diagnostics, each message may be from
-    another node. `clock` returns the wall time. [s]
+    Only periodic topics with a stamp are thinned. On others, such as /diagnostics and /tf, each
+    message may be from another node. `clock` returns the wall time. [s]
 
     Attributes `sent`, `left_out`: by topic: forwarded messages, and those dropped between them.
     """
@@ -51,7 +51,7 @@ class TopicThrottle:
         self._paces = {
             name: RateLimiter(HEAVY.get(topic.type, SCREEN_RATE))
             for name, topic in table.topics.items()
-            if topic.period_ns
+            if topic.period_ns and topic.stamped
         }
         self._last: dict[str, int] = {}
         self.sent: dict[str, int] = {}

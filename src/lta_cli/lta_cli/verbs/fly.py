@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 from lta_analysis.console import plain_console
-from lta_bridge.live.address import PORT
+from lta_bridge.live.origin_gate import PORT
 from lta_cli.options.common_options import (
     complete_names,
     Json,

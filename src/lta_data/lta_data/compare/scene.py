@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-from lta_bridge.live.room_shapes import draw_static_scene
+from lta_bridge.description.scene import draw_static_scene
 from lta_config.errors import BadInput
 from lta_data.compare.channel_comparison import ChannelComparison
 from lta_data.compare.channel_roles import find_pose_prefix

@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from lta_bridge.live.room_shapes import draw_static_scene
+from lta_bridge.description.scene import draw_static_scene
 from lta_data.bag.recorded_flight import list_robots, open_flight
 from lta_flight.report.view import FlightView
 from lta_model.vehicle import Vehicle

@@ -5,7 +5,7 @@ import sys
 from typing import Annotated
 
 from lta_analysis.console import plain_console
-from lta_bridge.urdf import build_urdf
+from lta_bridge.description.urdf import build_urdf
 from lta_cli.options.common_options import VehicleName
 from lta_model.vehicle import load_vehicle
 from lta_report.results_folder import write_file

@@ -10,11 +10,11 @@ would have to be on the viewer's machine, so the hull is a stack of discs.
 
 from collections.abc import Iterator, Sequence
 import math
-from typing import Final
+from typing import Final, final, NamedTuple
 from xml.etree import ElementTree
 
-from lta_bridge.live.frames import list_sensor_frames, SceneFrame
-from lta_bridge.live.shapes import (
+from lta_bridge.description.scene import BASE, draw_body
+from lta_bridge.description.shapes import (
     BoxShape,
     Colour,
     CylinderShape,
@@ -23,11 +23,11 @@ from lta_bridge.live.shapes import (
     PolylineShape,
     rotation_between,
     Three,
+    to_triple,
     Turn,
     X,
     Z,
 )
-from lta_bridge.live.vehicle_shapes import BASE, draw_body
 from lta_model.vehicle import Vehicle
 
 Element = ElementTree.Element
@@ -37,6 +37,43 @@ CHIP: Final[Three] = (0.02, 0.02, 0.01)  # m, box drawn for a sensor
 CHIP_COLOUR: Final[Colour] = (0.85, 0.55, 0.10, 1.0)
 LOCK: Final = 1e-7  # rad from a pitch of +-90 deg, where only yaw - roll or yaw + roll is defined
 DIODE: Final[Three] = (0.005, 0.01, 0.01)  # m; an OPT101 in its DIP package, looking along x
+# Turns x down, as a range finder's must point
+DOWN: Turn = (0.0, math.sqrt(0.5), 0.0, math.sqrt(0.5))
+BACK: Turn = (0.0, 0.0, 1.0, 0.0)  # turns x backwards
+
+
+@final
+class SceneFrame(NamedTuple):
+    """Position [m] and attitude of a frame in its parent."""
+
+    parent: str
+    name: str
+    place: Three
+    turn: Turn
+
+
+def rotation_from_x(axis: Three) -> Turn:
+    """Return the shortest rotation from x, a light sensor's direction, to a unit vector."""
+    x, y, z = axis
+    length = math.sqrt(2.0 + 2.0 * x)
+    if length < 1e-6:
+        return BACK
+    return (0.0, -z / length, y / length, 0.5 * length)
+
+
+def list_sensor_frames(vehicle: Vehicle) -> list[SceneFrame]:
+    """Return the frames of the sensors, fixed to the vehicle."""
+    sensors = vehicle.file.sensors
+    return [
+        SceneFrame(BASE, 'imu_link', to_triple(sensors.imu_position.vector), LEVEL),
+        SceneFrame(BASE, 'range_link', to_triple(sensors.range_position.vector), DOWN),
+        SceneFrame(
+            BASE,
+            'panel_link',
+            vehicle.file.panel_place,
+            rotation_from_x(vehicle.file.panel_normal),
+        ),
+    ]
 
 
 def build_urdf(vehicle: Vehicle) -> str:
@@ -72,7 +109,7 @@ def list_fixed_frames(vehicle: Vehicle) -> list[SceneFrame]:
         SceneFrame(BASE, f'rotor_{rotor.name}', rotor.place, rotation_between(Z, rotor.axis))
         for rotor in vehicle.rotors
     ]
-    gravity = SceneFrame(BASE, CG, _to_triple(vehicle.cg.tolist()), LEVEL)
+    gravity = SceneFrame(BASE, CG, to_triple(vehicle.cg.tolist()), LEVEL)
     return [gravity, *list_sensor_frames(vehicle), *rotors]
 
 
@@ -108,8 +145,8 @@ def convert_to_rods(line: PolylineShape) -> Iterator[CylinderShape]:
     # Points are pairs: start and end of each stroke
     for start, end in zip(line.points[::2], line.points[1::2], strict=True):
         length = math.dist(start, end)
-        middle = _to_triple([0.5 * (p + q) for p, q in zip(start, end, strict=True)])
-        turn = rotation_between(Z, _to_triple([q - p for p, q in zip(start, end, strict=True)]))
+        middle = to_triple([0.5 * (p + q) for p, q in zip(start, end, strict=True)])
+        turn = rotation_between(Z, to_triple([q - p for p, q in zip(start, end, strict=True)]))
         yield CylinderShape(middle, (line.thickness, line.thickness, length), line.colour, turn)
 
 
@@ -117,13 +154,8 @@ def build_diode_boxes(vehicle: Vehicle) -> Iterator[BoxShape]:
     """Yield the photodiodes where they sit, looking along their axes."""
     for row in vehicle.diodes.planes.tolist():
         yield BoxShape(
-            _to_triple(row[:3]), DIODE, CHIP_COLOUR, rotation_between(X, _to_triple(row[3:]))
+            to_triple(row[:3]), DIODE, CHIP_COLOUR, rotation_between(X, to_triple(row[3:]))
         )
-
-
-def _to_triple(numbers: Sequence[float]) -> Three:
-    x, y, z = numbers
-    return x, y, z
 
 
 def _add_link(robot: Element, frame: SceneFrame) -> Element:

@@ -1,25 +1,29 @@
-"""Draw a scenario in the map frame: walls, lamps with their light cones, goals."""
+"""Draw the room of a scenario in the map frame, and a vehicle in its own."""
 
 import math
 from typing import Final
 
-from lta_bridge.live.shapes import (
+from lta_bridge.description.shapes import (
     BillboardText,
     BoxShape,
     Colour,
     CylinderShape,
     EllipsoidShape,
     move_point,
+    ORIGIN,
     PolylineShape,
     rotation_between,
+    Shape,
     ShapeEntity,
     Three,
     to_triple,
     Z,
 )
+from lta_model import mass_properties
 from lta_model.light.lamp import BeaconLamp
 from lta_model.scenario import Scenario
 from lta_model.scenario_light import LampScene
+from lta_model.vehicle import Vehicle
 
 MAP: Final = 'map'
 FLOOR: Final[Colour] = (0.50, 0.52, 0.55, 0.25)
@@ -108,3 +112,53 @@ def draw_goals(scenario: Scenario) -> ShapeEntity:
         for x, y in scenario.goal_places
     ]
     return ShapeEntity('goal', MAP, tuple(circles))
+
+
+BASE: Final = 'base_link'
+# Transparent, so that the gondola stays visible
+ENVELOPE: Final[Colour] = (0.80, 0.84, 0.90, 0.45)
+PART: Final[Colour] = (0.35, 0.40, 0.47, 1.0)
+PANEL: Final[Colour] = (0.10, 0.22, 0.50, 1.0)
+DISC: Final[Colour] = (0.15, 0.60, 0.75, 0.55)
+PANELS: Final = 'panel'  # part of the name of solar panels
+FLAT: Final = 0.1  # thickness of a rotor's disc by its radius
+ROTOR: Final = 0.12  # disc radius by the vehicle's reach: the vehicle file has no rotor size
+
+
+def vehicle_reach(vehicle: Vehicle) -> float:
+    """Return the largest extent of the vehicle from the hull centre. [m]"""
+    ends = list(mass_properties.half_axes(vehicle.file.hull))
+    for rotor in vehicle.rotors:
+        ends += [abs(number) for number in rotor.place]
+    return max(ends)
+
+
+def draw_body(vehicle: Vehicle) -> ShapeEntity:
+    """Return the static shapes of the vehicle: hull, boxes and discs."""
+    shapes: list[Shape] = []
+    half = mass_properties.half_axes(vehicle.file.hull)
+    if any(half):
+        shapes.append(
+            EllipsoidShape(ORIGIN, to_triple(tuple(2.0 * axis for axis in half)), ENVELOPE)
+        )
+    boxes = [
+        BoxShape(
+            to_triple(part.position.vector),
+            to_triple(part.size.vector),
+            PANEL if PANELS in name else PART,
+        )
+        for name, part in vehicle.file.parts.items()
+        if part.shape == 'box'
+    ]
+    radius = ROTOR * vehicle_reach(vehicle)
+    size = (2.0 * radius, 2.0 * radius, FLAT * radius)
+    discs = [
+        CylinderShape(rotor.place, size, DISC, rotation_between(Z, rotor.axis))
+        for rotor in vehicle.rotors
+    ]
+    shapes += [*boxes, *discs]
+    if not boxes:  # without parts, draw a body at the centre of gravity
+        centre = to_triple(tuple(float(number) for number in vehicle.cg))
+        points = tuple(point for rotor in vehicle.rotors for point in (centre, rotor.place))
+        shapes.append(PolylineShape(points, 0.2 * radius, PART, pairs=True))
+    return ShapeEntity('vehicle', BASE, tuple(shapes))
