@@ -243,7 +243,7 @@ def test_every_parameter_is_described(name):
 # Figures that hold from the start on: what a flight begins with, and what it is recorded with.
 BEGUN_WITH = {
     'crazyflie_bridge': {
-        'allow_other_commanders', 'tethered', 'blind', 'watchdog', 'patience', 'autostart',
+        'allow_other_commanders', 'blind', 'watchdog', 'patience', 'autostart',
     },
     'simulator': {'seed', 'offset_x', 'offset_y', 'record', 'clock', 'commanded'},
     'player': {'rate', 'start', 'end', 'loop', 'paused', 'patience', 'record'},

@@ -30,7 +30,6 @@ TAKEN = f'udp://127.0.0.1:{free_port(UDP)}'
 WRONG = [  # of a node, a value that it cannot have, and what it says
     ('crazyflie_bridge', 'uri:=udp://here', "'udp://here' is not a valid Crazyflie URI; give one"),
     ('crazyflie_bridge', f'uri:={TAKEN}', r'Another program \(process \d+\) already commands'),
-    ('crazyflie_bridge', 'command:=override', 'tether the drone to a bench and add tethered:=tr'),
     (
         'crazyflie_bridge',
         'crazyflie:=multirotor',

@@ -359,20 +359,6 @@ def test_while_it_lands_to_be_deactivated_an_emergency_stop_is_heeded_at_once(pe
 
 
 @pytest.mark.long
-def test_past_the_firmware_on_a_tether_it_lets_go_of_the_motors_on_leaving(peer, pair):
-    """The emulated drone turns them by `motorPowerSet`, and would for ever; a terminal is shut."""
-    pair.renew('-p', 'command:=override', '-p', 'tethered:=true')
-    drone = pair.drone
-    fly(peer, drone)
-    assert drone.firmware.parameters.values['motorPowerSet.enable'] == 1
-    pair.bridge.send_signal(signal.SIGHUP)
-    pair.bridge.communicate(timeout=PATIENCE)
-    assert turning(drone) == (0.0,) * 4
-    assert drone.firmware.parameters.values['motorPowerSet.enable'] == 0
-    assert not drone.firmware.supervisor.armed
-
-
-@pytest.mark.long
 def test_the_shutdown_transition_comes_down_and_disarms(peer, drone, bridge):
     fly(peer, drone)
     wanted = Transition(id=Transition.TRANSITION_ACTIVE_SHUTDOWN)

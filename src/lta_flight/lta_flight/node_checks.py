@@ -4,7 +4,6 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Final, TypeVar
 
-from lta_bridge.crazyflie.override import check_tether
 from lta_bridge.crazyflie.settings import CrazyflieBridgeSettings
 from lta_bridge.playback.recording import open_recording
 from lta_bridge.playback.settings import check_playback, PlayerSettings
@@ -67,7 +66,6 @@ def check_player(robot: str, values: Values) -> None:
 def check_crazyflie_bridge(_: str, values: Values) -> None:
     """Reject settings and a URI that the bridge of a Crazyflie would reject."""
     settings = validate_settings(CrazyflieBridgeSettings, 'crazyflie_bridge', values)
-    check_tether(settings.command, settings.tethered)
     # Imported late: cflib takes a second
     from lta_bridge.crazyflie.links import check_uri
 

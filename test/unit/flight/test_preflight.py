@@ -67,8 +67,8 @@ REAL = {'source': 'crazyflie', 'robot': 'lta1'}
         ),
         (
             {**REAL, 'command': 'fast'},
-            "crazyflie_bridge: parameter command is 'fast', but must be '', 'setpoint', 'motors' "
-            "or 'override'.",
+            "crazyflie_bridge: parameter command is 'fast', but must be '', 'setpoint' or "
+            "'motors'.",
         ),
         (
             {**REAL, 'light_board': 'true', 'light_port': '{}/tty'},

@@ -31,7 +31,6 @@ from lta_model.vehicle import Vehicle
 TICK_RATE: Final = 50.0  # Hz, tick rate; the firmware needs setpoints at 10 Hz or more
 GUARD: Final = 7  # ticks between two messages to the emergency-stop watchdog: 7 Hz
 HOLD_MS: Final = 200  # ms; the drone stops its motors without newer duties after this time
-LETTING_GO: Final = 10  # times that the override is released: the drone does not confirm it
 TURN_GAIN: Final = 1.5  # 1/s from heading error to yaw rate: time constant of about 0.7 s
 FASTEST_TURN: Final = 1.0  # rad/s
 FASTEST_SETPOINT: Final = 2.0  # m/s; a stick gives no more
@@ -88,7 +87,7 @@ class BridgeCore:
     vehicle : Vehicle
         Its rotors are in the order of duties in a command.
     command : str
-        'setpoint', 'motors' or 'override'; empty for the mode of the file.
+        'setpoint' or 'motors'; empty for the mode of the file.
     watchdog : bool
         Whether to start the firmware's emergency-stop watchdog with the first arming. It stops
         the motors and locks the drone 1 s after the last message; only a restart unlocks it.
@@ -159,12 +158,11 @@ class BridgeCore:
         self._has_flown = False  # whether this drone has flown
         self._rose = False  # whether a setpoint above the floor was sent since arming
         self._graph_ns, self._graph_at = -1, -math.inf  # graph time, and when it changed last [s]
-        self._held = 0  # how many times the override must still be released
 
     @property
     def sends_duties(self) -> bool:
         """Whether the bridge sends motor duties rather than setpoints."""
-        return self.command in ('motors', 'override')
+        return self.command == 'motors'
 
     @property
     def is_busy(self) -> bool:
@@ -395,9 +393,7 @@ class BridgeCore:
             self._link.feed_watchdog()
         if order.arm is not None:
             self._link.request_arming(order.arm)
-        if self.command == 'override':
-            self._send_override(order)
-        elif self.command == 'motors':
+        if self.sends_duties:
             self._send_duties(order)
         elif order.drive and self._command is not None and self._may_rise(self._command):
             command = self._command
@@ -425,17 +421,6 @@ class BridgeCore:
         # From the vehicle file's order of rotors to M1 to M4
         duties = (self._command.duties[place] for place in self._order)
         return tuple(order.drive * min(1.0, max(-1.0, duty)) for duty in duties)
-
-    def _send_override(self, order: safety.SafetyOutputs) -> None:
-        """Override the motors while a command is flown; otherwise release them."""
-        duties = self._motor_duties(order)
-        if duties:
-            self._held = LETTING_GO
-        elif self._held:
-            self._held -= 1
-        else:
-            return
-        self._link.override_motors(duties)
 
     def _send_duties(self, order: safety.SafetyOutputs) -> None:
         """Send duties while streaming; on hand-over, send zero duties that expire at once."""

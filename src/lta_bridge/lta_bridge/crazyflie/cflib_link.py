@@ -55,11 +55,9 @@ SCHEMES: Final = {  # URI scheme to a pattern of the rest, as cflib parses it
     'serial': r'\S+',
 }
 LANDING: Final = 3.0  # s, duration of the firmware's landing
-U8, U16 = 0x08, 0x09  # parameter type codes of the firmware
-FULL_RATIO: Final = 65535  # motor ratio at full duty
+U8 = 0x08  # parameter type code of the firmware
 ECHO: Final = (15, 0)  # CRTP port and channel whose packets are echoed
 CLOSING: Final = 3.0  # s; cflib needs two at most, but blocks forever if its driver has failed
-PARTING: Final = 3  # times that the override is released before a link is closed
 # cflib's list of drivers is global to the process
 DRIVERS = threading.Lock()
 
@@ -125,7 +123,6 @@ class CflibLink:
         self._drone: Any = None  # the cflib object in use
         self._opened: Any = None  # the cflib object to close
         self._sizes: dict[int, int] = {}  # bytes of values by log block number
-        self._overrides = False  # whether motors were turned past the firmware's supervisor
         self.events: SimpleQueue[Event] = SimpleQueue()
         self._fault = ''  # of the packet that cflib is about to read
         self.protocol = -1
@@ -232,11 +229,8 @@ class CflibLink:
 
     def close(self) -> None:
         """Disconnect; takes up to two seconds. A flying or landing drone continues."""
-        if self._overrides:
-            for _ in range(PARTING):
-                self.override_motors(())
         drone, self._drone, self._opened = self._opened, None, None
-        self._overrides, self._sizes = False, {}
+        self._sizes = {}
         if drone is not None:
             # cflib sends a zero thrust as it closes, which would drop a drone that is landing.
             # Its threads also keep sending, and would print a traceback on the closed socket.
@@ -315,20 +309,6 @@ class CflibLink:
     def send_duties(self, payload: bytes) -> None:
         """Send a packet on the app channel."""
         self._call_cflib('appchannel', 'send_packet', payload)
-
-    def override_motors(self, duties: Sequence[float]) -> None:
-        """
-        Set `motorPowerSet` without waiting for a confirmation; no duties release the motors.
-
-        It is enabled last and disabled first, so that no motor turns at a previous ratio.
-        """
-        self._overrides |= bool(duties)
-        ratios = [round(FULL_RATIO * min(1.0, max(0.0, duty))) for duty in duties] or [0] * 4
-        motors = [(f'motorPowerSet.m{n}', U16, ratio) for n, ratio in enumerate(ratios, start=1)]
-        enable = ('motorPowerSet.enable', U8, int(bool(duties)))
-        # Set the ratios before enabling, and disable first: old ratios must never reach a motor
-        for words in (*motors, enable) if duties else (enable, *motors):
-            self._call_cflib('param', 'set_value_raw', *words)
 
     def hand_over(self, land: bool) -> None:
         """Release the commander, and where `land`, let the high-level commander land."""

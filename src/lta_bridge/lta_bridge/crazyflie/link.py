@@ -1,6 +1,6 @@
 """Interface of a link to a Crazyflie and the events that it reports, for any library."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from queue import SimpleQueue
 from typing import NamedTuple, Protocol
 
@@ -93,10 +93,6 @@ class CrazyflieLink(Protocol):
 
     def send_duties(self, payload: bytes) -> None:
         """Send a packet to the app on the drone."""
-        ...
-
-    def override_motors(self, duties: Sequence[float]) -> None:
-        """Set duties 0 to 1 of M1 to M4, bypassing the supervisor; empty duties release them."""
         ...
 
     def hand_over(self, land: bool) -> None:

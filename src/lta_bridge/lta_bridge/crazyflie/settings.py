@@ -16,23 +16,16 @@ class CrazyflieBridgeSettings(Settings):
         'for the one of the vehicle.',
         fixed=True,
     )
-    command: Literal['', 'setpoint', 'motors', 'override'] = setting(
+    command: Literal['', 'setpoint', 'motors'] = setting(
         '',
-        'Command mode: setpoint (the controller of the firmware flies), motors (motor duties for '
-        "LTA's app in the firmware), or override (motor duties that bypass the firmware's "
-        'watchdog, '
-        'lock and disarming; needs tethered:=true). Empty for the mode in the Crazyflie file.',
-        fixed=True,
-    )
-    tethered: bool = setting(
-        False,
-        'Whether the drone is tethered to a bench; command:=override requires it.',
+        'Command mode: setpoint (the controller of the firmware flies) or motors (duties for '
+        "LTA's app in the firmware). Empty for the mode in the Crazyflie file.",
         fixed=True,
     )
     blind: bool = setting(
         False,
         'Whether the drone may be armed without a position estimate; then no limit of height and '
-        'distance ends its flight. tethered:=true allows it too.',
+        'distance ends its flight.',
         fixed=True,
     )
     allow_other_commanders: bool = setting(

@@ -29,11 +29,6 @@ from lta_bridge.crazyflie.health_diagnostics import (
 from lta_bridge.crazyflie.link import LinkLost, MalformedPacket, Ping
 from lta_bridge.crazyflie.links import create_link
 from lta_bridge.crazyflie.log_table import BLOCKS, check_log_table
-from lta_bridge.crazyflie.override import (
-    check_tether,
-    required_compensation,
-    select_expected_parameters,
-)
 from lta_bridge.crazyflie.power_model import CrazyfliePowerModel
 from lta_bridge.crazyflie.safety import LEAVE, SafetyRequest, SafetyStage
 from lta_bridge.crazyflie.settings import CrazyflieBridgeSettings
@@ -79,7 +74,6 @@ class CrazyflieBridge(DeviceNode):
             'battery': self.create_output('battery'),
         }
         settings = self._settings = NodeParameters(self, CrazyflieBridgeSettings).value
-        check_tether(settings.command, settings.tethered)
         vehicle = self._vehicle = load_vehicle(settings.vehicle)
         self._names = vehicle.rotor_names
         self._consumption = CrazyfliePowerModel.from_energy(vehicle.file.energy)
@@ -92,7 +86,7 @@ class CrazyflieBridge(DeviceNode):
             vehicle,
             command,
             watchdog=settings.watchdog in (command, 'always'),
-            blind=settings.blind or settings.tethered,
+            blind=settings.blind,
         )
         self._keeper: ConnectionManager | None = None
         self._former: ConnectionManager | None = None  # its connection may still be closing
@@ -151,12 +145,11 @@ class CrazyflieBridge(DeviceNode):
             self.get_logger().error(self.refusal)
             return TransitionCallbackReturn.FAILURE
         # The manager releases the lock, because its connection may outlive this node's interest.
-        command = self._bridge.command
         self._keeper = ConnectionManager(
             self._link,
-            select_expected_parameters(self._file, command),
+            self._file.expected,
             claim.close,
-            required_compensation(self._vehicle, command),
+            self._vehicle.battery_compensated,
             partial(is_port_closed, self._settings.uri),
             self._settings.patience,
             hash_airframe(self._vehicle.file, self._file),

@@ -49,7 +49,7 @@ class Kept:
 class Bridged:
     """A bridge, and what its drone and its graph tell it at every tick."""
 
-    def __init__(self, command='override', watchdog=False, axes=None, blind=False):
+    def __init__(self, command='motors', watchdog=False, axes=None, blind=False):
         self.kept, self.now, self.word = Kept(), 0, SupervisorBit.ARMED
         self.bridge = BridgeCore(
             self.kept, FILE, tilt_rotors(axes or {}), command, watchdog, blind

@@ -16,7 +16,6 @@ from lta_bridge.crazyflie.duties_packet import find_rotor_indices
 from lta_bridge.crazyflie.link import LinkFailed, LinkLost, LogPacket, MalformedPacket
 from lta_bridge.crazyflie.links import create_link
 from lta_bridge.crazyflie.log_table import BLOCKS
-from lta_bridge.crazyflie.override import required_compensation
 from lta_bridge.crazyflie.packet_check import find_packet_fault
 from lta_config.errors import BadInput
 from lta_config.files import find_file
@@ -389,8 +388,7 @@ def test_firmware_and_vehicle_agree_on_the_correction_for_the_battery(
 @pytest.mark.parametrize('name', ['gtmab', 'multirotor'])
 def test_the_shipped_vehicles_and_the_builds_they_fly_with_agree(name):
     build = select_build(load_crazyflie(name).command)
-    assert required_compensation(load_vehicle(name), '') == build.compensated
-    assert required_compensation(load_vehicle(name), 'override') is None
+    assert load_vehicle(name).battery_compensated == build.compensated
 
 
 def file_with(tmp_path, parameter):
@@ -527,3 +525,15 @@ def test_the_thread_of_a_keeper_keeps_no_process_alive():
         assert all(one.daemon for one in threads)
     finally:
         assert keeper.close()
+
+
+def test_an_emergency_stop_takes_an_override_off_whoever_put_it_on(linked):
+    with CrazyflieServer(Firmware(BenchBody())) as server:
+        link = linked(server)
+        link.write_parameter('motorPowerSet.m1', 30000, 2.0)
+        link.write_parameter('motorPowerSet.enable', 1, 2.0)
+        body = server.firmware.body
+        wait_until(lambda: body.duties[0] > 0.4, 'the duties', lambda: body.duties)
+        link.send_emergency_stop()
+        wait_until(lambda: body.duties == (0.0,) * 4, 'their end', lambda: body.duties)
+        link.close()

@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from lta_bridge.crazyflie import messages
 from lta_bridge.crazyflie.bridge_core import BridgeCore, CrazyflieCommand, PositionEstimate, UNTOLD
+from lta_bridge.crazyflie.duties_packet import unpack_duties
 from lta_bridge.crazyflie.health_diagnostics import describe_health
 from lta_bridge.crazyflie.link import LogPacket
 from lta_bridge.crazyflie.log_table import BLOCKS
@@ -49,11 +50,11 @@ EXTREME = {  # of the types that the wire has
 
 
 class Flight:
-    """A bridge by override, whose duties can be read as they are sent, and a clock of its own."""
+    """A bridge by duties, and a clock of its own."""
 
     def __init__(self):
         self.kept, self.now = Kept(), BEGIN
-        self.bridge = BridgeCore(self.kept, FILE, VEHICLE, 'override', blind=True)
+        self.bridge = BridgeCore(self.kept, FILE, VEHICLE, 'motors', blind=True)
 
     def told(self, block, values, stamp_ms=None):
         ms = (self.now - BEGIN) // 1_000_000 if stamp_ms is None else stamp_ms
@@ -75,7 +76,8 @@ class Flight:
 
     @property
     def duties(self):
-        return [duty for (duties,) in self.kept.of('override_motors') for duty in duties]
+        packets = [unpack_duties(data) for (data,) in self.kept.of('send_duties')]
+        return [duty for packet in packets for duty in packet.duties]
 
 
 def published(told):
