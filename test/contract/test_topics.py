@@ -246,7 +246,7 @@ BEGUN_WITH = {
         'allow_other_commanders', 'blind', 'watchdog', 'patience', 'autostart',
     },
     'simulator': {'seed', 'offset_x', 'offset_y', 'record', 'clock', 'commanded'},
-    'player': {'rate', 'start', 'end', 'loop', 'paused', 'patience', 'record'},
+    'player': {'rate', 'start', 'end', 'patience', 'record'},
     'estimator': {'rest_time'},
     'controller': {'armed'},
     'navigator': {'commanded'},

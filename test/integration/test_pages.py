@@ -5,7 +5,6 @@ from pathlib import Path
 import sys
 
 from lta_bridge.bag.writer import BagWriter
-from lta_bridge.playback.message_iterator import shift_stamp
 from lta_cli import app
 from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import open_flight
@@ -28,6 +27,7 @@ from lta_studies.light.evaluation.tables import FACTORS
 from lta_studies.tune import compare, helium_limit
 from lta_studies.tune.compare import LampFlightResult
 import pytest
+from stamped_bytes import shift_stamp
 import yaml
 
 from ..unit.report_flight import write_flight  # noqa: TID252 - `test` is Python's own

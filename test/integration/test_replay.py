@@ -1,17 +1,14 @@
 """Recordings played into real nodes over DDS: the same answers, with gaps too, and by hand."""
 
 from collections.abc import Iterator
-from itertools import pairwise
 import json
 import os
 from pathlib import Path
-import signal
 import subprocess
 
 from lta_bridge.bag.qos import build_offered_qos
 from lta_bridge.bag.writer import BagWriter
 from lta_bridge.log_time_assigner import read_stamp
-from lta_bridge.playback.message_iterator import shift_stamp
 from lta_data.bag.reader import read_bag
 from lta_flight.progress import FlightProgress
 from lta_flight.simulate import simulate_once, SimulationRequest
@@ -20,6 +17,7 @@ from lta_graph.ros.qos import select_profile
 from lta_graph.ros.stamps import from_stamp
 import pytest
 from rich.console import Console
+from stamped_bytes import shift_stamp
 from std_srvs.srv import SetBool, Trigger
 from waiting import PATIENCE
 
@@ -202,40 +200,18 @@ def meters(recorded, tmp_path):
     return tmp_path / 'meters'
 
 
-def test_a_player_is_paused_stepped_looped_and_goes_on(meters, peer, player, lta):
-    process = player(meters, paused='true', rate=5.0, loop='true')
-    first = TABLE.start_ns
-    for turn in range(6):  # from instant to instant, whatever topic it has
-        answer = peer.ask(Trigger, 'player/step')
-        assert answer.success, answer.message
-        peer.until(lambda: len(peer.stamps) > turn)  # noqa: B023 - asked at once
-        expected = [(('battery', 'panel')[k % 2], first + 50_000_000 * k) for k in range(turn + 1)]
-        assert sorted(peer.stamps, key=lambda pair: pair[1]) == expected
-    assert answer.message == 'paused at 0.250 s'
-    assert peer.ask(SetBool, 'player/pause', data=False).success
-    refused = peer.ask(Trigger, 'player/step')
-    assert (refused.success, refused.message) == (False, 'playback is not paused')
-    peer.until(lambda: peer.stamps[-1][1] > first + 1_600_000_000)  # the fourth round
-    batteries = [stamp for name, stamp in peer.stamps if name == 'battery']
-    assert all(b > a and (b - a) % 100_000_000 == 0 for a, b in pairwise(batteries))
-    asked = lta.run('call', 'player/pause', 'true')
-    assert (asked.returncode, asked.stderr) == (0, '')
-    assert asked.stdout.startswith('paused at ')
+def test_a_service_is_called_with_its_value_or_refused_in_a_sentence(peer, lta):
+    peer.node.create_service(Trigger, 'begin', lambda _, answer: answer)
+    peer.node.create_service(SetBool, 'arm', lambda _, answer: answer)
     for words, sentence in (
-        (('player/step', 'true'), "'/lta1/player/step' takes no value after its name"),
-        (('player/pause',), "'/lta1/player/pause' needs a value after its name: true or false"),
-        (('nobody/there',), 'available: /lta1/player/pause, /lta1/player/step'),
+        (('begin', 'true'), "'/lta1/begin' takes no value after its name"),
+        (('arm',), "'/lta1/arm' needs a value after its name: true or false"),
+        (('nobody/there',), 'available: /lta1/arm, /lta1/begin'),
     ):
         wrong = lta.run('call', *words)
         assert wrong.returncode == 2
         assert sentence in wrong.stderr
         assert wrong.stderr.count('\n') == 1
-    process.send_signal(signal.SIGINT)
-    out, errors = process.communicate(timeout=PATIENCE)
-    assert process.returncode == 0, errors
-    said = json.loads(out.splitlines()[-1])
-    assert said['outcome'] == 'stopped'
-    assert int(said['rounds']) >= 3
 
 
 def test_a_player_at_a_high_rate_comes_to_its_end(meters, peer, player):

@@ -57,7 +57,7 @@ def check_recorder(robot: str, values: Values) -> None:
 def check_player(robot: str, values: Values) -> None:
     """Reject settings and a bag that the player would reject."""
     settings = validate_settings(PlayerSettings, 'player', values)
-    check_playback(settings, lockstep=values.get('time') == 'lockstep')
+    check_playback(settings)
     # A damaged bag may declare huge sizes
     with limit_memory():
         open_recording(Path(settings.bag), settings.robot, load_topic_table(), robot)

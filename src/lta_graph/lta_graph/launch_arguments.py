@@ -136,10 +136,6 @@ class FlyArguments(DroneArguments, PacedArguments):
     rate: float = setting(
         1.0, 'With source:=replay in real time, the speed: seconds of the bag per second.'
     )
-    loop: bool = setting(
-        False, 'With source:=replay in real time, whether to start again at the end of the bag.'
-    )
-    paused: bool = setting(False, 'With source:=replay, whether to start paused.')
     offset_x: float = setting(
         0.0, "Offset of the start position from the scenario's along map x, in metres."
     )

@@ -94,7 +94,7 @@ DRONE_NODES = (
         'lta_bridge',
         'player',
         lambda a: a.source == 'replay',
-        'time source rate loop paused record',
+        'time source rate record',
         lambda a: {'bag': a.replay},
         planned=True,
     ),

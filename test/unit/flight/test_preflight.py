@@ -57,10 +57,6 @@ REAL = {'source': 'crazyflie', 'robot': 'lta1'}
             'The player has no bag to play; name one, as in bag:=runs/flight/bag.',
         ),
         (
-            {**REPLAY, 'loop': 'true', 'time': 'lockstep', 'replay': '{}'},
-            'loop:=true in lockstep would never end; use time:=realtime, or leave loop out.',
-        ),
-        (
             {**REAL, 'uri': 'radio:/0'},
             "'radio:/0' is not a valid Crazyflie URI; give one such as "
             'radio://0/80/2M/E7E7E7E7E7, usb://0 or udp://127.0.0.1:19850.',

@@ -1,12 +1,12 @@
 """Recordings whose clock was set: no command takes memory or time for what lies between."""
 
 from lta_bridge.bag import BagWriter
-from lta_bridge.playback.message_iterator import shift_stamp
 from lta_data.bag.reader import read_bag
 from lta_flight.progress import FlightProgress
 from lta_flight.simulate import simulate_once, SimulationRequest
 import pytest
 from rich.console import Console
+from stamped_bytes import shift_stamp
 
 from .sandbox import MEMORY
 

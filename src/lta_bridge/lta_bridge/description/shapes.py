@@ -5,6 +5,7 @@ Lengths in metres, quaternions x y z w, colours red green blue and opacity from 
 the axes that Foxglove gives it: an arrow points along its x, a cylinder stands along its z.
 """
 
+from collections.abc import Sequence
 import math
 from typing import NamedTuple
 
@@ -110,7 +111,7 @@ def move_point(place: Three, direction: Three, length: float) -> Three:
     return x, y, z
 
 
-def to_triple(numbers: tuple[float, ...]) -> Three:
-    """Return a tuple of three numbers, typed as such."""
+def to_triple(numbers: Sequence[float]) -> Three:
+    """Return three numbers as a tuple, typed as such."""
     x, y, z = numbers
     return float(x), float(y), float(z)

@@ -2,12 +2,12 @@
 The player node: it replays a recording in the simulator's place.
 
 It publishes a bag's sensor topics byte for byte, and the bag's time on `/clock`. In real time it
-follows the wall clock at any rate, and can be paused, stepped and looped. In lockstep it plays as
-fast as the nodes answer, and never further ahead than their queues hold, so that no message is
-lost and a replay is reproducible. The nodes' answers do not influence what is played.
+follows the wall clock at any rate. In lockstep it plays as fast as the nodes answer, and never
+further ahead than their queues hold, so that no message is lost and a replay is reproducible. The
+nodes' answers do not influence what is played.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 import json
 import math
 from pathlib import Path
@@ -19,8 +19,7 @@ from lta_bridge.playback.answer_bag import AnswerBag
 from lta_bridge.playback.due_times import compute_answer_times, compute_due_times
 from lta_bridge.playback.message_iterator import MessageIterator
 from lta_bridge.playback.node_selection import CLOCK, select_nodes
-from lta_bridge.playback.pending_answers import PendingAnswers
-from lta_bridge.playback.playback_clock import PlaybackClock
+from lta_bridge.playback.pending_answers import NEVER_NS, PendingAnswers
 from lta_bridge.playback.recording import open_recording
 from lta_bridge.playback.settings import check_playback, FOREVER, PlayerSettings
 from lta_config.errors import BadInput
@@ -37,7 +36,6 @@ from lta_graph.ros.startup import wait_until_complete
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rosgraph_msgs.msg import Clock as ClockMessage
-from std_srvs.srv import SetBool, Trigger
 
 LARGEST_LAG_NS = 1_000_000_000  # largest lag of a node in lockstep; queues hold 20 s
 CLOCK_PERIOD = 0.02  # wall seconds between two /clock messages
@@ -52,46 +50,41 @@ class Player(GraphNode):
     def __init__(self) -> None:
         super().__init__('player', role='vehicle')
         settings = self._settings = NodeParameters(self, PlayerSettings).value
-        check_playback(settings, lockstep=self.lockstep)
+        check_playback(settings)
         own = self.get_namespace().strip('/')
         self._recording = open_recording(Path(settings.bag), settings.robot, self.table, own)
-        self._cast = select_nodes(self.table, settings.nodes.split(), settings.roles.split())
-        topics = [name for name in self._cast.played if name in self._recording.topics]
+        self._selection = select_nodes(self.table, settings.nodes.split(), settings.roles.split())
+        topics = [name for name in self._selection.played if name in self._recording.topics]
         end = math.inf if settings.end >= FOREVER else settings.end
-        self._reel = MessageIterator(
-            self._recording, topics, self.table, settings.start, end, settings.loop
-        )
+        self._section = MessageIterator(self._recording, topics, settings.start, end)
         self._outputs = {name: self.create_output(name) for name in topics}
-        self._telling = self.create_output(CLOCK)
+        self._clock_output = self.create_output(CLOCK)
         self._due = self.create_output('replay/due')
-        self._owed = PendingAnswers(
-            self._publish_due_times() if self.lockstep else {n: [] for n in self._cast.answers}
+        self._pending = PendingAnswers(
+            self._publish_due_times()
+            if self.lockstep
+            else dict.fromkeys(self._selection.answers, ())
         )
-        self._pace = PlaybackClock(
-            self._reel.begin_ns, None if self.lockstep else settings.rate, settings.paused
-        )
-        for name in self._cast.answers:
+        for name in self._selection.answers:
             self.subscribe_raw(name, self._build_answer_receiver(name))
         self._answer_bag = self._open_answer_bag()
         self._messages = 0
-        self._now = self._reel.begin_ns
+        self._now = self._section.begin_ns
         self._began = self._clocked = self._news = 0.0
         self._ended = ''
-        self.create_service(SetBool, 'player/pause', self._on_pause)
-        self.create_service(Trigger, 'player/step', self._on_step_request)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         # In lockstep the answers drive the replay; the timer only detects overdue ones
         self.create_timer(0.1 if self.lockstep else TICK, self._tick, clock=steady)
 
-    def _publish_due_times(self) -> dict[str, list[int]]:
+    def _publish_due_times(self) -> Mapping[str, Sequence[int]]:
         """Publish the due times of the nodes' inputs; return those of their answers. [ns]"""
-        read = {name for node in self._cast.nodes for name in self.table.read_by(node)}
+        read = {name for node in self._selection.nodes for name in self.table.read_by(node)}
         # The trigger determines when a node answers, so its times are needed too
-        topics = read | {self.table.trigger_topic(node) for node in self._cast.nodes}
+        topics = read | {self.table.trigger_topic(node) for node in self._selection.nodes}
         played = compute_due_times(
-            (item for item in self._reel.iterate_section() if item.topic in topics), self.table
+            (item for item in self._section.iterate_section() if item.topic in topics), self.table
         )
-        answers = compute_answer_times(played, self.table, self._cast)
+        answers = compute_answer_times(played, self.table, self._selection)
         inputs = {name: times.due for name, times in (played | answers).items() if name in read}
         self._due.publish(from_due(inputs))
         return {name: times.due for name, times in answers.items()}
@@ -106,7 +99,12 @@ class Player(GraphNode):
 
         robot = self.get_namespace().strip('/')
         return AnswerBag(
-            Path(self._settings.answers), self._recording, self._cast, self.table, robot, build_qos
+            Path(self._settings.answers),
+            self._recording,
+            self._selection,
+            self.table,
+            robot,
+            build_qos,
         )
 
     def run(self) -> Iterator[None]:
@@ -115,12 +113,12 @@ class Player(GraphNode):
         self._began = self._news = time.monotonic()
         self.begun = True
         self._report_missing_topics()
-        self._pace.start(self._began)
         self._publish_due()
         yield from super().run()
         if self._ended == 'unanswered':
             late = ', '.join(
-                f'{n} from {self.find_publishing_role(n)}' for n in self._owed.list_oldest_topics()
+                f'{n} from {self.find_publishing_role(n)}'
+                for n in self._pending.list_oldest_topics()
             )
             sys.stderr.write(
                 'Playback stopped, because these messages of the nodes did not arrive within '
@@ -130,7 +128,7 @@ class Player(GraphNode):
 
     def _report_missing_topics(self) -> None:
         """Report topics that the recording lacks."""
-        absent = self._cast.find_missing_topics(self.table, self._recording.topics)
+        absent = self._selection.find_missing_topics(self.table, self._recording.topics)
         words = [*self._recording.strange]
         if absent:
             words.append(f'the recording lacks topics that the nodes need: {", ".join(absent)}')
@@ -141,14 +139,14 @@ class Player(GraphNode):
         """Return the nodes that are not connected yet."""
         waiting: set[str] = set()
         for name, publisher in self._outputs.items():
-            readers = set(self.table[name].subscribers) & set(self._cast.nodes)
+            readers = set(self.table[name].subscribers) & set(self._selection.nodes)
             if self._settings.record and self.table[name].recorded:
                 readers.add('recorder')
             if publisher.get_subscription_count() < len(readers):
                 waiting |= readers
         waiting |= {
             self.find_publishing_role(n)
-            for n in self._cast.answers
+            for n in self._selection.answers
             if not self.count_publishers(n)
         }
         if self.lockstep and self._settings.record:  # it needs the due times of unstamped topics
@@ -158,14 +156,14 @@ class Player(GraphNode):
 
     def list_missing_inputs(self) -> list[str]:
         """Return the answers that the player waits for."""
-        if not self.lockstep or not self.begun or self._pace.paused or self._ended:
+        if not self.lockstep or not self.begun or self._ended:
             return []
-        return self._owed.list_oldest_topics()
+        return self._pending.list_oldest_topics()
 
     def _build_answer_receiver(self, name: str) -> Callable[[bytes], None]:
         def take(data: bytes) -> None:
             self._news = time.monotonic()
-            due = self._owed.register_answer(name)
+            due = self._pending.register_answer(name)
             if self._answer_bag is not None:
                 self._answer_bag.write(name, data, due, self._now)
             if self.lockstep:
@@ -182,13 +180,7 @@ class Player(GraphNode):
                 self.running = False
                 self.health.report('recording', HealthLevel.ERROR, self._answer_bag.fault)
         waited = time.monotonic() - self._news
-        if (
-            not self.begun
-            or self._ended
-            or not self.lockstep
-            or self._pace.paused
-            or waited < self._settings.patience
-        ):
+        if not self.begun or self._ended or not self.lockstep or waited < self._settings.patience:
             return
         self._ended, self.running = 'unanswered', False
 
@@ -197,21 +189,21 @@ class Player(GraphNode):
         if not self.begun or self._ended:
             return
         # Neither ahead of the playback clock nor too far ahead of an unanswered input
-        until = min(self._pace.now(time.monotonic()), self._owed.latest_play_time(LARGEST_LAG_NS))
+        until = min(self._playback_time_ns(), self._pending.latest_play_time(LARGEST_LAG_NS))
         for _ in range(MESSAGES_PER_TICK):
-            due = self._reel.next_ns
+            due = self._section.next_ns
             if due is None or due > until:
                 break
             self._publish_next()
         self._publish_clock()
         # In real time the number of answers is unknown: wait until they cease
         late = not self.lockstep and time.monotonic() - self._news < LAST_ANSWER_TIME
-        if self._reel.next_ns is None and not self._owed.total_pending and not late:
+        if self._section.next_ns is None and not self._pending.total_pending and not late:
             self._ended, self.running, self.farewell = 'played', False, LONG_ACKNOWLEDGE_TIME
 
     def _publish_next(self) -> None:
         """Publish the next message."""
-        item = self._reel.pop_message()
+        item = self._section.pop_message()
         # The recording may contain reordered messages, but /clock must not go back
         self._now = max(self._now, item.time_ns)
         self._outputs[item.topic].publish(item.data)
@@ -223,54 +215,36 @@ class Player(GraphNode):
         wall = time.monotonic()
         if wall - self._clocked >= CLOCK_PERIOD:
             self._clocked = wall
-            self._telling.publish(ClockMessage(clock=to_stamp(self.graph_time_ns())))
+            self._clock_output.publish(ClockMessage(clock=to_stamp(self.graph_time_ns())))
 
     def graph_time_ns(self) -> int:
         """Return the time of the bag, which is that of the graph. [ns]"""
         if self.lockstep:
             return self._now
-        return max(self._now, self._pace.now(time.monotonic()))
+        return max(self._now, self._playback_time_ns())
 
-    def _on_pause(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
-        wall = time.monotonic()
-        if request.data:
-            self._pace.pause(wall, self._now)
-        else:
-            self._pace.resume(wall)
-            # Time spent paused must not count as waiting for an answer
-            self._news = wall
-        response.success, response.message = True, self._format_position()
-        return response
-
-    def _on_step_request(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        """Play all messages of the next instant."""
-        due = self._reel.next_ns
-        response.success = self._pace.paused and due is not None
-        if response.success and due is not None:
-            self._pace.step(due)
-            self._publish_due()
-        response.message = (
-            self._format_position() if response.success else 'playback is not paused'
-        )
-        return response
+    def _playback_time_ns(self) -> int:
+        """Return the time of the bag up to which to play, apart from the answers. [ns]"""
+        if self.lockstep:
+            return NEVER_NS
+        passed = time.monotonic() - self._began if self.begun else 0.0
+        return self._section.begin_ns + round(self._settings.rate * 1e9 * passed)
 
     def _format_position(self) -> str:
-        """Return state and position of the player as text."""
-        state = 'paused' if self._pace.paused else 'playing'
-        return f'{state} at {(self._now - self._reel.begin_ns) * 1e-9:.3f} s'
+        """Return the position of the player as text."""
+        return f'playing at {(self._now - self._section.begin_ns) * 1e-9:.3f} s'
 
     def _collect_progress(self) -> dict[str, str]:
         """Return the progress of the replay in figures."""
-        elapsed = (self._now - self._reel.begin_ns) * 1e-9
+        elapsed = (self._now - self._section.begin_ns) * 1e-9
         wall = time.monotonic() - self._began if self._began else 0.0
         return {
             'outcome': self._ended or ('stopped' if not self.running else 'playing'),
             'time_s': f'{elapsed:.3f}',
             'messages': str(self._messages),
-            'answers': str(sum(self._owed.come.values())),
-            'owed': str(self._owed.total),
-            'unanswered': str(self._owed.total_pending),
-            'rounds': str(self._reel.rounds),
+            'answers': str(sum(self._pending.come.values())),
+            'owed': str(self._pending.total),
+            'unanswered': str(self._pending.total_pending),
             'pace': f'{elapsed / wall:.2f}' if wall else '0.00',
         }
 

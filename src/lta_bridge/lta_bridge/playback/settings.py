@@ -47,10 +47,6 @@ class PlayerSettings(Settings):
         FOREVER, 'End of the section to play, counted from the first message.', unit='s',
         low=0.0, high=FOREVER, fixed=True,
     )  # fmt: skip
-    loop: bool = setting(
-        False, 'Whether to repeat the section without end; only in real time.', fixed=True
-    )
-    paused: bool = setting(False, 'Whether playback starts paused.', fixed=True)
     answers: str = setting(
         '',
         'Folder of a new bag with the messages of the nodes that run again; empty for no bag.',
@@ -63,11 +59,7 @@ class PlayerSettings(Settings):
     record: bool = setting(False, 'Whether playback waits until a recorder runs.', fixed=True)
 
 
-def check_playback(settings: PlayerSettings, *, lockstep: bool) -> None:
-    """Raise `BadInput` without a bag, or for a loop in lockstep."""
+def check_playback(settings: PlayerSettings) -> None:
+    """Raise `BadInput` without a bag."""
     if not settings.bag:
         raise BadInput('The player has no bag to play; name one, as in bag:=runs/flight/bag.')
-    if settings.loop and lockstep:
-        raise BadInput(
-            'loop:=true in lockstep would never end; use time:=realtime, or leave loop out.'
-        )

@@ -20,14 +20,14 @@ def call(
     """
     Call a service of a running graph and print its response.
 
-    emergency_stop stops the motors. player/pause true|false and player/step pause, resume and
-    single-step a replay. Works like "ros2 service call" in the domain ROS_DOMAIN_ID.
+    emergency_stop stops the motors, crazyflie_bridge/arm true|false arms and disarms a real drone.
+    Works like "ros2 service call" in the domain ROS_DOMAIN_ID.
 
     Exit status 0: success. 1: the service reports a failure. 2: no such service, or no response.
 
     Example: lta call emergency_stop
 
-    Example: lta call player/pause true
+    Example: lta call crazyflie_bridge/arm false
     """
     answer = temporary_node.call_service(robot_topic(robot, service), data)
     # A response may have no text
