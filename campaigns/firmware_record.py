@@ -21,7 +21,7 @@ from firmware_scenarios import (
     U8,
     U16,
 )
-from lta_emulation.crazyflie.table_of_contents import BASIC, PARAMETER_TYPES
+from lta_emulation.crazyflie.log_blocks import BASIC, PARAMETER_TYPES
 
 from campaigns.linux_crazyflie import Process, RealPlayer, TooLate
 

@@ -16,7 +16,7 @@ import time
 from typing import Any, Final, Self
 
 from firmware_scenarios import APP, FULL, PWM_STEP
-from lta_emulation.crazyflie.lossy_link import LossyLink
+from lta_emulation.crazyflie.server import LossyLink
 from lta_emulation.step_thread import StepThread
 from lta_model.vehicle import load_vehicle
 

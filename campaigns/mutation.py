@@ -99,7 +99,7 @@ AREAS: Final = {
     'bridge': Area(
         'src/lta_bridge/lta_bridge',
         ('crazyflie/co*.py', 'crazyflie/[dhoprs]*.py', 'crazyflie/log_table.py',
-         'teensy/[bfhr]*.py', 'teensy/sender_filter.py', 'one_way_clock.py',
+         'teensy/[bfhr]*.py', 'one_way_clock.py',
          'intake.py'),
         'test/unit/bridge',
         ('test/property/test_crazyflie_safety.py',),

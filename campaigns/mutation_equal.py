@@ -26,7 +26,7 @@ EQUAL: Final[dict[Line, str]] = {
         'if len(names) == 1 and (len(sentences) == 1 or rests[ -1].startswith(IS)):',
     ): 'Only sentences of one pattern are joined: the last rest starts with IS if the first does.',
     (
-        'src/lta_bridge/lta_bridge/crazyflie/packet_check.py',
+        'src/lta_bridge/lta_bridge/crazyflie/log_table.py',
         '15: {0: 0, 1: 0, 2: 0, 3: 0}, # link: echo, source, sink, null',
         '15: {0: 0, 1: 0, 2: -1, 3: 0}, # link: echo, source, sink, null',
     ): 'It is the least size, and no packet has fewer than 0 bytes.',

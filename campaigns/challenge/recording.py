@@ -5,7 +5,7 @@ from heapq import merge
 from pathlib import Path
 from typing import Any, Final
 
-from lta_bridge.bag.qos import build_offered_qos
+from lta_bridge.bag.metadata import build_offered_qos
 from lta_bridge.bag.writer import BagWriter
 from lta_config.topics import load_topic_table, robot_topic
 from lta_data.importers.cdr_template import CdrTemplate

@@ -18,7 +18,7 @@ from lta_bridge.crazyflie.link import LinkFailed, LogPacket
 from lta_bridge.crazyflie.log_table import BLOCKS
 from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 from lta_emulation.crazyflie.firmware import Firmware
-from lta_emulation.crazyflie.firmware_build import FirmwareBuild
+from lta_emulation.crazyflie.parameters import FirmwareBuild
 from lta_emulation.crazyflie.server import CrazyflieServer
 from lta_emulation.emulated_hardware import build_simulated_body
 import pytest

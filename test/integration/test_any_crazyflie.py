@@ -15,7 +15,7 @@ from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 from lta_config.schema.crazyflie_file import REQUIRED
 from lta_config.topics import load_topic_table
 from lta_control.messages import from_duties
-from lta_emulation.crazyflie.firmware_build import APP, ARMING, AS_SOLD
+from lta_emulation.crazyflie.parameters import APP, ARMING, AS_SOLD
 from lta_graph.ros.message_validation import find_message_type
 from lta_model.vehicle import load_vehicle
 import numpy as np

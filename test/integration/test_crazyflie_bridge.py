@@ -11,9 +11,9 @@ from lifecycle_msgs.srv import ChangeState
 from lta_config.schema.crazyflie_file import load_crazyflie
 from lta_config.topics import load_topic_table
 from lta_control.messages import from_duties
-from lta_emulation.crazyflie.body import BenchBody
+from lta_emulation.crazyflie.commander import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
-from lta_emulation.crazyflie.firmware_build import APP
+from lta_emulation.crazyflie.parameters import APP
 from lta_emulation.crazyflie.server import CrazyflieServer
 from lta_graph.health import HealthLevel
 from lta_graph.ros.message_validation import find_message_type

@@ -1,6 +1,6 @@
 """What a bridge waits for is told, and nothing is armed meanwhile."""
 
-from lta_emulation.crazyflie.body import BenchBody
+from lta_emulation.crazyflie.commander import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
 from lta_emulation.crazyflie.server import CrazyflieServer
 import pytest

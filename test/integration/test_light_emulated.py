@@ -13,7 +13,7 @@ import subprocess
 import sys
 import time
 
-from lta_bridge.teensy.frame_parser import FrameParser
+from lta_bridge.teensy.block_assembler import FrameParser
 from lta_bridge.teensy.light_board import LightBoard
 from lta_config.topics import load_topic_table
 from lta_emulation.teensy.emulated_board import Cable

@@ -9,8 +9,8 @@ import sys
 import time
 
 from light_frames import build_frame
+from lta_bridge.teensy.block_assembler import FrameParser
 from lta_bridge.teensy.board_clock import ClockExchange
-from lta_bridge.teensy.frame_parser import FrameParser
 from lta_bridge.teensy.light_board import LightBoard
 from lta_config.topics import load_topic_table
 from lta_emulation.teensy.emulated_board import Cable

@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 import subprocess
 
-from lta_bridge.bag.qos import build_offered_qos
+from lta_bridge.bag.metadata import build_offered_qos
 from lta_bridge.bag.writer import BagWriter
 from lta_bridge.log_time_assigner import read_stamp
 from lta_data.bag.reader import read_bag

@@ -16,7 +16,7 @@ from xml.etree import ElementTree
 
 from domain import free_domain
 from lta_config.topics import load_topic_table
-from lta_emulation.crazyflie.body import BenchBody
+from lta_emulation.crazyflie.commander import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
 from lta_emulation.crazyflie.server import CrazyflieServer
 from lta_graph.launches import FLY

@@ -5,9 +5,9 @@ import signal
 
 from lta_control.cascade import Setpoint
 from lta_control.messages import from_setpoint
-from lta_emulation.crazyflie.body import BenchBody
+from lta_emulation.crazyflie.commander import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
-from lta_emulation.crazyflie.firmware_build import AS_SOLD
+from lta_emulation.crazyflie.parameters import AS_SOLD
 from lta_emulation.crazyflie.server import CrazyflieServer
 from nav_msgs.msg import Odometry
 import pytest

@@ -14,9 +14,9 @@ import shutil
 import sys
 import tempfile
 
-from lta_bridge.bag.qos import build_offered_qos
+from lta_bridge.bag.metadata import build_offered_qos
+from lta_bridge.bag.schemas import encode_message
 from lta_bridge.bag.writer import BagWriter
-from lta_bridge.cdr import encode_message
 from lta_bridge.provenance import collect_provenance
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.topics import load_topic_table

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from lta_bridge.bag.qos import OfferedQos, QosDuration
+from lta_bridge.bag.metadata import OfferedQos, QosDuration
 from rclpy.duration import Duration
 from rclpy.qos import HistoryPolicy, LivelinessPolicy, QoSProfile
 

@@ -9,8 +9,8 @@ from lta_bridge.playback.recording import open_recording
 from lta_bridge.playback.settings import check_playback, PlayerSettings
 from lta_bridge.recorder_settings import RecorderSettings
 from lta_bridge.teensy.port import require_port
-from lta_bridge.teleop.gamepad import require_gamepad
 from lta_bridge.teleop.steering import check_time_mode
+from lta_bridge.teleop.sticks import require_gamepad
 from lta_config.errors import BadInput
 from lta_config.files import find_file, format_error
 from lta_config.limits import limit_memory

@@ -1,7 +1,7 @@
 """Messages of rclpy in a bag: what rosbags writes is read by ROS, and written as it was by us."""
 
 from diagnostic_msgs.msg import DiagnosticStatus
-from lta_bridge.cdr import encode_message
+from lta_bridge.bag.schemas import encode_message
 from lta_graph.ros.message_validation import decode_message
 from lta_graph.ros.raw_subscriptions import load_message_class
 import numpy as np

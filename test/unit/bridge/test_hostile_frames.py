@@ -6,11 +6,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from light_frames import build_frame, field_lengths, frame_bytes, KINDS
 from lta_bridge.teensy import mavlink
+from lta_bridge.teensy.block_assembler import FrameParser
 from lta_bridge.teensy.board_clock import ClockExchange
-from lta_bridge.teensy.frame_parser import FrameParser
-from lta_bridge.teensy.health_diagnostics import describe_health, LIGHT_BOARD_TASK
 from lta_bridge.teensy.light_board import LightBoard, LightPeaks, QUESTIONS
-from lta_bridge.teensy.sender_filter import LOYAL_NS, SenderFilter
+from lta_bridge.teensy.port import LOYAL_NS, SenderFilter
+from lta_bridge.teensy.reader import describe_health, LIGHT_BOARD_TASK
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.topics import load_topic_table
 from lta_emulation.teensy.emulated_board import COMPONENT, EmulatedBoard, SYSTEM

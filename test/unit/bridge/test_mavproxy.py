@@ -7,7 +7,7 @@ import socket
 import subprocess
 import threading
 
-from lta_bridge.teensy.frame_parser import FrameParser
+from lta_bridge.teensy.block_assembler import FrameParser
 from lta_emulation.teensy.emulated_board import EmulatedBoard
 import numpy as np
 from ports import free_port, UDP

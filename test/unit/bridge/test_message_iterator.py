@@ -2,7 +2,7 @@
 
 from itertools import pairwise
 
-from lta_bridge.bag.qos import build_offered_qos
+from lta_bridge.bag.metadata import build_offered_qos
 from lta_bridge.bag.schemas import load_jazzy_types
 from lta_bridge.bag.writer import BagWriter
 from lta_bridge.playback.message_iterator import MessageIterator

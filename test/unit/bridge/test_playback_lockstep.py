@@ -11,13 +11,17 @@ import struct
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lta_bridge.playback.due_times import compute_answer_times, compute_due_times
+from lta_bridge.playback.answer_times import (
+    compute_answer_times,
+    compute_due_times,
+    NEVER_NS,
+    PendingAnswers,
+)
 from lta_bridge.playback.node_selection import (
     list_replayable_roles,
     list_supporting_roles,
     select_nodes,
 )
-from lta_bridge.playback.pending_answers import NEVER_NS, PendingAnswers
 from lta_bridge.playback.recording import RecordedMessage
 from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table

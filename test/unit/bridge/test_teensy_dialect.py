@@ -7,7 +7,7 @@ import sys
 from xml.etree import ElementTree
 
 from light_frames import build_frame, crc, frame_bytes, KINDS
-from lta_bridge.teensy.frame_parser import FrameParser
+from lta_bridge.teensy.block_assembler import FrameParser
 from lta_emulation.teensy.emulated_board import EmulatedBoard
 import numpy as np
 
@@ -86,7 +86,7 @@ def test_no_environment_variable_switches_the_check_off():
     frame = bytearray(EmulatedBoard(0).encode_light(np.full((15, 8), 9, np.uint16)))
     frame[30] ^= 1
     script = f"""
-from lta_bridge.teensy.frame_parser import FrameParser
+from lta_bridge.teensy.block_assembler import FrameParser
 parser = FrameParser()
 print(len(list(parser.parse_frames({bytes(frame)!r}))), parser.crc_errors)
 """

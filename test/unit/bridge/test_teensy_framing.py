@@ -5,7 +5,7 @@ from collections import Counter
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from light_frames import build_frame, crc, frame_bytes, sign_frame
-from lta_bridge.teensy.frame_parser import FrameParser
+from lta_bridge.teensy.block_assembler import FrameParser
 from lta_emulation.teensy.emulated_board import EmulatedBoard, FrameFaults
 import numpy as np
 import pytest

@@ -1,7 +1,7 @@
 """The light board through the bridge's core: light in, the same light out in our time."""
 
 from light_frames import build_frame
-from lta_bridge.teensy.frame_parser import FrameParser
+from lta_bridge.teensy.block_assembler import FrameParser
 from lta_bridge.teensy.light_board import LightBoard
 from lta_config.topics import load_topic_table
 from lta_emulation.teensy.emulated_board import EmulatedBoard, FrameFaults

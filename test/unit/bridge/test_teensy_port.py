@@ -7,9 +7,8 @@ import threading
 import time
 
 from lta_bridge.teensy.light_board import LightBoard
-from lta_bridge.teensy.port import open_port, UdpPort, Unplugged
+from lta_bridge.teensy.port import LOYAL_NS, open_port, UdpPort, Unplugged
 from lta_bridge.teensy.reader import BoardReader
-from lta_bridge.teensy.sender_filter import LOYAL_NS
 from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table
 from lta_emulation.teensy.emulated_board import Cable, EmulatedBoard

@@ -7,8 +7,6 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import TwistStamped, Vector3
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_bridge.teleop.gamepad import Gamepad
-from lta_bridge.teleop.keyboard import HELD, Keyboard
 from lta_bridge.teleop.messages import JoyDevice, SetpointFollowers, SILENT_SENDER, TwistDevice
 from lta_bridge.teleop.steering import (
     HeadingAltitude,
@@ -17,7 +15,15 @@ from lta_bridge.teleop.steering import (
     TeleopRates,
     TeleopState,
 )
-from lta_bridge.teleop.sticks import apply_dead_zone, GamepadLayout, Sticks, to_sticks
+from lta_bridge.teleop.sticks import (
+    apply_dead_zone,
+    Gamepad,
+    GamepadLayout,
+    HELD,
+    Keyboard,
+    Sticks,
+    to_sticks,
+)
 from lta_config.errors import BadInput
 from lta_graph.ros.stamps import to_stamp
 import pytest

@@ -8,7 +8,6 @@ from typing import NamedTuple
 from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_bridge.tracking.map_correction import MapCorrection
 from lta_bridge.tracking.messages import find_pose_type, to_stamped_pose
 from lta_bridge.tracking.motion import estimate_motion, GAP_NS, MotionWindow
 from lta_bridge.tracking.pose import (
@@ -16,11 +15,18 @@ from lta_bridge.tracking.pose import (
     build_level_pose,
     compose_poses,
     invert_pose,
+    MapCorrection,
     rotate_vector,
     TrackerPose,
 )
-from lta_bridge.tracking.pose_filter import FOUND_NS, FROZEN_NS, PoseFault, PoseFilter
-from lta_bridge.tracking.tracked_drone import SILENT_NS, TrackedDrone
+from lta_bridge.tracking.tracked_drone import (
+    FOUND_NS,
+    FROZEN_NS,
+    PoseFault,
+    PoseFilter,
+    SILENT_NS,
+    TrackedDrone,
+)
 from lta_config.errors import BadInput
 from lta_graph.health import HealthLevel
 import numpy as np

@@ -1,6 +1,6 @@
 """Write crash-safe rosbag2 recordings in the MCAP format."""
 
-from lta_bridge.bag.qos import build_offered_qos, OfferedQos
+from lta_bridge.bag.metadata import build_offered_qos, OfferedQos
 from lta_bridge.bag.storage import free_space, StorageFault
 from lta_bridge.bag.writer import BagWriter
 

@@ -14,7 +14,7 @@ import time
 from typing import final
 
 from lta_bridge.bag.mcap_file import CHUNK_SIZE
-from lta_bridge.bag.qos import OfferedQos
+from lta_bridge.bag.metadata import OfferedQos
 from lta_bridge.bag.writer import BagWriter
 
 # Wall seconds. SIGKILL loses at most FLUSH_PERIOD + NAP of messages; each flush costs the memory

@@ -1,13 +1,18 @@
 """Message definitions to store in a bag, so that it can be read without ROS."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import version
-from typing import final
+from operator import itemgetter
+from types import SimpleNamespace
+from typing import Any, final
 
 from lta_config.compilation.source_file import StoredResults
 from lta_config.errors import BadInput
 from lta_config.message_files import list_message_files
+import numpy as np
+from rosbags.interfaces import Nodetype
 from rosbags.typesys import get_types_from_msg, get_typestore, Stores
 from rosbags.typesys.store import Typestore
 
@@ -72,3 +77,45 @@ def _open_stored_definitions() -> StoredResults:
     """Return the definitions on disk: to load all types takes as long as to fly a second."""
     own = (name.encode() + path.read_bytes() for name, path in list_message_files().items())
     return StoredResults('definitions', version('rosbags').encode(), *own)
+
+
+Convert = Callable[[Any], Any]
+
+
+def encode_message(message: Any, type_name: str) -> bytes:  # noqa: ANN401 - a generated class
+    """Return a message as CDR, padded to a multiple of four as the middleware does."""
+    data = load_jazzy_types().serialize_cdr(_find_adapter(type_name)(message), type_name)
+    return bytes(data) + bytes(-len(data) % 4)
+
+
+def _keep(value: Any) -> Any:  # noqa: ANN401 - of any field
+    return value
+
+
+@cache
+def _find_adapter(type_name: str) -> Convert:
+    """
+    Return what makes a message of rclpy one of rosbags; `_keep` if it is both.
+
+    They differ in sequences of numbers and in octets.
+    """
+    fields = load_jazzy_types().fielddefs[type_name][1]
+    adapters = {name: _find_field_adapter(*field) for name, field in fields}
+    if all(adapt is _keep for adapt in adapters.values()):
+        return _keep
+    return lambda message: SimpleNamespace(
+        **{name: adapt(getattr(message, name)) for name, adapt in adapters.items()}
+    )
+
+
+def _find_field_adapter(kind: Nodetype, described: Any) -> Convert:  # noqa: ANN401 - of rosbags
+    if kind == Nodetype.NAME:
+        return _find_adapter(described)
+    if kind == Nodetype.BASE:
+        return itemgetter(0) if described[0] in ('byte', 'octet') else _keep
+    inner, item = described[0]
+    if inner == Nodetype.NAME:
+        adapt = _find_adapter(item)
+        return _keep if adapt is _keep else lambda values: [adapt(value) for value in values]
+    # Arrays of fixed size are arrays of numpy in both
+    return np.asarray if kind == Nodetype.SEQUENCE and item[0] != 'string' else _keep

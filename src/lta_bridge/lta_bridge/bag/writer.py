@@ -15,11 +15,12 @@ from lta_bridge.bag.mcap_file import McapFile
 from lta_bridge.bag.metadata import (
     BagFileEntry,
     build_bag_metadata,
+    format_offered_qos,
     NAME,
+    OfferedQos,
     TopicRecord,
     write_metadata,
 )
-from lta_bridge.bag.qos import format_offered_qos, OfferedQos
 from lta_bridge.bag.schemas import generate_definition, MessageDefinition
 from lta_bridge.bag.storage import check_room, fsync_file, SplitLimits, StorageFault, UNSPLIT
 from lta_config.atomic_file import remove_dead_parts

@@ -10,10 +10,9 @@ from typing import Final, final, NamedTuple
 
 from lta_bridge.crazyflie import duties_packet, readings, safety
 from lta_bridge.crazyflie.buoyancy import BuoyancyMonitor, IDLE_DUTY
-from lta_bridge.crazyflie.device_clock import DeviceClock
+from lta_bridge.crazyflie.device_clock import DeviceClock, RoundTrips
 from lta_bridge.crazyflie.duties_packet import find_rotor_indices
 from lta_bridge.crazyflie.link import CrazyflieLink, LogPacket
-from lta_bridge.crazyflie.round_trips import RoundTrips
 from lta_bridge.crazyflie.safety import SafetyStage
 from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 from lta_config.schema.crazyflie_file import CrazyflieFile

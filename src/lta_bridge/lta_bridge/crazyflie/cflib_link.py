@@ -18,6 +18,8 @@ import time
 from typing import Any, Final, final
 import warnings
 
+from lta_bridge.crazyflie.connection_manager import suggest_remedy
+from lta_bridge.crazyflie.device_clock import parse_ping_time
 from lta_bridge.crazyflie.link import (
     Event,
     LinkFailed,
@@ -27,10 +29,7 @@ from lta_bridge.crazyflie.link import (
     OLDEST,
     Ping,
 )
-from lta_bridge.crazyflie.log_table import LogBlock
-from lta_bridge.crazyflie.packet_check import block_size, find_packet_fault
-from lta_bridge.crazyflie.remedies import suggest_remedy
-from lta_bridge.crazyflie.round_trips import parse_ping_time
+from lta_bridge.crazyflie.log_table import block_size, find_packet_fault, LogBlock
 from lta_config.errors import BadInput
 
 try:

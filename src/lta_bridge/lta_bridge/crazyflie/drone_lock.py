@@ -1,4 +1,4 @@
-"""Lock a drone, so that only one process of this machine commands it."""
+"""Lock a drone, so that only one process of this machine commands it, and look who listens."""
 
 from contextlib import suppress
 import hashlib
@@ -71,3 +71,25 @@ def _find_holder(name: str) -> str:
         except OSError:  # it has just ended, or its queue is full
             return 'unknown'
     return str(struct.unpack('3i', credentials)[0])
+
+
+ANSWER: Final = 0.05  # s for the ICMP error of a closed port of this machine
+
+
+def is_port_closed(uri: str) -> bool:
+    """Return whether a udp:// URI refuses datagrams; False for a radio, which cannot tell."""
+    scheme, _, address = normalize_uri(uri).partition('://')
+    if scheme != 'udp':
+        return False
+    host, _, port = address.rpartition(':')
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.settimeout(ANSWER)
+        try:
+            probe.connect((host, int(port)))
+            probe.send(b'')  # no packet of CRTP
+            probe.recv(1)
+        except ConnectionRefusedError:
+            return True
+        except OSError:
+            return False
+    return False

@@ -1,23 +1,52 @@
 """Convert Crazyflie readings to ROS messages, and ROS messages to bridge commands."""
 
+from collections.abc import Sequence
 import math
+from typing import NamedTuple, Self
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseStamped, TwistStamped
 from lta_bridge.crazyflie.bridge_core import CrazyflieCommand, PositionEstimate
 from lta_bridge.crazyflie.readings import AirReading, ImuReading
 from lta_config.covariances import has_estimate
+from lta_config.schema.vehicle_energy import EnergyBlock
 from lta_control.attitude import yaw_from_quaternion
 from lta_control.cascade import wrap_angle
 from lta_control.messages import is_height_lost, to_attitude, to_setpoint
 from lta_graph.ros.stamps import from_stamp
 from lta_model import messages
+from lta_model.electrical.loads import LoadModel, power_at_duty
 from lta_model.sensors.imu import error_bounds, ImuSettings
 from lta_model.sensors.pressure import PressureSettings
 from lta_model.sensors.range import RangeSettings
 from lta_msgs.msg import ActuatorDuty
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState, FluidPressure, Imu, Range
+
+
+class CrazyfliePowerModel(NamedTuple):
+    """Power of the electronics [W]; of a rotor: offset at zero thrust [W], slope [W/N]."""
+
+    electronics: float
+    offset: float
+    slope: float
+
+    @classmethod
+    def from_energy(cls, energy: EnergyBlock) -> Self:
+        """Return the model of a vehicle file, with radio and light board on."""
+        loads, sensing = LoadModel.from_energy(energy), energy.loads.sensing
+        board = 0.0 if sensing is None else sensing.si
+        return cls(loads.idle + loads.transmitting + board, loads.rotor_offset, loads.rotor_slope)
+
+    def cell_current(self, duties: Sequence[float], voltage: float) -> float:
+        """
+        Return the current into the cell, negative because it discharges. [A]
+
+        `duties`: duty of each motor, 0 to 1. `voltage`: cell voltage under this load, above 0 [V].
+        """
+        rotors = sum(power_at_duty(duty, voltage, self.offset, self.slope) for duty in duties)
+        return -(self.electronics + rotors) / voltage
+
 
 ATTITUDE_SIGMA = 0.05  # rad, assumed for the firmware's attitude: it reports no covariance
 IMU_NOISE = error_bounds(ImuSettings()).noise

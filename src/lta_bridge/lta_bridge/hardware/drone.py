@@ -1,22 +1,55 @@
 """Measure and judge a Crazyflie from its telemetry; nothing is written, armed or turned."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 import math
 from queue import Empty
 import time
-from typing import Final, final
+from typing import Final, final, NamedTuple
 
 from lta_bridge.crazyflie import readings
 from lta_bridge.crazyflie.connection_manager import explain_mismatch, has_voltage_compensation
-from lta_bridge.crazyflie.device_clock import DeviceClock
+from lta_bridge.crazyflie.device_clock import DeviceClock, RoundTrips, STAMP_WRAP
 from lta_bridge.crazyflie.link import CrazyflieLink, LinkLost, LogPacket, Ping
-from lta_bridge.crazyflie.log_table import BLOCKS
-from lta_bridge.crazyflie.round_trips import RoundTrips
+from lta_bridge.crazyflie.log_table import BLOCKS, LogBlock
 from lta_bridge.crazyflie.supervisor_word import explain_fault, SupervisorBit
 from lta_bridge.hardware.check_result import assess_vehicle, HardwareCheck
-from lta_bridge.hardware.stream import compute_stream_statistics, StreamStatistics
 from lta_config.schema.crazyflie_file import CrazyflieFile, ExpectedParameter
+import numpy as np
+
+
+@final
+class StreamStatistics(NamedTuple):
+    """Statistics of one log block."""
+
+    name: str
+    # Requested rate, and mean rate between the first and the last packet [Hz]
+    requested_rate: float
+    rate: float
+    packets: int  # number of received packets
+    loss: float  # lost fraction of the packets between the first and the last one
+    # 95th percentile of the difference between arrival interval and stamp interval [s]
+    jitter: float
+
+
+def compute_stream_statistics(block: LogBlock, packets: Sequence[LogPacket]) -> StreamStatistics:
+    """Return the statistics of one block; the packets must be in the order of arrival."""
+    nominal = 1e3 / block.period_ms
+    if len(packets) < 2:
+        return StreamStatistics(block.name, nominal, 0.0, len(packets), float(not packets), 0.0)
+    stamps = np.array([packet.stamp_ms for packet in packets])
+    arrivals = np.array([packet.arrival_ns for packet in packets])
+    gaps = (
+        np.diff(stamps) + STAMP_WRAP // 2
+    ) % STAMP_WRAP - STAMP_WRAP // 2  # the 24-bit stamps may wrap
+    span = max(int(gaps.sum()), 1)
+    sent = 1 + round(span / block.period_ms)
+    uneven = np.abs(1e-9 * np.diff(arrivals) - 1e-3 * gaps)
+    return StreamStatistics(
+        block.name, nominal, 1e3 * (len(packets) - 1) / span, len(packets),
+        max(0.0, 1.0 - len(packets) / sent), float(np.percentile(uneven, 95.0)),
+    )  # fmt: skip
+
 
 DEADLINE: Final = 8.0  # s for the connection, as in the bridge
 LOSSY: Final = 0.01  # packet loss above which to warn

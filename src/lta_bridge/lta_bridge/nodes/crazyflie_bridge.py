@@ -21,7 +21,7 @@ from lta_bridge.crazyflie.bridge_core import (
     TICK_RATE,
 )
 from lta_bridge.crazyflie.connection_manager import ConnectionManager
-from lta_bridge.crazyflie.drone_lock import DroneLock
+from lta_bridge.crazyflie.drone_lock import DroneLock, is_port_closed
 from lta_bridge.crazyflie.health_diagnostics import (
     describe_connection,
     describe_health,
@@ -29,10 +29,9 @@ from lta_bridge.crazyflie.health_diagnostics import (
 from lta_bridge.crazyflie.link import LinkLost, MalformedPacket, Ping
 from lta_bridge.crazyflie.links import create_link
 from lta_bridge.crazyflie.log_table import BLOCKS, check_log_table
-from lta_bridge.crazyflie.power_model import CrazyfliePowerModel
+from lta_bridge.crazyflie.messages import CrazyfliePowerModel
 from lta_bridge.crazyflie.safety import LEAVE, SafetyRequest, SafetyStage
 from lta_bridge.crazyflie.settings import CrazyflieBridgeSettings
-from lta_bridge.crazyflie.udp_probe import is_port_closed
 from lta_config.errors import BadInput
 from lta_config.schema.crazyflie_file import find_crazyflie
 from lta_config.vehicle_identity import hash_airframe

@@ -14,12 +14,16 @@ from pathlib import Path
 import sys
 import time
 
-from lta_bridge.bag.qos import build_offered_qos, OfferedQos
+from lta_bridge.bag.metadata import build_offered_qos, OfferedQos
 from lta_bridge.playback.answer_bag import AnswerBag
-from lta_bridge.playback.due_times import compute_answer_times, compute_due_times
+from lta_bridge.playback.answer_times import (
+    compute_answer_times,
+    compute_due_times,
+    NEVER_NS,
+    PendingAnswers,
+)
 from lta_bridge.playback.message_iterator import MessageIterator
 from lta_bridge.playback.node_selection import CLOCK, select_nodes
-from lta_bridge.playback.pending_answers import NEVER_NS, PendingAnswers
 from lta_bridge.playback.recording import open_recording
 from lta_bridge.playback.settings import check_playback, FOREVER, PlayerSettings
 from lta_config.errors import BadInput

@@ -14,14 +14,14 @@ import time
 from typing import Any
 
 from lta_bridge.bag.background_writer import BackgroundWriter
-from lta_bridge.bag.qos import has_mixed_durability, OfferedQos
+from lta_bridge.bag.metadata import has_mixed_durability, OfferedQos
 from lta_bridge.bag.schemas import is_jazzy_type
 from lta_bridge.bag.storage import SplitLimits, StorageFault
 from lta_bridge.bag.writer import BagWriter
 from lta_bridge.crazyflie.safety import LEAVE
 from lta_bridge.intake import MessageIntake
 from lta_bridge.messages import to_offered_qos
-from lta_bridge.playback.origin import build_replay_origin
+from lta_bridge.playback.answer_bag import build_replay_origin
 from lta_bridge.playback.recording import open_recording
 from lta_bridge.provenance import merge_provenance
 from lta_bridge.recorder_settings import RecorderSettings, RobotOrigin

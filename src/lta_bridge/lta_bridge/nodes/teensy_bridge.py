@@ -8,9 +8,8 @@ It is a lifecycle node: `configure` opens the link and synchronizes with the boa
 import time
 
 from builtin_interfaces.msg import Time
-from lta_bridge.teensy.health_diagnostics import describe_health, LIGHT_BOARD_TASK
 from lta_bridge.teensy.light_board import LightBlock, LightBoard, LightPeaks
-from lta_bridge.teensy.reader import BoardReader
+from lta_bridge.teensy.reader import BoardReader, describe_health, LIGHT_BOARD_TASK
 from lta_config.errors import BadInput
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.settings import setting, Settings

@@ -10,8 +10,6 @@ import sys
 import time
 
 from geometry_msgs.msg import TwistStamped
-from lta_bridge.teleop.gamepad import CMD_VEL, Gamepad, JOY, KEYBOARD
-from lta_bridge.teleop.keyboard import HELP, Keyboard
 from lta_bridge.teleop.messages import (
     JoyDevice,
     SetpointFollowers,
@@ -26,7 +24,16 @@ from lta_bridge.teleop.steering import (
     TeleopStage,
     TeleopState,
 )
-from lta_bridge.teleop.sticks import GamepadLayout, StickDevice
+from lta_bridge.teleop.sticks import (
+    CMD_VEL,
+    Gamepad,
+    GamepadLayout,
+    HELP,
+    JOY,
+    KEYBOARD,
+    Keyboard,
+    StickDevice,
+)
 from lta_config.settings import setting, Settings
 from lta_control.messages import from_setpoint
 from lta_graph.health import HealthLevel

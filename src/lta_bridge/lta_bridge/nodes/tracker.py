@@ -9,7 +9,6 @@ drone it also publishes `ground_truth/odom`, for evaluation and viewers.
 
 from typing import Any, Literal
 
-from lta_bridge.tracking.map_correction import MapCorrection
 from lta_bridge.tracking.messages import (
     find_pose_type,
     from_odometry,
@@ -17,7 +16,7 @@ from lta_bridge.tracking.messages import (
     to_odometry,
     to_stamped_pose,
 )
-from lta_bridge.tracking.pose import build_level_pose, TrackerPose
+from lta_bridge.tracking.pose import build_level_pose, MapCorrection, TrackerPose
 from lta_bridge.tracking.tracked_drone import TrackedDrone
 from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings

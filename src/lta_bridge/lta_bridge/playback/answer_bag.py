@@ -10,15 +10,39 @@ import time
 from typing import final
 
 from lta_bridge.bag.background_writer import FLUSH_PERIOD
-from lta_bridge.bag.qos import OfferedQos
+from lta_bridge.bag.metadata import OfferedQos
 from lta_bridge.bag.storage import StorageFault
 from lta_bridge.bag.writer import BagWriter
 from lta_bridge.log_time_assigner import read_stamp
 from lta_bridge.playback.node_selection import NodeSelection
-from lta_bridge.playback.origin import build_answers_origin
 from lta_bridge.playback.recording import RobotBagRecording
+from lta_bridge.provenance import describe_environment
 from lta_config.errors import BadInput
 from lta_config.topics import robot_topic, TopicTable
+
+REPLAY_OF, REPLAYED = 'replay_of', 'replayed_nodes'  # keys of the origin
+# Keys copied from the recording
+SCENE = ('scenario', 'scenario_file', 'seed', 'offset_x', 'offset_y')
+OWN = 'strategy_file'  # a replay may fly another strategy, which is no file
+SET = 'set'  # parameters of the flight; only `lta replay` passes them to the nodes again
+
+
+def build_answers_origin(recording: RobotBagRecording, nodes: tuple[str, ...]) -> dict[str, str]:
+    """Return the provenance of a bag with some nodes' answers to a recording."""
+    replay = {REPLAY_OF: str(recording.path), REPLAYED: ' '.join(nodes)}
+    return {**recording.provenance, **describe_environment(), **replay}
+
+
+def build_replay_origin(recording: RobotBagRecording, graph: Mapping[str, str]) -> dict[str, str]:
+    """
+    Return the provenance of a bag recorded from a graph during a replay.
+
+    `recording`: the replayed recording: origin of scene, seed, and whether the data were measured.
+    `graph`: provenance of the launch: vehicle, gains and strategy of the running nodes.
+    """
+    original = {key: value for key, value in recording.provenance.items() if key not in (SET, OWN)}
+    runs = {key: value for key, value in graph.items() if key not in SCENE}
+    return {**original, **runs, REPLAY_OF: str(recording.path)}
 
 
 @final

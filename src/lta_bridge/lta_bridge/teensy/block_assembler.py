@@ -1,16 +1,84 @@
-"""
-Assemble light blocks without gaps from numbered rows.
-
-A demodulator needs blocks without gaps: after a loss the partial block is dropped, and the next
-one starts with the next row. The board numbers the rows, so that messages of other types do not
-look like losses.
-"""
+"""Receive the light board's messages: find frames in torn bytes, and join them to blocks."""
 
 from collections.abc import Iterator
 from typing import final, NamedTuple
 
+from lta_bridge.teensy import mavlink
 import numpy as np
 from numpy.typing import NDArray
+
+CHECKSUM = 2  # bytes behind the payload
+# The generated decoder would accept wrong checksums where this variable of the environment is set
+mavlink.MAVLINK_IGNORE_CRC = 0
+
+
+@final
+class FrameParser:
+    """
+    Parse frames and count errors.
+
+    Attributes `frames`, `crc_errors`, `unknown`, `stray`: valid frames, frames with a wrong
+    checksum, messages not in the dialect, and bytes that belong to none of these.
+    """
+
+    def __init__(self) -> None:
+        self._held = bytearray()
+        self._decoder = mavlink.MAVLink(None)
+        self.frames = self.crc_errors = self.unknown = self.stray = 0
+
+    def parse_frames(self, data: bytes) -> Iterator[mavlink.MAVLink_message]:
+        """Add received bytes and yield the messages of the complete frames."""
+        held = self._held
+        held += data
+        at = 0
+        try:
+            while (begin := held.find(mavlink.PROTOCOL_MARKER_V2, at)) >= 0:
+                self.stray += begin - at
+                at = begin
+                if (end := self._find_frame_end(at)) is None:
+                    return
+                if end == at:
+                    # A marker byte within other data: continue behind it
+                    self.stray += 1
+                    at += 1
+                    continue
+                try:
+                    message = self._decoder.decode(held[at:end])
+                except mavlink.MAVError:
+                    self.crc_errors += 1
+                    at += 1
+                    continue
+                at = end
+                if isinstance(message, mavlink.MAVLink_unknown):
+                    self.unknown += 1
+                else:
+                    self.frames += 1
+                    yield message
+            self.stray += len(held) - at
+            at = len(held)
+        finally:
+            del held[:at]
+
+    def _find_frame_end(self, at: int) -> int | None:
+        """Return the end of a frame; `at` if none starts there, None if it is incomplete."""
+        held = self._held
+        start = at + mavlink.HEADER_LEN_V2
+        if len(held) < start:
+            return None
+        length, flags = held[at + 1], held[at + 2]
+        # By the specification, a frame with unknown incompatibility flags must be dropped
+        if flags & ~mavlink.MAVLINK_IFLAG_SIGNED:
+            return at
+        end = start + length + CHECKSUM + (mavlink.MAVLINK_SIGNATURE_BLOCK_LEN if flags else 0)
+        # Bytes 7 to 9 of the header: the message number
+        if int.from_bytes(held[at + 7 : start], 'little') in mavlink.mavlink_map:
+            return None if len(held) < end else end
+        if len(held) <= end:
+            return None
+        # The checksum of an unknown message means nothing here: require a frame right behind it
+        follows = held[end] in (mavlink.PROTOCOL_MARKER_V1, mavlink.PROTOCOL_MARKER_V2)
+        return end if follows else at
+
 
 ROW_WRAP = 2**32  # row numbers wrap here
 RESTART = 5  # consecutive messages with old row numbers after which the board counts as restarted

@@ -11,10 +11,9 @@ import math
 from typing import final, NamedTuple
 
 from lta_bridge.teensy import mavlink
-from lta_bridge.teensy.block_assembler import BlockAssembler
+from lta_bridge.teensy.block_assembler import BlockAssembler, FrameParser
 from lta_bridge.teensy.board_clock import BoardClock, ClockExchange
-from lta_bridge.teensy.frame_parser import FrameParser
-from lta_bridge.teensy.sender_filter import SenderFilter
+from lta_bridge.teensy.port import SenderFilter
 from lta_config.topics import AdcBlockShape
 from lta_vlc.demodulation import Peaks
 from lta_vlc.spectral.bins import signal_to_noise

@@ -8,7 +8,7 @@ from pathlib import Path
 import shutil
 from typing import Any, cast, final, NamedTuple
 
-from lta_bridge.bag.qos import OfferedQos
+from lta_bridge.bag.metadata import OfferedQos
 from lta_bridge.bag.schemas import MessageDefinition
 from lta_bridge.bag.writer import BagWriter
 from lta_config.errors import BadInput

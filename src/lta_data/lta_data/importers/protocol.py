@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import final, NamedTuple, Protocol
 from zlib import crc32
 
-from lta_bridge.bag.qos import OfferedQos
+from lta_bridge.bag.metadata import OfferedQos
 from lta_bridge.bag.schemas import MessageDefinition
 import numpy as np
 from numpy.typing import NDArray

@@ -10,9 +10,9 @@ import re
 from tempfile import TemporaryDirectory
 from typing import Any, Final
 
-from lta_bridge.bag.qos import build_offered_qos
+from lta_bridge.bag.metadata import build_offered_qos
+from lta_bridge.bag.schemas import encode_message
 from lta_bridge.bag.writer import BagWriter
-from lta_bridge.cdr import encode_message
 from lta_discovery.discovery.figures import predict_poses
 from lta_discovery.discovery.forecast_comparison import ForecastComparison
 from lta_discovery.discovery.messages import build_offset_message, build_pose_message, SECOND

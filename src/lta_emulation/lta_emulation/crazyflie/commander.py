@@ -4,7 +4,7 @@ from collections.abc import Mapping
 import errno
 import math
 import struct
-from typing import Final, final, NamedTuple
+from typing import Final, final, NamedTuple, Protocol
 
 # Port 7, by their id: layout of the setpoints whose length the firmware asserts
 # (crtp_commander_generic.c). A stop (0) and a position (7) may have any.
@@ -151,3 +151,50 @@ class Commander:
         if level and self._hover is not None:
             return BodyCommand(hover=HoverSetpoint(height=self._hover.height))
         return BodyCommand(hover=self._hover)
+
+
+STILL = (0.0, 0.0, 0.0, 0.0)
+
+
+class CrazyflieBody(Protocol):
+    """A body with motors and sensors."""
+
+    @property
+    def duties(self) -> tuple[float, ...]:
+        """Present duty of M1 to M4, 0 to 1."""
+        ...
+
+    def advance(self, now: float, wish: BodyCommand) -> None:
+        """Advance to a time since boot under a command. [s]"""
+        ...
+
+    def read_log_values(self) -> Mapping[str, float]:
+        """Return the newest values of log variables, in the firmware's units."""
+        ...
+
+
+@final
+class BenchBody:
+    """A Crazyflie clamped to a bench: motors turn, the body does not move."""
+
+    def __init__(self) -> None:
+        self.duties: tuple[float, ...] = STILL
+        self._reads = 0
+
+    def advance(self, now: float, wish: BodyCommand) -> None:
+        """Turn the motors; hover and landing use half duty."""
+        # A bench has no dynamics, so the time does not matter
+        del now
+        duties = wish.duties
+        if duties is None:
+            duties = (0.5,) * 4 if wish.hover is not None or wish.land else STILL
+        self.duties = tuple(max(wish.idle, duty) for duty in duties)
+
+    def read_log_values(self) -> Mapping[str, float]:
+        """Return the sensor values of a Crazyflie at rest."""
+        # Units of the firmware: g, mm, mbar
+        self._reads += 1
+        odd = self._reads % 2  # no sensor repeats its reading to the bit
+        return {
+            'acc.z': 1.0, 'range.zrange': 450.0 + odd, 'baro.pressure': 1013.25 + 1e-3 * odd,
+        }  # fmt: skip

@@ -10,16 +10,26 @@ import struct
 from typing import Final, final
 
 from lta_emulation.crazyflie.app import MotorDutyApp
-from lta_emulation.crazyflie.body import CrazyflieBody, STILL
-from lta_emulation.crazyflie.commander import BodyCommand, Commander, FirmwareAssertion
-from lta_emulation.crazyflie.firmware_build import APP, FirmwareBuild
-from lta_emulation.crazyflie.log_blocks import BLOCKS, LogBlocks, VARIABLES
+from lta_emulation.crazyflie.commander import (
+    BodyCommand,
+    Commander,
+    CrazyflieBody,
+    FirmwareAssertion,
+    STILL,
+)
+from lta_emulation.crazyflie.log_blocks import BLOCKS, LogBlocks, TableOfContents, VARIABLES
 from lta_emulation.crazyflie.packet import CrtpPacket, MOST, ReceiveBuffer
-from lta_emulation.crazyflie.parameters import ParameterStore
+from lta_emulation.crazyflie.parameters import (
+    APP,
+    default_controller,
+    FirmwareBuild,
+    list_parameters,
+    LOG,
+    OUT_OF_TREE,
+    ParameterStore,
+)
 from lta_emulation.crazyflie.supervisor import Acceleration, Supervisor, SupervisorState
-from lta_emulation.crazyflie.table_of_contents import TableOfContents
 from lta_emulation.crazyflie.trajectory_memory import TrajectoryMemory
-from lta_emulation.crazyflie.variables import default_controller, list_parameters, LOG, OUT_OF_TREE
 
 NAME = b'Bitcraze Crazyflie'.ljust(MOST, b'\0')
 TAG, DEVICE = b'2026.08', b'Crazyflie 2.1'

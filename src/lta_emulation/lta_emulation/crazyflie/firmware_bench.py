@@ -11,8 +11,7 @@ import time
 from typing import Final, final, Self
 
 from lta_config.errors import BadInput
-from lta_emulation.crazyflie.body import CrazyflieBody
-from lta_emulation.crazyflie.commander import BodyCommand
+from lta_emulation.crazyflie.commander import BodyCommand, CrazyflieBody
 from lta_emulation.step_thread import StepThread
 
 PERIOD: Final = 0.01  # s between two exchanges

@@ -14,7 +14,7 @@ import tty
 from typing import final
 
 from lta_bridge.teensy import mavlink
-from lta_bridge.teensy.frame_parser import FrameParser
+from lta_bridge.teensy.block_assembler import FrameParser
 from lta_bridge.teensy.light_board import (
     ACTIVE,
     CONTROLLER,

@@ -4,8 +4,8 @@ import os
 import subprocess
 import sys
 
+from lta_bridge.crazyflie.connection_manager import suggest_remedy
 from lta_bridge.crazyflie.drone_lock import DroneLock, normalize_uri
-from lta_bridge.crazyflie.remedies import suggest_remedy
 from lta_config.errors import BadInput
 import pytest
 

@@ -1,6 +1,6 @@
 """The modelled current, against Bitcraze's own bench table."""
 
-from lta_bridge.crazyflie.power_model import CrazyfliePowerModel
+from lta_bridge.crazyflie.messages import CrazyfliePowerModel
 from lta_model.electrical.loads import BENCH
 from lta_model.vehicle import load_vehicle
 import pytest

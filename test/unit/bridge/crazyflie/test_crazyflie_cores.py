@@ -5,15 +5,14 @@ import struct
 
 from lta_bridge.crazyflie import duties_packet, messages, readings
 from lta_bridge.crazyflie.bridge_core import BridgeCore, CrazyflieCommand, PositionEstimate
-from lta_bridge.crazyflie.device_clock import DeviceClock
+from lta_bridge.crazyflie.device_clock import DeviceClock, parse_ping_time, RoundTrips
 from lta_bridge.crazyflie.link import LogPacket
 from lta_bridge.crazyflie.log_table import BLOCKS, check_log_table, LogBlock
-from lta_bridge.crazyflie.round_trips import parse_ping_time, RoundTrips
 from lta_bridge.crazyflie.safety import find_missing_position, SafetyLimits
 from lta_config.covariances import UNKNOWN_VARIANCE
 from lta_config.errors import BadInput
 from lta_config.schema.crazyflie_file import load_crazyflie
-from lta_emulation.crazyflie.variables import LOG
+from lta_emulation.crazyflie.parameters import LOG
 from lta_graph.ros.stamps import to_stamp
 from lta_model.vehicle import load_vehicle
 from nav_msgs.msg import Odometry

@@ -15,8 +15,7 @@ from lta_bridge.crazyflie.connection_manager import ConnectionManager, enforce_p
 from lta_bridge.crazyflie.duties_packet import find_rotor_indices
 from lta_bridge.crazyflie.link import LinkFailed, LinkLost, LogPacket, MalformedPacket
 from lta_bridge.crazyflie.links import create_link
-from lta_bridge.crazyflie.log_table import BLOCKS
-from lta_bridge.crazyflie.packet_check import find_packet_fault
+from lta_bridge.crazyflie.log_table import BLOCKS, find_packet_fault
 from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_config.schema.crazyflie_file import (
@@ -27,9 +26,9 @@ from lta_config.schema.crazyflie_file import (
 )
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.vehicle_identity import hash_airframe
-from lta_emulation.crazyflie.body import BenchBody
+from lta_emulation.crazyflie.commander import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
-from lta_emulation.crazyflie.firmware_build import APP, ARMING, AS_SOLD, select_build
+from lta_emulation.crazyflie.parameters import APP, ARMING, AS_SOLD, select_build
 from lta_emulation.crazyflie.server import CrazyflieServer
 from lta_model.vehicle import load_vehicle
 import pytest

@@ -5,11 +5,11 @@ import struct
 
 from lta_bridge.crazyflie import duties_packet
 from lta_bridge.crazyflie.supervisor_word import SupervisorBit
-from lta_emulation.crazyflie.body import BenchBody
+from lta_emulation.crazyflie.commander import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
-from lta_emulation.crazyflie.firmware_build import APP, ARMING, AS_SOLD
-from lta_emulation.crazyflie.lossy_link import LossyLink
 from lta_emulation.crazyflie.packet import CrtpPacket, unpack_datagram
+from lta_emulation.crazyflie.parameters import APP, ARMING, AS_SOLD
+from lta_emulation.crazyflie.server import LossyLink
 from lta_emulation.crazyflie.supervisor import PERIOD, SupervisorState
 import pytest
 

@@ -6,19 +6,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from lta_bridge.crazyflie import messages
 from lta_bridge.crazyflie.bridge_core import BridgeCore, CrazyflieCommand, PositionEstimate, UNTOLD
+from lta_bridge.crazyflie.device_clock import parse_ping_time
 from lta_bridge.crazyflie.duties_packet import unpack_duties
 from lta_bridge.crazyflie.health_diagnostics import describe_health
 from lta_bridge.crazyflie.link import LogPacket
-from lta_bridge.crazyflie.log_table import BLOCKS
-from lta_bridge.crazyflie.packet_check import (
+from lta_bridge.crazyflie.log_table import (
     block_size,
+    BLOCKS,
     find_packet_fault,
     LARGEST_PAYLOAD,
     STAMPED,
 )
-from lta_bridge.crazyflie.power_model import CrazyfliePowerModel
+from lta_bridge.crazyflie.messages import CrazyfliePowerModel
 from lta_bridge.crazyflie.readings import AirReading, ImuReading, PowerReading
-from lta_bridge.crazyflie.round_trips import parse_ping_time
 from lta_bridge.crazyflie.safety import LOST_POSITION, LOW_VOLTAGE_TIME, SafetyStage
 from lta_bridge.crazyflie.safety import SafetyRequest as AskedBy
 from lta_bridge.crazyflie.supervisor_word import SupervisorBit

@@ -12,11 +12,10 @@ be switched off and on. Here that is done at once, and counted.
 from random import Random
 from typing import NamedTuple
 
-from lta_emulation.crazyflie.body import BenchBody
+from lta_emulation.crazyflie.commander import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
-from lta_emulation.crazyflie.firmware_build import APP, ARMING
 from lta_emulation.crazyflie.packet import CrtpPacket, unpack_datagram
-from lta_emulation.crazyflie.variables import list_parameters
+from lta_emulation.crazyflie.parameters import APP, ARMING, list_parameters
 import pytest
 
 COUNT = 10_000  # packets to a drone

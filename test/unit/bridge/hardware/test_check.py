@@ -14,11 +14,11 @@ from lta_bridge.devices import find_devices, format_udev_rules, RADIO
 from lta_bridge.hardware import board as listening_to_boards
 from lta_bridge.hardware import drone as listening_to_drones
 from lta_bridge.hardware.check import require_hardware
-from lta_bridge.hardware.stream import compute_stream_statistics
+from lta_bridge.hardware.drone import compute_stream_statistics
 from lta_config.errors import BadInput
-from lta_emulation.crazyflie.body import BenchBody
+from lta_emulation.crazyflie.commander import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
-from lta_emulation.crazyflie.firmware_build import ARMING
+from lta_emulation.crazyflie.parameters import ARMING
 from lta_emulation.crazyflie.server import CrazyflieServer
 from lta_emulation.teensy.emulated_board import Cable, EmulatedBoard, FrameFaults
 import numpy as np

@@ -13,7 +13,7 @@ from lta_bridge.crazyflie.link import LinkFailed
 from lta_bridge.crazyflie.log_table import BLOCKS
 from lta_bridge.hardware.motor import interrupt_on_signals, MotorBench
 from lta_config.schema.crazyflie_file import load_crazyflie
-from lta_emulation.crazyflie.body import BenchBody
+from lta_emulation.crazyflie.commander import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
 from lta_emulation.crazyflie.server import CrazyflieServer
 from lta_model.vehicle import load_vehicle

@@ -5,8 +5,13 @@ from typing import Annotated
 
 from lta_analysis.console import plain_console
 from lta_bridge.devices import format_udev_rules, RULES_FILE
-from lta_bridge.hardware.check import HardwareCheckRequest, run_hardware_check
-from lta_bridge.hardware.results_formatting import format_diode_rows, format_stream_rows, to_json
+from lta_bridge.hardware.check import (
+    format_diode_rows,
+    format_stream_rows,
+    HardwareCheckRequest,
+    run_hardware_check,
+    to_json,
+)
 from lta_cli.doctor import exit_status, print_checks
 from lta_cli.options.common_options import Json, print_json, VehicleOption
 from lta_report.progress_bar import ProgressBar

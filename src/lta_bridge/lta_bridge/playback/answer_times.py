@@ -1,5 +1,5 @@
 """
-Compute when each message of a replay is due, also for imperfect recordings.
+Compute when each message of a replay is due, also for imperfect recordings, and track answers.
 
 A played message is due at its publication: stamp plus latency, but not before its time in the bag
 and not before the previous message. An answer is due when it would have been published, but not
@@ -8,8 +8,8 @@ due answers cannot deadlock at gaps, jitter or jumps of the stamps. For a comple
 are the times of the topic table.
 """
 
-from collections.abc import Iterable, Mapping
-from typing import NamedTuple
+from collections.abc import Iterable, Mapping, Sequence
+from typing import final, NamedTuple
 
 from lta_bridge.log_time_assigner import read_stamp
 from lta_bridge.playback.node_selection import NodeSelection
@@ -62,3 +62,61 @@ def compute_answer_times(
     for name in selection.answers:
         find_due_times(name)
     return due_times
+
+
+NEVER_NS = 2**63 - 1  # ns
+
+
+@final
+class PendingAnswers:
+    """
+    Pending answers of a lockstep replay.
+
+    `due`: due times of the answers by topic, in order [ns]. Attribute `come`: number of received
+    answers by topic.
+    """
+
+    def __init__(self, due: Mapping[str, Sequence[int]]) -> None:
+        self._due = due
+        self.come = dict.fromkeys(due, 0)
+
+    def register_answer(self, topic: str) -> int | None:
+        """Count an answer and return its due time; None if none was pending. [ns]"""
+        turn = self.come[topic]
+        self.come[topic] += 1
+        return self._due[topic][turn] if turn < len(self._due[topic]) else None
+
+    def oldest_due(self) -> int:
+        """Return the due time of the oldest pending answer; `NEVER` without one. [ns]"""
+        left = (
+            times[self.come[name]] for name, times in self._due.items() if self.count_pending(name)
+        )
+        return min(left, default=NEVER_NS)
+
+    def latest_play_time(self, ahead_ns: int) -> int:
+        """Return the time up to which to play, for a given largest lag of the nodes. [ns]"""
+        since = self.oldest_due()
+        return NEVER_NS if since == NEVER_NS else since + ahead_ns
+
+    def list_oldest_topics(self) -> list[str]:
+        """Return the topics of the oldest pending answers."""
+        since = self.oldest_due()
+        return [
+            name
+            for name, times in self._due.items()
+            if self.count_pending(name) and times[self.come[name]] == since
+        ]
+
+    def count_pending(self, topic: str) -> int:
+        """Return the number of pending answers of a topic."""
+        return max(0, len(self._due[topic]) - self.come[topic])
+
+    @property
+    def total(self) -> int:
+        """Number of answers of the whole replay."""
+        return sum(map(len, self._due.values()))
+
+    @property
+    def total_pending(self) -> int:
+        """Number of pending answers."""
+        return sum(map(self.count_pending, self._due))
