@@ -25,9 +25,9 @@ from typing import Final, final, Self
 
 from command import Lta
 from diagnostic_msgs.msg import DiagnosticArray
+from lta_config.schema.crazyflie_file import hash_diodes
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.topics import load_topic_table
-from lta_config.vehicle_identity import hash_diodes
 from lta_emulation.crazyflie.commander import BodyCommand
 from lta_emulation.crazyflie.firmware_bench import FirmwareBench
 from lta_emulation.crazyflie.simulated_body import SimulatedBody

@@ -17,9 +17,8 @@ from typing import Final, final, NamedTuple, Self
 
 from firmware_scenarios import due, Packet, PERIOD, Sample, Scenario
 from lta_bridge.crazyflie.supervisor_word import SupervisorBit
-from lta_config.schema.crazyflie_file import load_crazyflie
+from lta_config.schema.crazyflie_file import hash_airframe, load_crazyflie
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_config.vehicle_identity import hash_airframe
 from ports import free_port, UDP
 
 from campaigns import ROOT

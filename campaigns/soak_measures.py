@@ -7,9 +7,9 @@ from typing import Final, NamedTuple
 
 from lta_bridge.log_time_assigner import read_stamp
 from lta_config.topics import load_topic_table
+from lta_graph.ros.listener import join_graph
 from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.qos import select_profile
-from lta_graph.ros.temporary_node import join_graph
 import numpy as np
 from numpy.typing import NDArray
 from rclpy.subscription import Subscription

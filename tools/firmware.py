@@ -20,9 +20,8 @@ import sys
 from typing import Final, NamedTuple
 
 from lta_config.errors import BadInput
-from lta_config.schema.crazyflie_file import find_crazyflie
+from lta_config.schema.crazyflie_file import find_crazyflie, hash_airframe, hash_diodes
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_config.vehicle_identity import hash_airframe, hash_diodes
 from lta_emulation import emulated_hardware
 
 ROOT: Final = Path(__file__).resolve().parents[1]

@@ -5,14 +5,16 @@ The replacement happens before validation, so the model's rules apply to the res
 is written as in a file: `4 g`, `[1, 0, 0] m/s`, `0.5`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 import re
-from typing import Any
+from typing import Any, Final, NamedTuple
+import zlib
 
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.quantity import Quantity, UNITS
 from lta_config.schema.spectrum_file import read_light
+import numpy as np
 from pydantic import ValidationError
 import yaml
 
@@ -226,3 +228,72 @@ def format_value(value: Any) -> str:  # noqa: ANN401 - what YAML holds
     """Return a value as it is written in a file."""
     quantity = parse_quantity(value)
     return str(value) if quantity is None else f'{quantity["value"]} {quantity["unit"]}'
+
+
+RANGE_SOURCE: Final = 'drawn from its range'
+
+
+class AssumedNumber(NamedTuple):
+    """A number with a range: its dotted path in the file, and the quantity as YAML holds it."""
+
+    path: str
+    quantity: Mapping[str, Any]
+
+
+def list_ranges(content: Any, path: str = '') -> list[AssumedNumber]:  # noqa: ANN401 - what YAML holds
+    """Return all numbers of a file that have a range, in the order of the file."""
+    return list(_iterate_ranges(content, path))
+
+
+def _iterate_ranges(content: Any, path: str) -> Iterator[AssumedNumber]:  # noqa: ANN401
+    if not isinstance(content, Mapping):
+        return
+    if 'range' in content and 'unit' in content:
+        yield AssumedNumber(path, content)
+        return
+    for key, below in content.items():
+        yield from _iterate_ranges(below, f'{path}.{key}' if path else str(key))
+
+
+def draw_values(content: Any, seed: int, path: str = '') -> dict[str, dict[str, Any]]:  # noqa: ANN401
+    """
+    Return drawn values of all numbers of a file that have a range, by path.
+
+    Parameters
+    ----------
+    content : Any
+        The whole file as YAML holds it.
+    seed : int
+        Number of the draw.
+    path : str
+        Prefix of the paths, such as 'vehicle'.
+
+    Returns
+    -------
+    dict
+        Quantities as YAML holds them, for `FlightSpec.with_values`.
+
+    """
+    return {
+        entry.path: {
+            'value': draw_between(entry.quantity['range'], entry.quantity['range_source'], seed),
+            'unit': entry.quantity['unit'],
+            'source': RANGE_SOURCE,
+        }
+        for entry in list_ranges(content, path)
+    }
+
+
+def draw_content(content: Any, seed: int, root: str) -> Any:  # noqa: ANN401 - what YAML holds
+    """Return the content of a file with all numbers that have a range drawn."""
+    for path, value in draw_values(content, seed).items():
+        content = replace_parameter(content, path, value, root)
+    return content
+
+
+def draw_between(ends: Any, cause: str, seed: int) -> Any:  # noqa: ANN401 - a number or a list
+    """Return a number or a list between two ends; equal causes and seeds give equal shares."""
+    # CRC-32, because Python's own hash of a text differs between processes
+    share = np.random.default_rng([seed, zlib.crc32(cause.encode())]).uniform()
+    low, high = (np.asarray(end, dtype=float) for end in ends)
+    return (low + share * (high - low)).tolist()

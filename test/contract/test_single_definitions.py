@@ -41,9 +41,7 @@ RULES = {
     ),
     'change of lamps': rule(f'{CONTROL}/mission.py', 'reception_time patience again'),
     # The settings give their numbers to the rule.
-    'action at the reserve': rule(
-        f'{CONTROL}/reserve_policy.py {CONTROL}/reserve.py', 'action home patience turning'
-    ),
+    'action at the reserve': rule(f'{CONTROL}/reserve.py', 'action home patience turning'),
     'permission': rule(f'{CONTROL}/reserve.py', 'reserve urgent'),
     'termination': rule(
         'lta_sim/lta_sim/termination.py', 'limit half_length half_width door along'
@@ -68,7 +66,7 @@ CALLERS = {
     'is_plausible_imu_sample': {
         f'{CONTROL}/flight_step.py', f'{FLIGHT}/closed_loop.py',
     },
-    'advance_position': {f'{CONTROL}/estimator.py', f'{CONTROL}/odometry/air_reckoning.py'},
+    'advance_position': {f'{CONTROL}/estimator.py', f'{CONTROL}/odometry/airspeed.py'},
     'is_control_input_finite': {f'{CONTROL}/flight_step.py'},
     'watch_flight': {f'{CONTROL}/flight_step.py'},
     # In the graph the estimate comes by a message.

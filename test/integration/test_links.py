@@ -5,7 +5,8 @@ from collections.abc import Iterator
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import Vector3Stamped
 from lta_config.topics import load_topic_table
-from lta_graph.ros.reader_links import LINKS_TASK, ReaderLinks
+from lta_graph.ros.node import LINKS_TASK
+from lta_graph.ros.startup import ReaderLinks
 import pytest
 from rclpy.context import Context
 from rclpy.executors import Executor, SingleThreadedExecutor

@@ -27,7 +27,7 @@ from lta_control.messages import (
     to_cascade_measurement,
 )
 from lta_control.mission import mission_step, MissionSettings
-from lta_control.odometry.air_reckoning import AirReckoning
+from lta_control.odometry.airspeed import AirReckoning
 from lta_control.phases import Mission
 from lta_control.reserve import FlightPermission, ReserveResponseSettings
 from lta_control.sighting import build_sight

@@ -1,7 +1,13 @@
-"""The Crazyflie file: command mode, wiring, parameters and limits of a vehicle's Crazyflie."""
+"""
+The Crazyflie file: command mode, wiring, parameters and limits of a vehicle's Crazyflie.
+
+A board and a vehicle file recognize each other by a hash.
+"""
 
 from collections.abc import Mapping
-from typing import Annotated, Final, Literal
+import json
+from typing import Annotated, Any, Final, Literal
+import zlib
 
 from lta_config.errors import BadInput
 from lta_config.files import (
@@ -14,6 +20,7 @@ from lta_config.files import (
     validate_content,
 )
 from lta_config.quantity import Quantity, si_quantity
+from lta_config.schema.vehicle_file import VehicleFile
 from pydantic import Field, model_validator
 
 MOTORS = ('m1', 'm2', 'm3', 'm4')
@@ -167,3 +174,30 @@ def find_crazyflie(vehicle: str, name: str, other: str = '') -> CrazyflieFile:
             f'({", ".join(names)}).'
         )
     return load_crazyflie(name)
+
+
+HASHED_DECIMALS = 6  # decimals of a number in SI units
+
+
+def hash_airframe(vehicle: VehicleFile, file: CrazyflieFile) -> int:
+    """Return the hash of a vehicle's name, rotors and motor wiring, 32 bits."""
+    rotors = {
+        name: [rotor.reversible, _to_numbers(rotor.position), _to_numbers(rotor.axis)]
+        for name, rotor in vehicle.rotors.items()
+    }
+    return _hash({'name': vehicle.name, 'rotors': rotors, 'motors': dict(file.motors)})
+
+
+def hash_diodes(vehicle: VehicleFile) -> int:
+    """Return the hash of a vehicle's name and of the directions of its photodiodes, 32 bits."""
+    diodes = vehicle.sensors.diodes
+    axes = diodes.axes.value if diodes.axes else None
+    return _hash({'name': vehicle.name, 'count': diodes.count, 'axes': axes})
+
+
+def _to_numbers(quantity: Quantity) -> list[float]:
+    return [round(number, HASHED_DECIMALS) + 0.0 for number in quantity.vector]
+
+
+def _hash(content: Mapping[str, Any]) -> int:
+    return zlib.crc32(json.dumps(content, sort_keys=True).encode()) or 1

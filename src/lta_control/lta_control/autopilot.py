@@ -13,7 +13,7 @@ from typing import final
 from lta_config.compilation.flat import Array, compile_core, TupleLayout
 from lta_config.settings import Settings
 from lta_control.allocation import SCRATCH
-from lta_control.attitude import Quaternion, Vector, yaw_from_quaternion
+from lta_control.attitude import Quaternion, rotate_level_to_world, Vector, yaw_from_quaternion
 from lta_control.cascade import CascadeMeasurement, Setpoint
 from lta_control.estimator import EstimatorSettings, MotionEstimate
 from lta_control.flight_step import (
@@ -29,7 +29,6 @@ from lta_control.flight_step import (
     TILT_LIMIT,
 )
 from lta_control.laws import cascade
-from lta_control.laws.frames import rotate_level_to_world
 from lta_control.laws.protocol import ControlLaw, ControlMotion
 from lta_control.odometry.ground_motion import is_on_ground, is_still, ModelledMotion
 from lta_control.sighting import DeadReckonedMotion

@@ -39,8 +39,7 @@ from lta_control.place_hold import (
     Route,
     steer_to_place,
 )
-from lta_control.reserve import decide_permission, FlightPermission
-from lta_control.reserve_policy import apply_reserve
+from lta_control.reserve import apply_reserve, decide_permission, FlightPermission
 from lta_control.strategies.protocol import NavigationStrategy
 from lta_vlc.settings import NO_WISH
 

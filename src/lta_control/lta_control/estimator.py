@@ -35,8 +35,12 @@ from lta_control.bias_calibration import (
     RestSums,
     SensorBiases,
 )
-from lta_control.odometry.air_reckoning import advance_position
-from lta_control.odometry.airspeed import airspeed_step, AirspeedEstimate, HullDragModel
+from lta_control.odometry.airspeed import (
+    advance_position,
+    airspeed_step,
+    AirspeedEstimate,
+    HullDragModel,
+)
 from lta_control.odometry.ground_state import GroundSettings
 from lta_control.per_rotor import NO_ROTORS, PerRotor
 

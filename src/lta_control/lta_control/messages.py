@@ -32,11 +32,10 @@ from lta_control.flight_step import ControlInputs, measure_motion
 from lta_control.laws.protocol import ControlMotion
 from lta_control.odometry.ground_motion import ground_velocity
 from lta_control.odometry.ground_state import GroundMotion, rotate_covariance
-from lta_control.odometry.lamp_sighting import build_sighting, LampSighting
 from lta_control.odometry.tracked_motion import OdomMotion, rotate, TrackedMotion
 from lta_control.per_rotor import pad_to_slots, PerRotor
 from lta_control.reserve import ReserveReport
-from lta_control.sighting import LampPosition
+from lta_control.sighting import build_sighting, LampPosition, LampSighting
 from lta_graph.blank_message import create_message
 from lta_graph.health import HealthLevel, stamp_age
 from lta_graph.inbox import InboxStep

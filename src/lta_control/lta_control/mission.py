@@ -18,8 +18,7 @@ from lta_config.course import Course
 from lta_config.settings import setting
 from lta_control.cascade import Setpoint
 from lta_control.phases import Mission, Phase, SWITCHING
-from lta_control.reserve import FlightPermission, ReserveRule
-from lta_control.reserve_policy import apply_reserve, heading_to_start
+from lta_control.reserve import apply_reserve, FlightPermission, heading_to_start, ReserveRule
 from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy
 from lta_control.strategies.settings import StrategySettings
 

@@ -16,9 +16,8 @@ import threading
 from typing import Any, Final, NamedTuple
 
 from lta_config.errors import BadInput
-from lta_config.schema.crazyflie_file import find_crazyflie
+from lta_config.schema.crazyflie_file import find_crazyflie, hash_diodes
 from lta_config.topics import load_topic_table
-from lta_config.vehicle_identity import hash_diodes
 from lta_emulation.crazyflie.firmware import Firmware
 from lta_emulation.crazyflie.firmware_bench import FirmwareBench
 from lta_emulation.crazyflie.server import CrazyflieServer

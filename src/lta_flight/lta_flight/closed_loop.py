@@ -21,10 +21,15 @@ from lta_control.estimator import is_plausible_imu_sample, MotionEstimate
 from lta_control.guidance import Guidance, GuidanceInputs
 from lta_control.odometry.ground_motion import ground_step
 from lta_control.odometry.ground_state import GroundMotion
-from lta_control.odometry.lamp_sighting import build_sighting, LampSighting
 from lta_control.phases import Mission
 from lta_control.reserve import ReserveReport
-from lta_control.sighting import build_sight, DeadReckonedMotion, LampPosition
+from lta_control.sighting import (
+    build_sight,
+    build_sighting,
+    DeadReckonedMotion,
+    LampPosition,
+    LampSighting,
+)
 from lta_control.vehicle_parameters import build_estimator_model
 from lta_energy.monitoring.meters import MeterReading, PowerSystem, TravelState
 from lta_energy.monitoring.monitor import EnergyEstimate as Known

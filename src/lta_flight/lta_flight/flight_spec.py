@@ -25,8 +25,8 @@ from lta_config.settings import Settings
 from lta_config.topics import load_topic_table
 from lta_control.cascade import CascadeGains
 from lta_control.laws import find_control_law
-from lta_control.laws.onboard_law import CASCADE
-from lta_control.reserve_policy import check_reserve
+from lta_control.laws.__init__ import CASCADE
+from lta_control.reserve import check_reserve
 from lta_control.strategies import check_route, find_navigation_strategy
 from lta_data.recorded_choices import SETTABLE
 from lta_flight.closed_loop import ClosedLoop

@@ -9,10 +9,14 @@ from typing import Final, final
 
 from lta_config.errors import BadInput
 from lta_config.schema.mount_file import MountFile
-from lta_config.schema.tunnel_file import load_tunnel_file, TunnelBody, TunnelFile, TunnelRotorDisk
+from lta_config.schema.vehicle_aero import (
+    load_tunnel_file,
+    TunnelBody,
+    TunnelFile,
+    TunnelRotorDisk,
+)
 from lta_config.schema.vehicle_file import load_vehicle_file, VehicleFile
-from lta_windtunnel.shape import build_hull_surface
-from lta_windtunnel.stl import read_stl
+from lta_windtunnel.shape import build_hull_surface, read_stl
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree

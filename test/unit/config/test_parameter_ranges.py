@@ -1,9 +1,9 @@
 """Ranges of what is assumed: their form, their draws, and that no assumed number lacks one."""
 
 from lta_config.files import find_file, list_shipped_names, load_yaml, validate_content
+from lta_config.parameter_override import draw_content, draw_values, list_ranges
 from lta_config.quantity import Quantity
 from lta_config.schema.cell_file import CellFile
-from lta_config.schema.parameter_ranges import draw_content, draw_values, list_ranges
 from lta_config.schema.vehicle_file import VehicleFile
 from lta_model.vehicle import Vehicle
 import numpy as np

@@ -1,8 +1,7 @@
 """The hashes by which boards and vehicle files recognize each other."""
 
-from lta_config.schema.crazyflie_file import load_crazyflie
+from lta_config.schema.crazyflie_file import hash_airframe, hash_diodes, load_crazyflie
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_config.vehicle_identity import hash_airframe, hash_diodes
 import pytest
 
 GTMAB, WIRING = load_vehicle_file('gtmab'), load_crazyflie('gtmab')

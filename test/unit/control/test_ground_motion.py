@@ -17,8 +17,7 @@ from lta_control.odometry.ground_state import (
     rotate_covariance,
     start_ground_motion,
 )
-from lta_control.odometry.lamp_sighting import build_sighting, LampSighting, TRUSTED
-from lta_control.sighting import LampPosition
+from lta_control.sighting import build_sighting, LampPosition, LampSighting, TRUSTED
 import numpy as np
 import pytest
 

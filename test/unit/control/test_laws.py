@@ -6,21 +6,21 @@ from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
 from lta_config.files import list_shipped_names
 from lta_control.allocation import create_working_array
-from lta_control.autopilot import motion_from_tracker
-from lta_control.cascade import (
-    Setpoint,
-)
-from lta_control.gains_file import load_gains, load_law_gains
-from lta_control.laws import find_control_law, LAWS
-from lta_control.laws.frames import (
+from lta_control.attitude import (
     quaternion_from_angles,
     rotate_level_to_world,
     rotation_between,
     to_body,
     to_world,
 )
+from lta_control.autopilot import motion_from_tracker
+from lta_control.cascade import (
+    Setpoint,
+)
+from lta_control.gains_file import load_gains, load_law_gains
+from lta_control.laws import find_control_law, LAWS
+from lta_control.laws.__init__ import check_onboard_law, load_onboard_law, vehicle_law_name
 from lta_control.laws.lateral import mix_thrusts
-from lta_control.laws.onboard_law import check_onboard_law, load_onboard_law, vehicle_law_name
 from lta_control.laws.protocol import ControlMotion, Feedback, LawInputs
 from lta_model.vehicle import load_vehicle
 import numpy as np

@@ -7,13 +7,13 @@ from lta_control.cascade import Setpoint
 from lta_control.mission import mission_step, MissionSettings
 from lta_control.phases import Mission, Phase
 from lta_control.reserve import (
+    check_reserve,
     decide_permission,
     explain_restriction,
     FlightPermission,
     ReserveReport,
     ReserveResponseSettings,
 )
-from lta_control.reserve_policy import check_reserve
 from lta_control.strategies import find_navigation_strategy
 from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy, SteeringCommand
 import pytest

@@ -2,8 +2,7 @@
 
 from types import SimpleNamespace
 
-from lta_graph.ros.message_pairing import MessagePairing, OLDEST_NS
-from lta_graph.ros.stamps import to_stamp
+from lta_graph.ros.stamps import MessagePairing, OLDEST_NS, to_stamp
 
 
 def stamped(*stamps_ns):

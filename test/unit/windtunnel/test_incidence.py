@@ -7,7 +7,7 @@ from lta_config.schema.vehicle_file import VehicleFile
 from lta_model.limits import tumble_speed
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_sim.wind_limits import air_wrench, rise_speed
-from lta_windtunnel.incidence import compare_inclined_flows
+from lta_windtunnel.aero_fit import compare_inclined_flows
 from lta_windtunnel.sweep_table import read_sweep
 import pytest
 

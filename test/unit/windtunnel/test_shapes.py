@@ -8,10 +8,11 @@ from lta_windtunnel.analytic import drag_force
 from lta_windtunnel.shape import (
     build_hull_surface,
     ellipse_profile,
+    find_crossing_triangles,
     mylar_profile,
+    read_stl,
     revolve_profile,
 )
-from lta_windtunnel.stl import find_crossing_triangles, read_stl
 from lta_windtunnel.tunnel_model import build_box_surface, load_tunnel_model, winding_number
 import numpy as np
 import pytest

@@ -27,10 +27,9 @@ from lta_bridge.hardware.check_result import HardwareCheck, State
 from lta_bridge.hardware.drone import DroneMeasurement, StreamStatistics
 from lta_config.command_line import format_lta_command
 from lta_config.errors import BadInput
-from lta_config.schema.crazyflie_file import find_crazyflie
+from lta_config.schema.crazyflie_file import find_crazyflie, hash_airframe, hash_diodes
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.topics import load_topic_table
-from lta_config.vehicle_identity import hash_airframe, hash_diodes
 from lta_model.vehicle import load_vehicle
 from lta_vlc.demodulation import plan_bins
 from lta_vlc.settings import DemodulationSettings

@@ -32,8 +32,8 @@ def assess_vehicle(name: str, commit: int, built: int, expected: int) -> Hardwar
     """
     Check for which vehicle a board's firmware was built.
 
-    `built` and `expected` are hashes of `lta_config.vehicle_identity`, `commit` the first eight
-    digits of the firmware's commit; 0 is unknown.
+    `built` and `expected` are hashes of `lta_config.schema.crazyflie_file`, `commit` the first
+    eight digits of the firmware's commit; 0 is unknown.
     """
     version = f'firmware of commit {commit:08x}' if commit else 'firmware of unknown commit'
     if built == expected:

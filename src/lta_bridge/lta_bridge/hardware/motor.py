@@ -21,8 +21,7 @@ from lta_bridge.crazyflie.link import CrazyflieLink, LinkFailed, LinkLost, LogPa
 from lta_bridge.crazyflie.safety import SafetyRequest as Wish
 from lta_bridge.crazyflie.safety import SafetyStage
 from lta_bridge.crazyflie.supervisor_word import SupervisorBit
-from lta_config.schema.crazyflie_file import CrazyflieFile, MOTORS
-from lta_config.vehicle_identity import hash_airframe
+from lta_config.schema.crazyflie_file import CrazyflieFile, hash_airframe, MOTORS
 from lta_graph.interrupts import hold_interrupts
 from lta_model.vehicle import Vehicle
 

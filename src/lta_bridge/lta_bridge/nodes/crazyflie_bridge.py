@@ -33,8 +33,7 @@ from lta_bridge.crazyflie.messages import CrazyfliePowerModel
 from lta_bridge.crazyflie.safety import LEAVE, SafetyRequest, SafetyStage
 from lta_bridge.crazyflie.settings import CrazyflieBridgeSettings
 from lta_config.errors import BadInput
-from lta_config.schema.crazyflie_file import find_crazyflie
-from lta_config.vehicle_identity import hash_airframe
+from lta_config.schema.crazyflie_file import find_crazyflie, hash_airframe
 from lta_graph.health import HealthLevel
 from lta_graph.inbox import InboxStep
 from lta_graph.reach import describe_reach
@@ -44,8 +43,8 @@ from lta_graph.ros.message_validation import find_fault
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
 from lta_graph.ros.publisher_conflict import CommanderWatch
-from lta_graph.ros.reader_links import ReaderLinks
 from lta_graph.ros.stamps import from_stamp, to_stamp
+from lta_graph.ros.startup import ReaderLinks
 from lta_model.vehicle import load_vehicle
 from nav_msgs.msg import Odometry
 from rclpy.clock import Clock

@@ -11,9 +11,9 @@ from builtin_interfaces.msg import Time
 from lta_bridge.teensy.light_board import LightBlock, LightBoard, LightPeaks
 from lta_bridge.teensy.reader import BoardReader, describe_health, LIGHT_BOARD_TASK
 from lta_config.errors import BadInput
+from lta_config.schema.crazyflie_file import hash_diodes
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.settings import setting, Settings
-from lta_config.vehicle_identity import hash_diodes
 from lta_graph.health import HealthLevel
 from lta_graph.ros.device import DeviceNode
 from lta_graph.ros.parameters import NodeParameters

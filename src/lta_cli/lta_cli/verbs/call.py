@@ -4,7 +4,7 @@ from typing import Annotated
 
 from lta_analysis.console import plain_console
 from lta_config.topics import robot_topic
-from lta_graph.ros import temporary_node
+from lta_graph.ros import listener
 import typer
 
 
@@ -29,7 +29,7 @@ def call(
 
     Example: lta call crazyflie_bridge/arm false
     """
-    answer = temporary_node.call_service(robot_topic(robot, service), data)
+    answer = listener.call_service(robot_topic(robot, service), data)
     # A response may have no text
     words = answer.message or ('done' if answer.success else 'not done')
     plain_console().print(words, highlight=False, markup=False, soft_wrap=True)

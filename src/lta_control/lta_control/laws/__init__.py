@@ -1,6 +1,10 @@
-"""Registry of the control laws."""
+"""Registry of the control laws, and the one that a drone flies by its own sensors."""
 
-from lta_config.errors import unknown_name_error
+from typing import Any
+
+from lta_config.errors import BadInput, unknown_name_error
+from lta_control.cascade import CascadeGains
+from lta_control.gains_file import load_law_gains
 from lta_control.laws import (
     cascade,
     glide,
@@ -11,6 +15,7 @@ from lta_control.laws import (
     velocity,
 )
 from lta_control.laws.protocol import ControlLaw
+from lta_model.vehicle import Vehicle
 
 LAWS: dict[str, ControlLaw] = {
     'cascade': cascade.LAW,
@@ -28,3 +33,44 @@ def find_control_law(name: str) -> ControlLaw:
     if name not in LAWS:
         raise unknown_name_error('control law', name, list(LAWS))
     return LAWS[name]
+
+
+CASCADE = 'cascade'
+
+
+def vehicle_law_name(vehicle: Vehicle) -> str:
+    """Return the law in the vehicle's file; the cascade if there is none."""
+    return vehicle.file.control.law if vehicle.file.control else CASCADE
+
+
+def check_onboard_law(vehicle: Vehicle) -> None:
+    """Raise `BadInput` if the law of a vehicle cannot run on onboard sensors."""
+    if (name := vehicle_law_name(vehicle)) != CASCADE:
+        load_onboard_law(name, vehicle)
+
+
+def load_onboard_law(
+    name: str, vehicle: Vehicle, gains: CascadeGains | None = None
+) -> tuple[ControlLaw, Any]:
+    """
+    Return a control law and its constants for a vehicle.
+
+    `gains` are those of the cascade; other laws fly by those of the vehicle's file. Raise
+    `BadInput` if there is no such law, it needs a tracker, or it cannot fly the vehicle.
+    """
+    law = find_control_law(name)
+    if law.is_tracked:
+        raise BadInput(
+            f'{vehicle.file.name} uses the control law {name}, which needs a position '
+            'tracker, but the controller has only onboard sensors; fly the vehicle '
+            'with "lta platforms", or choose another control law.'
+        )
+    if name == CASCADE and gains is not None:
+        return law, law.build_constants(gains, vehicle)
+    control = vehicle.file.control
+    if control is None or control.gains is None:
+        raise BadInput(
+            f'{vehicle.file.name} names no gains for the control law {name}; add '
+            '"gains: NAME" to the control block of the vehicle file.'
+        )
+    return law, law.build_constants(load_law_gains(law.gains, control.gains), vehicle)

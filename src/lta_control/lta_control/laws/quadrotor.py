@@ -14,19 +14,20 @@ from typing import NamedTuple
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.settings import setting
 from lta_control.allocation import deliver_wrench, Rotors, Scratch
-from lta_control.attitude import up_in_body, Vector, yaw_from_quaternion
-from lta_control.cascade import wrap_angle
-from lta_control.laws.climbing import ClimbGains, lift_step
-from lta_control.laws.frames import (
+from lta_control.attitude import (
     clamp_symmetric,
     quaternion_from_angles,
     rotate_level_to_world,
     rotation_between,
     to_world,
+    up_in_body,
+    Vector,
+    yaw_from_quaternion,
 )
+from lta_control.cascade import wrap_angle
 from lta_control.laws.protocol import ControlLaw, Feedback, LawCommand, LawInputs, UNMOVED
 from lta_control.per_rotor import NO_ROTORS, PerRotor
-from lta_control.pid import pid_step, PidGains
+from lta_control.pid import ClimbGains, lift_step, pid_step, PidGains
 from lta_control.vehicle_parameters import build_rotors
 from lta_model.vehicle import Vehicle
 

@@ -27,9 +27,9 @@ from lta_control.flight_step import (
     TILT_LIMIT,
 )
 from lta_control.gains_file import load_gains
-from lta_control.laws.onboard_law import load_onboard_law, vehicle_law_name
+from lta_control.laws.__init__ import load_onboard_law, vehicle_law_name
 from lta_control.messages import from_duties, to_control_inputs
-from lta_control.odometry.air_reckoning import step_duration
+from lta_control.odometry.airspeed import step_duration
 from lta_graph.health import HealthLevel
 from lta_graph.inbox import InboxStep
 from lta_graph.ros.command_mux import CommandMux

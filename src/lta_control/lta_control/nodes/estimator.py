@@ -19,15 +19,15 @@ from lta_control.messages import (
     to_sighting,
     to_tracked,
 )
-from lta_control.odometry.air_reckoning import step_duration
+from lta_control.odometry.airspeed import step_duration
 from lta_control.odometry.ground_motion import (
     build_odom_motion,
     ground_step,
     read_modelled_motion,
 )
 from lta_control.odometry.ground_state import GroundMotion
-from lta_control.odometry.lamp_sighting import LampSighting
 from lta_control.odometry.tracked_motion import TrackedMotion, TrackedPath
+from lta_control.sighting import LampSighting
 from lta_control.vehicle_parameters import build_estimator_model
 from lta_graph.health import HealthLevel
 from lta_graph.inbox import InboxStep

@@ -31,20 +31,24 @@ from lta_control.messages import (
     update_reserve_report,
 )
 from lta_control.mission import MissionSettings
-from lta_control.odometry.air_reckoning import AirReckoning
+from lta_control.odometry.airspeed import AirReckoning
 from lta_control.odometry.tracked_motion import LocatedMotion, Locator, OdomMotion, TrackedMotion
-from lta_control.reserve import FlightPermission, ReserveReport, ReserveResponseSettings
-from lta_control.reserve_policy import check_reserve
+from lta_control.reserve import (
+    check_reserve,
+    FlightPermission,
+    ReserveReport,
+    ReserveResponseSettings,
+)
 from lta_control.sighting import build_sight
 from lta_control.strategies import check_route, find_navigation_strategy
 from lta_control.strategies.protocol import LightMeasurement
 from lta_graph.health import HealthLevel
 from lta_graph.inbox import InboxStep
 from lta_graph.ros.goal_server import GoalServer
-from lta_graph.ros.message_pairing import MessagePairing
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
+from lta_graph.ros.stamps import MessagePairing
 from lta_model.scenario import load_course, load_room_size, load_route
 from lta_model.vehicle import load_vehicle
 from lta_msgs.msg import ActuatorDuty

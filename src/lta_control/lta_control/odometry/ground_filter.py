@@ -56,7 +56,7 @@ from lta_control.odometry.ground_state import (
     X,
     Y,
 )
-from lta_control.odometry.lamp_sighting import LampSighting, NEAREST_SIGHTING
+from lta_control.sighting import LampSighting, NEAREST_SIGHTING
 
 POSITION_WALK = 0.03  # m in one second: error of the position beyond that of the velocity
 DRAG_ERROR = 0.2  # relative error of the drag's slope

@@ -29,8 +29,8 @@ from lta_control.odometry.ground_state import (
     X,
     Y,
 )
-from lta_control.odometry.lamp_sighting import LampSighting
 from lta_control.odometry.tracked_motion import OdomMotion
+from lta_control.sighting import LampSighting
 
 if TYPE_CHECKING:
     from lta_control.estimator import MotionEstimate

@@ -11,9 +11,8 @@ from functools import cache
 import struct
 from typing import Final, final, NamedTuple
 
-from lta_config.schema.crazyflie_file import load_crazyflie
+from lta_config.schema.crazyflie_file import hash_airframe, load_crazyflie
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_config.vehicle_identity import hash_airframe
 from lta_emulation.crazyflie.app import VERSION
 from lta_emulation.crazyflie.log_blocks import (
     BASIC,

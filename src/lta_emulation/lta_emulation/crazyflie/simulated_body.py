@@ -7,9 +7,8 @@ from typing import Any, final
 from lta_bridge.crazyflie.duties_packet import find_rotor_indices
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
-from lta_config.schema.crazyflie_file import CrazyflieFile
+from lta_config.schema.crazyflie_file import CrazyflieFile, hash_airframe
 from lta_config.topics import TopicTable
-from lta_config.vehicle_identity import hash_airframe
 from lta_control.allocation import create_working_array
 from lta_control.cascade import Setpoint
 from lta_control.gains_file import load_law_gains

@@ -22,7 +22,6 @@ from lta_graph.ros.message_validation import find_message_type, MESSAGES, Messag
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.publisher_conflict import PublisherConflict
 from lta_graph.ros.qos import reject_bad_overrides, select_profile, select_reader_profile
-from lta_graph.ros.reader_links import LINKS_TASK
 from lta_graph.ros.replay_due import DUE, subscribe_inbox_schedule
 from lta_graph.ros.stamps import from_stamp, to_stamp
 from lta_graph.ros.transforms import prefix_frames
@@ -39,6 +38,7 @@ ACKNOWLEDGE_TIME = 0.2  # wall seconds for the last messages to be acknowledged
 # The same after a successful flight, when a live recorder may be far behind
 LONG_ACKNOWLEDGE_TIME = 5.0
 REPORTED_WAIT = 0.5  # wall seconds of waiting after which the missing input is reported
+LINKS_TASK = 'links'  # health task with the number of readers of each output
 NO_INPUT_TIME = 5.0  # wall seconds without any input after which the node logs a warning
 
 

@@ -14,6 +14,7 @@ from lta_windtunnel.aero_fit import (
     ABOUT,
     ALONG,
     collect_warnings,
+    compare_inclined_flows,
     fit_drag_by_axis,
     hull_share,
     mesh_share,
@@ -27,7 +28,6 @@ from lta_windtunnel.aero_fit import (
 from lta_windtunnel.aero_text import format_aero_file
 from lta_windtunnel.flow_fields import FlowSlice
 from lta_windtunnel.flow_plan import MIDDLE_SPEED, SLOW_SPEED
-from lta_windtunnel.incidence import compare_inclined_flows
 from lta_windtunnel.sweep_table import AXES, Axis, drop_pressure_maps, format_sweep, TunnelSweep
 from lta_windtunnel.thrust_allocation import linearity_ratio, sum_columns
 from lta_windtunnel.tunnel import MAX_LAMINAR_REYNOLDS

@@ -7,7 +7,7 @@ from typing import final
 
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.schema.mount_file import load_mount
-from lta_config.schema.tunnel_file import load_tunnel_file
+from lta_config.schema.vehicle_aero import load_tunnel_file
 from lta_report.report import Report
 from lta_report.request import argument, option, StudyRequest, StudyRun
 from lta_report.results_folder import resolve_folder

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any, Final, final, NamedTuple
 
 from lta_config.files import find_file, load_yaml
+from lta_config.parameter_override import draw_between, draw_values
 from lta_config.quantity import Quantity
 from lta_config.schema.paper_file import AgreementRule, PaperRow, SceneRange
-from lta_config.schema.parameter_ranges import draw_between, draw_values
 from lta_flight.sweep.statistics import student_interval
 from lta_report.json_value import replace_nonfinite
 from lta_report.report import TextTable

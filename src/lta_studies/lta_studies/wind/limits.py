@@ -8,7 +8,7 @@ from typing import Any, Final, final
 
 from lta_config.errors import BadInput
 from lta_config.files import find_file, list_shipped_names, load_yaml, validate_content
-from lta_config.schema.parameter_ranges import draw_content, list_ranges
+from lta_config.parameter_override import draw_content, list_ranges
 from lta_config.schema.vehicle_file import VehicleFile
 from lta_flight.flight_spec import FlightSpec, load_spec
 from lta_model import limits

@@ -21,11 +21,11 @@ from lta_config.files import find_file
 from lta_config.schema.crazyflie_file import (
     ExpectedParameter,
     find_crazyflie,
+    hash_airframe,
     load_crazyflie,
     REQUIRED,
 )
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_config.vehicle_identity import hash_airframe
 from lta_emulation.crazyflie.commander import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
 from lta_emulation.crazyflie.parameters import APP, ARMING, AS_SOLD, select_build

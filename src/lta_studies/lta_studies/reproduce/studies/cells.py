@@ -6,8 +6,8 @@ from statistics import geometric_mean
 
 from lta_config.command_line import format_lta_command
 from lta_config.files import find_file, load_yaml, validate_content
+from lta_config.parameter_override import draw_between, draw_content
 from lta_config.schema.cell_file import CellFile, CellTable, load_cell_table
-from lta_config.schema.parameter_ranges import draw_between, draw_content
 from lta_config.schema.spectrum_file import load_spectrum, luminous_efficacy
 from lta_config.schema.vehicle_energy import EnergyBlock
 from lta_config.schema.vehicle_file import load_vehicle_file, VehicleFile

@@ -6,7 +6,7 @@ from typing import Final
 
 from lta_config.command_line import format_lta_command
 from lta_config.files import find_file, load_yaml
-from lta_config.schema.parameter_ranges import draw_content
+from lta_config.parameter_override import draw_content
 from lta_studies.energy.course_flight import stop_after
 from lta_studies.energy.mounting.report import (
     draw_overturning,
