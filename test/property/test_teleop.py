@@ -10,7 +10,7 @@ from lta_bridge.teleop.steering import (
     LEAD_CLIMB,
     LEAD_TURN,
     step_state,
-    STOPS,
+    STOP_REQUESTS,
     TeleopOutputs,
     TeleopRates,
     TeleopStage,
@@ -103,7 +103,7 @@ class Person(RuleBasedStateMachine):
     @invariant()
     def stops_are_said_only_when_asked_for_and_then_in_every_tick(self):
         assert self.stopped or not self.stops
-        if self.stopped and self.stops < STOPS:
+        if self.stopped and self.stops < STOP_REQUESTS:
             assert self.order.stop
 
 
@@ -117,5 +117,5 @@ def test_an_emergency_stop_is_said_again_and_again():
         sticks = Sticks(stop=k == 0)
         state, order = step_state(state, k * PERIOD, PERIOD, sticks, None, RATES)
         said.append(order.stop)
-    assert all(said[:STOPS])
-    assert 15 <= sum(said[STOPS:]) <= 20  # ten seconds, each half of one
+    assert all(said[:STOP_REQUESTS])
+    assert 15 <= sum(said[STOP_REQUESTS:]) <= 20  # ten seconds, each half of one

@@ -17,7 +17,8 @@ ENOUGH: Final = 5  # windows needed to estimate the drift
 LARGEST_CLOCK_DRIFT: Final = 200e-6  # largest drift of a crystal, with margin [1]
 # A message this early means that the device's clock restarted
 RESTART_JUMP_NS: Final = 500_000_000
-BACK_NS: Final = 100_000_000  # beyond any reordering of a network: the device's clock was set back
+# Beyond any reordering of a network: the device's clock was set back
+SET_BACK_NS: Final = 100_000_000
 
 
 @final

@@ -32,7 +32,7 @@ from lta_sim.world import World
 PORT: Final = 19850  # first port that cflib scans
 # In the working folder: in that of temporary files, any account could be there first
 LIGHT_PORT: Final = Path('lta_light_board')
-LOOK: Final = 0.1  # s between two checks of the drone's position
+POSITION_PERIOD: Final = 0.1  # s between two checks of the drone's position
 UP: Final = 0.04  # m above the start, from which on it has taken off
 
 
@@ -128,7 +128,7 @@ def report_flight(
     # Read the world from this thread without a lock: a value of the previous step does not matter
     world = body.world
     floor, began, reached = world.vehicle.hull_height_on_floor, 0.0, False
-    while not wait(LOOK):
+    while not wait(POSITION_PERIOD):
         up = world.state[2] > floor + UP
         if up and not began:
             began, reached = world.elapsed, False

@@ -24,8 +24,7 @@ from lta_config.schema.vehicle_file import load_vehicle_content, VehicleFile
 from lta_config.settings import Settings
 from lta_config.topics import load_topic_table
 from lta_control.cascade import CascadeGains
-from lta_control.laws import find_control_law
-from lta_control.laws.__init__ import CASCADE
+from lta_control.laws import CASCADE, find_control_law
 from lta_control.reserve import check_reserve
 from lta_control.strategies import check_route, find_navigation_strategy
 from lta_data.recorded_choices import SETTABLE

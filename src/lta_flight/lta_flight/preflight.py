@@ -9,7 +9,7 @@ from lta_config.constants import AIR_DENSITY
 from lta_config.errors import BadInput
 from lta_config.files import validate_content
 from lta_config.schema.crazyflie_file import find_crazyflie
-from lta_control.laws.__init__ import check_onboard_law
+from lta_control.laws import check_onboard_law
 from lta_control.strategies import check_route, find_navigation_strategy
 from lta_flight.lamp_frequency import check_lamp_frequency
 from lta_flight.node_checks import check_node, validate_settings

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from typing import Final, final, Literal
 
 from lta_windtunnel.openfoam.case import FoamCase
-from lta_windtunnel.still_air import AXES as SPINS
 from lta_windtunnel.still_air import build_blowing_case, build_spinning_case, RATES
+from lta_windtunnel.still_air import SPIN_AXES as SPINS
 from lta_windtunnel.thrust_allocation import maps_onto, REVERSED
 from lta_windtunnel.tunnel import (
     build_steady_wind_case,

@@ -15,7 +15,7 @@ from lta_windtunnel.openfoam.output_reader import (
     WrenchHistory,
 )
 from lta_windtunnel.openfoam.programs import RESIDUAL
-from lta_windtunnel.still_air import AXES
+from lta_windtunnel.still_air import SPIN_AXES
 from lta_windtunnel.sweep_table import Blow, FlowQuality, round_digits, SweepPoint
 from lta_windtunnel.tunnel import (
     has_symmetry_planes,
@@ -189,7 +189,7 @@ def _build_wind_point(
 
 def summarize_rotation(flow: SolvedFlow, about: str, step: ProgramStep, rate: float) -> SweepPoint:
     """Return the result of one rate of rotation. [rad/s]"""
-    axis = np.array(AXES[about])
+    axis = np.array(SPIN_AXES[about])
     bodies = flow.read_bodies(step.begin)
     moments = _total_moment(bodies)
     mean = float(np.mean(moments @ axis))

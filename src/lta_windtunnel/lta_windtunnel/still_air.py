@@ -31,7 +31,7 @@ STILL_ITERATIONS: Final = 200
 # Where more than two jets may meet: BEAVIS's lift still grows at 200
 COLLIDING_ITERATIONS: Final = 400
 NEXT_RATE_ITERATIONS: Final = 80
-AXES: Final = {'roll': (1, 0, 0), 'pitch': (0, 1, 0), 'yaw': (0, 0, 1)}
+SPIN_AXES: Final = {'roll': (1, 0, 0), 'pitch': (0, 1, 0), 'yaw': (0, 0, 1)}
 ROTATING_ZONE: Final = 'turning'
 CELLS_ACROSS: Final = 6  # a rotor's disk
 # Jets: radius and length in radii of the rotor, and how many levels coarser than the disk.
@@ -155,7 +155,7 @@ def build_spinning_case(model: TunnelModel, about: str, viscosity: float) -> Foa
     mesh = build_still_air_mesh(model)
     turning: Mapping[str, Entry] = {
         'cellZone': ROTATING_ZONE, 'active': True, 'nonRotatingPatches': [], 'origin': [0, 0, 0],
-        'axis': list(AXES[about]), 'omega': 1,
+        'axis': list(SPIN_AXES[about]), 'omega': 1,
     }  # fmt: skip
     files = {
         **_format_common_files(model),

@@ -24,7 +24,7 @@ from lta_bridge.tracking.tracked_drone import (
     FROZEN_NS,
     PoseFault,
     PoseFilter,
-    SILENT_NS,
+    SILENT_TRACKER_NS,
     TrackedDrone,
 )
 from lta_config.errors import BadInput
@@ -214,7 +214,7 @@ def test_stamps_are_ours_whatever_the_tracker_s_clock_says():
     assert fact.level is HealthLevel.OK
     assert float(fact.values['clock_offset_s']) == pytest.approx(-3600.0 + 40 * 40e-6, abs=1e-3)
     assert told[-1][0].velocity == pytest.approx((0.3, 0, 0), rel=1e-4)
-    later = tracked.describe_health(10**18 + 40 * S + SILENT_NS + S)
+    later = tracked.describe_health(10**18 + 40 * S + SILENT_TRACKER_NS + S)
     assert later.level is HealthLevel.ERROR
 
 

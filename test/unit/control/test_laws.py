@@ -18,8 +18,13 @@ from lta_control.cascade import (
     Setpoint,
 )
 from lta_control.gains_file import load_gains, load_law_gains
-from lta_control.laws import find_control_law, LAWS
-from lta_control.laws.__init__ import check_onboard_law, load_onboard_law, vehicle_law_name
+from lta_control.laws import (
+    check_onboard_law,
+    find_control_law,
+    LAWS,
+    load_onboard_law,
+    vehicle_law_name,
+)
 from lta_control.laws.lateral import mix_thrusts
 from lta_control.laws.protocol import ControlMotion, Feedback, LawInputs
 from lta_model.vehicle import load_vehicle

@@ -46,7 +46,7 @@ def suggest_remedy(text: str) -> str:
     return lines[0] if lines else 'the connection to the Crazyflie failed'
 
 
-DEADLINE: Final = 8.0  # s for one attempt; a TOC of 700 entries takes about 5 s by radio
+CONNECT_TIME: Final = 8.0  # s for one attempt; a TOC of 700 entries takes about 5 s by radio
 CONFIRM: Final = 2.0  # s for one parameter
 # Parameters that let motors turn without a command.
 IDLE_THRUST_PARAMETERS: Final = ('motorPowerSet.enable', 'powerDist.idleThrust')
@@ -236,7 +236,7 @@ class ConnectionManager:
     def _hold_connection(self) -> str:
         """Connect and wait for `reconnect` or `close`; return why connecting failed, or ''."""
         try:
-            self._link.open(DEADLINE)
+            self._link.open(CONNECT_TIME)
             if not self._leave.is_set():
                 enforce_parameters(self._link, self._expected, self._compensated, self._airframe)
         except LinkFailed as error:

@@ -11,11 +11,11 @@ import math
 import struct
 from typing import Final, final
 
-from lta_bridge.one_way_clock import BACK_NS, OneWayClock, WINDOWS
+from lta_bridge.one_way_clock import OneWayClock, SET_BACK_NS, WINDOWS
 import numpy as np
 
 STAMP_WRAP: Final = 1 << 24  # ms; the stamp of a log packet has 24 bits, 4.66 h
-BACK_MS: Final = BACK_NS // 1_000_000
+BACK_MS: Final = SET_BACK_NS // 1_000_000
 
 
 @final

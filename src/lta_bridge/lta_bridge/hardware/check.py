@@ -8,6 +8,7 @@ import time
 from typing import Any, final
 
 from lta_bridge.crazyflie.cflib_link import CFLIB, scan_crazyflies
+from lta_bridge.crazyflie.connection_manager import CONNECT_TIME
 from lta_bridge.crazyflie.drone_lock import DroneLock
 from lta_bridge.crazyflie.link import LinkFailed
 from lta_bridge.crazyflie.links import create_link
@@ -156,7 +157,7 @@ def _check_drone(
     # Without the lock two programs would take each other's packets.
     with closing(DroneLock(uri)), closing(link):
         try:
-            link.open(drone.DEADLINE)
+            link.open(CONNECT_TIME)
         except LinkFailed as error:
             remedy = (
                 'Switch the Crazyflie on, bring it closer, and check that no other program uses '

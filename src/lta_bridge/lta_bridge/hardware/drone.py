@@ -51,7 +51,6 @@ def compute_stream_statistics(block: LogBlock, packets: Sequence[LogPacket]) -> 
     )  # fmt: skip
 
 
-DEADLINE: Final = 8.0  # s for the connection, as in the bridge
 LOSSY: Final = 0.01  # packet loss above which to warn
 # s of round trip; beyond it the bridge's limit of 300 ms for commands is tight
 SLOW_ROUND_TRIP: Final = 0.05

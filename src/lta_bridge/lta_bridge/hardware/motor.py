@@ -19,15 +19,14 @@ from lta_bridge.crazyflie.bridge_core import BridgeCore, CrazyflieCommand, HOLD_
 from lta_bridge.crazyflie.connection_manager import enforce_parameters
 from lta_bridge.crazyflie.link import CrazyflieLink, LinkFailed, LinkLost, LogPacket
 from lta_bridge.crazyflie.safety import SafetyRequest as Wish
-from lta_bridge.crazyflie.safety import SafetyStage
+from lta_bridge.crazyflie.safety import SafetyStage, STOPS
 from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 from lta_config.schema.crazyflie_file import CrazyflieFile, hash_airframe, MOTORS
 from lta_graph.interrupts import hold_interrupts
 from lta_model.vehicle import Vehicle
 
 STARTING: Final = 3.0  # s for telemetry to arrive, and again for the supervisor to arm
-CONFIRMING: Final = 1.0  # s for the supervisor to confirm disarming
-STOPS: Final = 10  # emergency stops to send without that confirmation
+DISARM_TIME: Final = 1.0  # s for the supervisor to confirm disarming
 NO_WISH: Final = Wish()
 
 
@@ -159,7 +158,7 @@ class MotorBench:
         with hold_interrupts(), suppress(LinkFailed):
             began = time.monotonic()
             logged_before = len(self._logged)
-            while time.monotonic() - began < CONFIRMING:
+            while time.monotonic() - began < DISARM_TIME:
                 self._link.request_arming(False)
                 time.sleep(1.0 / TICK_RATE)
                 for _ in self._drain_packets():

@@ -53,7 +53,7 @@ from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from std_srvs.srv import SetBool, Trigger
 
 HEARING = 5.0  # s to wait for all readers before arming; a user's own node may never match
-CONFIRMING = 1.0  # s of LEAVE for the drone to confirm disarming
+DISARM_CONFIRM_TIME = 1.0  # s of LEAVE for the drone to confirm disarming
 ALOFT = (SafetyStage.READY, SafetyStage.FLYING, SafetyStage.LANDING)
 DEAD = 2.0  # s of silence before reconnecting: log blocks may be gone (firmware #428)
 
@@ -167,7 +167,7 @@ class CrazyflieBridge(DeviceNode):
         while self._bridge.is_busy and time.monotonic() < until:
             self._tick_and_wait()
         # A request to disarm may be lost: go on until the supervisor confirms it.
-        until = min(until, time.monotonic() + CONFIRMING)
+        until = min(until, time.monotonic() + DISARM_CONFIRM_TIME)
         while flew and self._is_linked and self._bridge.is_armed and time.monotonic() < until:
             self._tick_and_wait()
         if flew:  # let a recorder receive the reason before this node shuts down

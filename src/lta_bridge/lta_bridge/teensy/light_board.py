@@ -28,7 +28,7 @@ EAGER_NS = 20_000_000  # between time requests before the clock is synchronized
 OLDEST_NS = LARGEST_LEAD_NS = (
     10_000_000_000  # plausible age of a first sample, and lead of its stamp
 )
-BACK_NS = 100_000_000  # reordering of datagrams; farther back, the board has restarted
+REORDERED_NS = 100_000_000  # reordering of datagrams; farther back, the board has restarted
 ANSWER_NS = 1_000_000_000  # age at which an answer to a time request is useless
 QUESTIONS = 8  # open time requests at most, and queued answers to the board's requests
 OF_LIGHT = (
@@ -159,7 +159,7 @@ class LightBoard:
 
     def compose_due_messages(self, now_ns: int) -> bytes:
         """Return the bytes to send now: answers, heartbeat, time request."""
-        if now_ns < self._looked_ns - BACK_NS:  # our own clock was set back
+        if now_ns < self._looked_ns - REORDERED_NS:  # our own clock was set back
             self._next_beat = self._next_ask = now_ns
             self.clock.discard_exchanges()
         self._looked_ns = now_ns
@@ -259,7 +259,7 @@ class LightBoard:
 
     def _detect_restart(self, board_ns: int) -> None:
         """Reset clock and rows if the board's time has gone back."""
-        if board_ns < self._newest_ns - BACK_NS:
+        if board_ns < self._newest_ns - REORDERED_NS:
             if self.clock.restarts == self._resets:  # an answer has not told it that already
                 self.clock.discard_exchanges()
             self.blocks.restart_row_count()

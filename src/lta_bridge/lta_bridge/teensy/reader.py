@@ -106,7 +106,7 @@ class BoardReader:
 
 
 LIGHT_BOARD_TASK = 'light board'
-SILENT_NS = 500_000_000  # silence that counts as an error: five blocks
+SILENT_BOARD_NS = 500_000_000  # silence that counts as an error: five blocks
 
 
 def describe_health(reader: BoardReader | None, now_ns: int, active: bool) -> HealthFact:
@@ -125,7 +125,7 @@ def _assess_health(reader: BoardReader, now_ns: int, active: bool) -> tuple[Heal
         return HealthLevel.ERROR, reader.trouble
     if not board.heard_ns:
         return HealthLevel.WARN, 'nothing received yet'
-    if now_ns - board.heard_ns > SILENT_NS:
+    if now_ns - board.heard_ns > SILENT_BOARD_NS:
         return HealthLevel.ERROR, (
             f'no data from the light board for {1e-9 * (now_ns - board.heard_ns):.1f} s'
         )

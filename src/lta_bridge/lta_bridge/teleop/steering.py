@@ -17,7 +17,7 @@ from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
 from lta_control.cascade import Setpoint, wrap_angle
 
-STOPS: Final = 10  # emergency stops sent in direct succession
+STOP_REQUESTS: Final = 10  # emergency stops sent in direct succession
 NEXT_STEP_PAUSE: Final = 0.5  # s between further ones
 LEAD_TURN: Final = 1.0  # rad, largest lead of the desired heading
 LEAD_CLIMB: Final = 0.5  # m, largest lead of the desired altitude
@@ -127,7 +127,7 @@ def step_state(
 
 def _step_stopped(state: TeleopState, now: float) -> tuple[TeleopState, TeleopOutputs]:
     # Repeat for good, since a stop may be lost
-    if state.stops >= STOPS and now - state.stopped_at < NEXT_STEP_PAUSE:
+    if state.stops >= STOP_REQUESTS and now - state.stopped_at < NEXT_STEP_PAUSE:
         return state, NO_TELEOP
     return TeleopState(TeleopStage.STOPPED, stops=state.stops + 1, stopped_at=now), TeleopOutputs(
         stop=True

@@ -6,7 +6,7 @@ from enum import StrEnum
 import math
 from typing import Final, final
 
-from lta_bridge.one_way_clock import BACK_NS, OneWayClock
+from lta_bridge.one_way_clock import OneWayClock, SET_BACK_NS
 from lta_bridge.tracking.motion import MotionWindow, TrackerMotion
 from lta_bridge.tracking.pose import angle_between, compose_poses, normalize_pose, TrackerPose
 from lta_graph.health import HealthFact, HealthLevel
@@ -78,7 +78,7 @@ class PoseFilter:
             return PoseFault.NO_STAMP
         if self._last is not None and stamp_ns <= self._last[0]:
             # A little older: reordered; much older: the tracker's clock was set back
-            if stamp_ns > self._last[0] - BACK_NS:
+            if stamp_ns > self._last[0] - SET_BACK_NS:
                 return PoseFault.OLD
             self.set_back += 1
             self._last = None
@@ -123,7 +123,7 @@ def is_reachable(before: Stamped, after: Stamped) -> bool:
 
 
 TRACKER_TASK: Final = 'tracker'
-SILENT_NS: Final = 500_000_000  # time without a pose that counts as an error
+SILENT_TRACKER_NS: Final = 500_000_000  # time without a pose that counts as an error
 RECENT_NS: Final = 1_000_000_000  # a rejection is reported this long
 
 
@@ -213,7 +213,7 @@ class TrackedDrone:
     def _assess_health(self, now_ns: int) -> tuple[HealthLevel, str]:
         if not self._poses:
             return HealthLevel.WARN, 'no pose received yet'
-        if now_ns - self._arrival_ns > SILENT_NS:
+        if now_ns - self._arrival_ns > SILENT_TRACKER_NS:
             return HealthLevel.ERROR, f'no pose for {1e-9 * (now_ns - self._arrival_ns):.1f} s'
         if self.sieve.newest is not None:
             return HealthLevel.ERROR, f'pose rejected: {self.sieve.newest}'

@@ -27,7 +27,7 @@ from lta_control.flight_step import (
     TILT_LIMIT,
 )
 from lta_control.gains_file import load_gains
-from lta_control.laws.__init__ import load_onboard_law, vehicle_law_name
+from lta_control.laws import load_onboard_law, vehicle_law_name
 from lta_control.messages import from_duties, to_control_inputs
 from lta_control.odometry.airspeed import step_duration
 from lta_graph.health import HealthLevel

@@ -11,7 +11,7 @@ STEP: Final = (
 )  # ratio of motor 1: above idle for the supervisor, too small to turn the motor
 REST: Final = 1.0  # s from the expiry of the last duties to disarming
 LET_GO: Final = 0.5  # s more until it releases the commander
-MOST: Final = 0.5  # s, upper limit of the time-out in a packet
+LONGEST_TIMEOUT: Final = 0.5  # s, upper limit of the time-out in a packet
 
 
 @final
@@ -39,7 +39,7 @@ class MotorDutyApp:
         ordered = newest is not None and now < self._until + REST
         if ordered and newest and not is_newer(duties.sequence, newest.sequence):
             return
-        self._newest, self._until = duties, now + min(duties.timeout_ms * 1e-3, MOST)
+        self._newest, self._until = duties, now + min(duties.timeout_ms * 1e-3, LONGEST_TIMEOUT)
         self._feeding = True
         self._turned |= any(duty > 0.0 for duty in duties.duties)
 

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 import struct
 from typing import Final, final
 
-from lta_emulation.crazyflie.app import MotorDutyApp
+from lta_emulation.crazyflie.app import FULL_RATIO, MotorDutyApp
 from lta_emulation.crazyflie.commander import (
     BodyCommand,
     Commander,
@@ -18,7 +18,7 @@ from lta_emulation.crazyflie.commander import (
     STILL,
 )
 from lta_emulation.crazyflie.log_blocks import BLOCKS, LogBlocks, TableOfContents, VARIABLES
-from lta_emulation.crazyflie.packet import CrtpPacket, MOST, ReceiveBuffer
+from lta_emulation.crazyflie.packet import CrtpPacket, LARGEST_PAYLOAD, ReceiveBuffer
 from lta_emulation.crazyflie.parameters import (
     APP,
     default_controller,
@@ -31,14 +31,14 @@ from lta_emulation.crazyflie.parameters import (
 from lta_emulation.crazyflie.supervisor import Acceleration, Supervisor, SupervisorState
 from lta_emulation.crazyflie.trajectory_memory import TrajectoryMemory
 
-NAME = b'Bitcraze Crazyflie'.ljust(MOST, b'\0')
+NAME = b'Bitcraze Crazyflie'.ljust(LARGEST_PAYLOAD, b'\0')
 TAG, DEVICE = b'2026.08', b'Crazyflie 2.1'
-FULL_RATIO = 65535
 ROUNDING: Final = 1e-3  # of a ratio, above the rounding error of a float
-FULL, LOW = 4.0, 3.2  # V of a charged cell; voltage below which the firmware reports low power
+FULL_VOLTAGE: Final = 4.0  # V of a charged cell
+LOW_VOLTAGE: Final = 3.2  # V below which the firmware reports low power
 OWN, ALL_AS_FIRST = 1, (2, 3)  # motorPowerSet.enable; 3 is corrected for the battery as well
 SUPERVISOR: Final = 12  # first protocol with a separate port for the supervisor
-WORD: Final = 12  # port 9, request for all bits; 1 to 11 request a single one
+STATUS_WORD_REQUEST: Final = 12  # port 9, request for all bits; 1 to 11 request a single one
 
 
 @final
@@ -178,9 +178,9 @@ class Firmware:
 
     def _answer_supervisor(self, channel: int, data: bytes, now: float) -> bytes | None:
         supervisor, what = self.supervisor, data[0]
-        if channel == 0 and what == WORD:
-            return bytes([0x80 | WORD]) + struct.pack('<H', supervisor.word)
-        if channel == 0 and 0 < what < WORD:
+        if channel == 0 and what == STATUS_WORD_REQUEST:
+            return bytes([0x80 | STATUS_WORD_REQUEST]) + struct.pack('<H', supervisor.word)
+        if channel == 0 and 0 < what < STATUS_WORD_REQUEST:
             # Answers have the highest bit of the request number set
             return bytes([0x80 | what, supervisor.word >> (what - 1) & 1])
         if channel == 1:
@@ -237,7 +237,7 @@ class Firmware:
         self.body.advance(now, self._select_command(now))
         # Read again: the body has advanced since
         sensed = self.body.read_log_values()
-        self._values = {**sensed, **self._firmware_log_values(sensed.get('pm.vbat', FULL))}
+        self._values = {**sensed, **self._firmware_log_values(sensed.get('pm.vbat', FULL_VOLTAGE))}
         data = self.log.take_due_packets(
             self.clock_ms(now), lambda name: self._values.get(name, 0.0)
         )
@@ -302,7 +302,7 @@ class Firmware:
             'supervisor.info': float(self.supervisor.word),
             'pm.vbat': voltage,
             # 0 is "on battery", 3 "low power" (pm.h)
-            'pm.state': 3.0 if voltage < LOW else 0.0,
+            'pm.state': 3.0 if voltage < LOW_VOLTAGE else 0.0,
         }
 
 

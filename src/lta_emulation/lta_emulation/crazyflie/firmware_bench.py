@@ -14,10 +14,10 @@ from lta_config.errors import BadInput
 from lta_emulation.crazyflie.commander import BodyCommand, CrazyflieBody
 from lta_emulation.step_thread import StepThread
 
-PERIOD: Final = 0.01  # s between two exchanges
+EXCHANGE_PERIOD: Final = 0.01  # s between two exchanges
 ANSWER: Final = 0.05  # s to wait for an answer; a busy machine may take longer, and misses one
 STARTUP: Final = 10.0  # s for the firmware to answer first
-FULL: Final = 255  # PWM compare value of a motor at full power (motors.c)
+FULL_PWM: Final = 255  # PWM compare value of a motor at full power (motors.c)
 # In the order of `readings_t` (linux_platform.h); the range in metres follows, then the rest
 INERTIAL: Final = ('acc.x', 'acc.y', 'acc.z', 'gyro.x', 'gyro.y', 'gyro.z')
 
@@ -73,7 +73,7 @@ class FirmwareBench:
 
     def _exchange(self) -> None:
         self._turn += 1
-        time.sleep(max(0.0, self._began + self._turn * PERIOD - time.monotonic()))
+        time.sleep(max(0.0, self._began + self._turn * EXCHANGE_PERIOD - time.monotonic()))
         self._body.advance(time.monotonic() - self._began, BodyCommand(self._duties))
         self._duties = self._exchange_readings() or self._duties
 
@@ -88,7 +88,7 @@ class FirmwareBench:
             self._socket.send(('sense ' + ' '.join(f'{word:.6g}' for word in words)).encode())
             answer = self._socket.recv(256).decode().split()
             if len(answer) == 4:
-                return tuple(int(word) / FULL for word in answer)
+                return tuple(int(word) / FULL_PWM for word in answer)
         self.missed += 1
         return None
 

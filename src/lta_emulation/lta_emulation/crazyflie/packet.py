@@ -2,7 +2,7 @@
 
 from typing import final, NamedTuple
 
-MOST = 30  # bytes of payload
+LARGEST_PAYLOAD = 30  # bytes of payload
 
 
 class CrtpPacket(NamedTuple):
@@ -15,7 +15,7 @@ class CrtpPacket(NamedTuple):
 
     def pack_datagram(self) -> bytes:
         """Return the datagram; bits 2 and 3 of the header are zero, as the firmware sends them."""
-        return bytes([self.port << 4 | self.channel]) + self.data[:MOST]
+        return bytes([self.port << 4 | self.channel]) + self.data[:LARGEST_PAYLOAD]
 
     def build_reply(self, data: bytes) -> 'CrtpPacket':
         """Return a reply on the same port and channel."""
@@ -24,7 +24,7 @@ class CrtpPacket(NamedTuple):
 
 def unpack_datagram(datagram: bytes) -> CrtpPacket | None:
     """Return the packet in a datagram; None if it is empty or too long."""
-    if not 1 <= len(datagram) <= 1 + MOST:
+    if not 1 <= len(datagram) <= 1 + LARGEST_PAYLOAD:
         return None
     header = datagram[0]
     # Header: port in bits 4 to 7, channel in bits 0 and 1
@@ -41,7 +41,7 @@ class ReceiveBuffer:
     """
 
     def __init__(self) -> None:
-        self._bytes = bytearray(MOST)
+        self._bytes = bytearray(LARGEST_PAYLOAD)
 
     def receive(self, data: bytes) -> bytes:
         """Receive a payload; return all that its service sees."""

@@ -12,7 +12,7 @@ from typing import Final, final, NamedTuple
 
 from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 
-PERIOD: Final = 0.04  # s between two evaluations
+EVALUATION_PERIOD: Final = 0.04  # s between two evaluations
 HYSTERESIS: Final = 2.0  # s with idle motors after which the drone counts as landed
 LEVEL_OUT, SHUT_DOWN = 0.5, 2.0  # s, age of the low-level setpoint
 WATCHDOG: Final = 1.0  # s since the newest message to the emergency-stop watchdog
@@ -241,7 +241,7 @@ class Supervisor:
         """
         self._due = max(self._due, now - HYSTERESIS)  # skip evaluations missed longer ago
         while self._due <= now:
-            self._due += PERIOD
+            self._due += EVALUATION_PERIOD
             self._evaluate_transition(now, turning, age or 0.0, acceleration)
 
     def _evaluate_transition(

@@ -4,7 +4,7 @@ import errno
 import struct
 from typing import Final, final
 
-SETTINGS, READ, WRITE = 0, 1, 2  # channels
+MEMORY_SETTINGS, MEMORY_READ, MEMORY_WRITE = 0, 1, 2  # channels
 COUNT, DETAILS = 1, 2  # requests on channel 0
 TRAJECTORY: Final = 0x12  # type of memory (mem.h)
 SIZE: Final = 4096  # bytes
@@ -19,19 +19,19 @@ class TrajectoryMemory:
 
     def answer_packet(self, channel: int, data: bytes, size: int) -> bytes | None:
         """Return the answer to a packet of `size` bytes in the buffer; None for no answer."""
-        if channel == SETTINGS and data[0] == COUNT:
+        if channel == MEMORY_SETTINGS and data[0] == COUNT:
             return bytes([COUNT, 1])
-        if channel == SETTINGS and data[0] == DETAILS:
+        if channel == MEMORY_SETTINGS and data[0] == DETAILS:
             # An unknown number gets the number alone
             info = struct.pack('<BI8x', TRAJECTORY, SIZE) if data[1] == 0 else b''
             return data[:2] + info
-        if channel not in (READ, WRITE):
+        if channel not in (MEMORY_READ, MEMORY_WRITE):
             return None
         number, begin = struct.unpack_from('<BI', data)
-        end = begin + (data[5] if channel == READ else size - 5)
+        end = begin + (data[5] if channel == MEMORY_READ else size - 5)
         if number != 0 or not begin <= end <= SIZE:
             return data[:5] + bytes([errno.EIO])
-        if channel == READ:
+        if channel == MEMORY_READ:
             return data[:5] + b'\0' + bytes(self.content[begin:end])
         self.content[begin:end] = data[5:size]
         return data[:5] + b'\0'

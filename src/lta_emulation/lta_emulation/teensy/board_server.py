@@ -10,7 +10,7 @@ from lta_emulation.teensy.emulated_board import Cable, EmulatedBoard
 import numpy as np
 from numpy.typing import NDArray
 
-LOOK: Final = 0.002  # s to wait for a request
+REQUEST_WAIT: Final = 0.002  # s to wait for a request
 BEAT_NS: Final = 1_000_000_000  # between two heartbeats
 
 
@@ -86,14 +86,14 @@ class BoardServer:
             # Only this thread touches the cable, so no lock is needed
             (self.cable.plug if self._was_plugged else self.cable.pull)()
         looked = self.now_ns
-        received = self.cable.read(LOOK)
+        received = self.cable.read(REQUEST_WAIT)
         self._write_to_cable(self.board.answer_timesync(received, self.now_ns))
         if self.now_ns >= self._beat:
             self._beat = self.now_ns + BEAT_NS
             self._write_to_cable(self.board.encode_status())
         self._send_light()
-        if not received and self.now_ns - looked < 1e9 * LOOK:
-            time.sleep(LOOK)  # reading a port that is not open returns at once
+        if not received and self.now_ns - looked < 1e9 * REQUEST_WAIT:
+            time.sleep(REQUEST_WAIT)  # reading a port that is not open returns at once
 
     def _send_light(self) -> None:
         try:

@@ -93,19 +93,19 @@ def check_wind_profile(values: Mapping[str, float]) -> str:
 _WIND_PROFILE_WIND = (
     'spread: 0.5 m/s, the error of a hand anemometer (assumed); limits: stronger than any storm'
 )
-_HEIGHT = 'WMO-No. 8: 10 m (unverified, from memory); spread: 1 m (assumed)'
+_WIND_HEIGHT = 'WMO-No. 8: 10 m (unverified, from memory); spread: 1 m (assumed)'
 _ROUGHNESS = (
     'limits: 0.01 mm (ice) and 5 m (city), unverified, from memory; spread: a third of 0.3 m'
 )
-_HULL = 'half the height of the hull, from its shape; spread: 1 cm'
+_HALF_HULL = 'half the height of the hull, from its shape; spread: 1 cm'
 
 WIND_PROFILE = AirEffect(
     'wind_profile',
     (
         *declare_each(('x', 'y'), 'm/s', 0.0, -60.0, 60.0, 0.5, _WIND_PROFILE_WIND),
-        EffectParameter('height', 'm', 10.0, 0.1, 300.0, 1.0, _HEIGHT),
+        EffectParameter('height', 'm', 10.0, 0.1, 300.0, 1.0, _WIND_HEIGHT),
         EffectParameter('roughness', 'm', 0.0, 1e-5, 5.0, 0.1, _ROUGHNESS),
-        EffectParameter('half_height', 'm', 0.0, 0.01, 10.0, 0.01, _HULL),
+        EffectParameter('half_height', 'm', 0.0, 0.01, 10.0, 0.01, _HALF_HULL),
     ),
     wind_profile,
     check=check_wind_profile,
@@ -151,12 +151,12 @@ _WIND_GRADIENT_SOURCE = (
     'spread: 0.05 m/s over a metre, an indoor draught; limits: that in a vortex ring '
     '(both assumed)'
 )
-_PLACE = 'spread: 1 m (assumed); limits: a large hall'
+_HALL_PLACE = 'spread: 1 m (assumed); limits: a large hall'
 
 WIND_GRADIENT = AirEffect(
     'wind_gradient',
     (
-        *declare_each(('x', 'y', 'z'), 'm', 0.0, -1e3, 1e3, 1.0, _PLACE),
+        *declare_each(('x', 'y', 'z'), 'm', 0.0, -1e3, 1e3, 1.0, _HALL_PLACE),
         *declare_each(
             ('x_x', 'x_y', 'x_z', 'y_x', 'y_y', 'y_z', 'z_x', 'z_y'),
             '1/s',

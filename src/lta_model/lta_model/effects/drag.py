@@ -143,7 +143,7 @@ def cross_flow(p: Values, memory: Values, motion: VehicleMotion, thrust: Values)
     )
 
 
-_SHARE = 'by definition: 0 for a slender hull, 1 for a round one; spread: 0.2 (assumed)'
+_ROUND_SHARE = 'by definition: 0 for a slender hull, 1 for a round one; spread: 0.2 (assumed)'
 _CROSS_FLOW_DRAG = (
     'as quadratic_drag; Fossen 2011 sec. 6.4; spread: 20 % of that of a 1 m oblate hull'
 )
@@ -151,7 +151,7 @@ _CROSS_FLOW_DRAG = (
 CROSS_FLOW = WrenchEffect(
     'cross_flow',
     (
-        *declare_each(('horizontal', 'total'), '1', 0.0, 0.0, 1.0, 0.2, _SHARE),
+        *declare_each(('horizontal', 'total'), '1', 0.0, 0.0, 1.0, 0.2, _ROUND_SHARE),
         *declare_each(
             ('surge', 'sway', 'heave'), 'N s2/m2', 0.0, 0.0, 100.0, 0.03, _CROSS_FLOW_DRAG
         ),

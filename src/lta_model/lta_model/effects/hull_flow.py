@@ -260,7 +260,7 @@ _AIR = 'ABNODE: 1.2187 kg/m3; spread: 2 %, from the weather'
 _AREA = 'ABNODE: reference area of 0.25 m2, by definition; spread: 10 %'
 _BASE = 'ABNODE@138a1de; spread: 10 % of its drag'
 _SLOPE = 'ABNODE@138a1de; spread: 20 % of its slopes'
-_PLACE = 'spread: 5 cm for the centre of a hull with wings (assumed)'
+_CENTRE_PLACE = 'spread: 5 cm for the centre of a hull with wings (assumed)'
 _RATE = 'ABNODE@138a1de: 0.014 to 0.050; spread: a third of that'
 _HULL_LIFT_PARAMETERS = (
     EffectParameter('density', 'kg/m3', 0.0, 0.0, 2.0, 0.02, _AIR),
@@ -283,7 +283,7 @@ _HULL_LIFT_PARAMETERS = (
     _slope_parameter('yaw_alpha'),
     _slope_parameter('yaw_beta'),
     *declare_each(('roll_rate', 'pitch_rate', 'yaw_rate'), 'N m s', 0.0, 0.0, 10.0, 0.01, _RATE),
-    *declare_each(('x', 'z'), 'm', 0.0, -5.0, 5.0, 0.05, _PLACE),
+    *declare_each(('x', 'z'), 'm', 0.0, -5.0, 5.0, 0.05, _CENTRE_PLACE),
 )
 
 HULL_LIFT = WrenchEffect(

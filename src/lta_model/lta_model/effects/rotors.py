@@ -378,7 +378,7 @@ _ROTOR_ENVELOPE_INTERACTION_FORCE = (
 _ROTOR_ENVELOPE_INTERACTION_LEVER = (
     'spread: 1 cm for the point where the jet meets the hull; limit: two levers of 5 m'
 )
-_SHARE = 'chosen, not measured: 1 takes part, 0 does not, -1 takes part with reversed thrust'
+_TAKING_PART = 'chosen, not measured: 1 takes part, 0 does not, -1 takes part with reversed thrust'
 _NONE = 1e9  # more than any rotor pushes [N]
 _ROTORS = range(1, ACTUATORS + 1)
 _REVERSE = tuple(f'{axis}_{i}' for axis in AXES for i in _ROTORS)
@@ -388,7 +388,7 @@ ROTOR_ENVELOPE_INTERACTION = WrenchEffect(
     'rotor_envelope_interaction',
     (
         *(_gain_parameter(name) for name in (*_REVERSE, *_TOGETHER)),
-        *(EffectParameter(f'share_{i}', '1', 0.0, -1.0, 1.0, 0.5, _SHARE) for i in _ROTORS),
+        *(EffectParameter(f'share_{i}', '1', 0.0, -1.0, 1.0, 0.5, _TAKING_PART) for i in _ROTORS),
     ),
     rotor_envelope_interaction,
     (*_REVERSE, *_TOGETHER),

@@ -58,7 +58,7 @@ def floor_contact(p: Values, memory: Values, motion: VehicleMotion, thrust: Valu
 _FLOOR_CONTACT_SOURCE = (
     'spread: a foam foot that yields by millimetres under a load of grams; not measured'
 )
-_PLACE = 'spread: 5 mm for the position of the foot; limits: a hull of 5 m'
+_FOOT_PLACE = 'spread: 5 mm for the position of the foot; limits: a hull of 5 m'
 
 FLOOR_CONTACT = WrenchEffect(
     'floor_contact',
@@ -66,7 +66,7 @@ FLOOR_CONTACT = WrenchEffect(
         EffectParameter('stiffness', 'N/m', 0.0, 0.0, 1e4, 50.0, _FLOOR_CONTACT_SOURCE),
         EffectParameter('relaxation', 's', 0.0, 0.0, 10.0, 0.05, _FLOOR_CONTACT_SOURCE),
         EffectParameter('friction', '1', 0.0, 0.0, 3.0, 0.2, _FLOOR_CONTACT_SOURCE),
-        *declare_each(('x', 'y', 'z'), 'm', 0.0, -5.0, 5.0, 0.005, _PLACE),
+        *declare_each(('x', 'y', 'z'), 'm', 0.0, -5.0, 5.0, 0.005, _FOOT_PLACE),
     ),
     floor_contact,
     ('stiffness',),
@@ -183,7 +183,9 @@ _ROOM = (
     'from the size of the room, which contains the origin of the map; spread: 5 cm; limit: a '
     'large hall'
 )
-_HULL = 'from the shape of the hull; spread: 1 cm; limit: twice the 2.7 m of Skye (Burri 2013)'
+_HULL_SIZE = (
+    'from the shape of the hull; spread: 1 cm; limit: twice the 2.7 m of Skye (Burri 2013)'
+)
 _WALLS_SOURCE = (
     'spread: a foil envelope that yields by centimetres under a load of newtons; not measured'
 )
@@ -196,7 +198,7 @@ WALLS = WrenchEffect(
         EffectParameter('y_low', 'm', 0.0, -1e3, 0.0, 0.05, _ROOM),
         EffectParameter('y_high', 'm', 0.0, 0.0, 1e3, 0.05, _ROOM),
         EffectParameter('ceiling', 'm', 0.0, 0.1, 1e3, 0.05, _ROOM),
-        *declare_each(('radius', 'half_height'), 'm', 0.0, 0.01, 2.7, 0.01, _HULL),
+        *declare_each(('radius', 'half_height'), 'm', 0.0, 0.01, 2.7, 0.01, _HULL_SIZE),
         EffectParameter('stiffness', 'N/m', 0.0, 0.0, 1e4, 50.0, _WALLS_SOURCE),
         EffectParameter('relaxation', 's', 0.0, 0.0, 10.0, 0.05, _WALLS_SOURCE),
         EffectParameter('friction', '1', 0.0, 0.0, 3.0, 0.2, _WALLS_SOURCE),
@@ -338,14 +340,14 @@ def check_ceiling_effect(values: Mapping[str, float]) -> str:
 
 
 _CEILING_EFFECT_GAIN = '1: the model of Hsiao and Chirarattananon 2019; spread: 0.5 (assumed)'
-_HEIGHT = 'height of the room; spread: 5 cm'
+_ROOM_HEIGHT = 'height of the room; spread: 5 cm'
 
 CEILING_EFFECT = WrenchEffect(
     'ceiling_effect',
     (
         EffectParameter('gain', '1', 0.0, 0.0, 5.0, 0.5, _CEILING_EFFECT_GAIN),
         EffectParameter('radius', 'm', 0.0, 0.005, 1.0, 0.001, _RADIUS),
-        EffectParameter('height', 'm', 0.0, 0.1, 100.0, 0.05, _HEIGHT),
+        EffectParameter('height', 'm', 0.0, 0.1, 100.0, 0.05, _ROOM_HEIGHT),
     ),
     ceiling_effect,
     linear_in=('gain',),

@@ -10,7 +10,7 @@ from lta_emulation.crazyflie.firmware import Firmware
 from lta_emulation.crazyflie.packet import CrtpPacket, unpack_datagram
 from lta_emulation.crazyflie.parameters import APP, ARMING, AS_SOLD
 from lta_emulation.crazyflie.server import LossyLink
-from lta_emulation.crazyflie.supervisor import PERIOD, SupervisorState
+from lta_emulation.crazyflie.supervisor import EVALUATION_PERIOD, SupervisorState
 import pytest
 
 HOVER = CrtpPacket(7, 0, b'\x0a' + struct.pack('<ffff', 0.0, 0.0, 0.0, 0.45))
@@ -21,7 +21,7 @@ EMERGENCY, WATCHDOG = CrtpPacket(9, 1, b'\x03'), CrtpPacket(9, 1, b'\x04')
 
 
 STILL = (0.0,) * 4
-AT_ONCE = 2 * PERIOD  # s: the supervisor looks every 40 ms
+AT_ONCE = 2 * EVALUATION_PERIOD  # s: the supervisor looks every 40 ms
 
 
 @pytest.fixture

@@ -43,7 +43,7 @@ def counted(monkeypatch):
     turns = count()
     clock = SimpleNamespace(monotonic=lambda: next(turns) / EVENTS)
     monkeypatch.setattr(listening_to_drones, 'time', clock)
-    monkeypatch.setattr(listening_to_drones, 'DEADLINE', PATIENCE)
+    monkeypatch.setattr('lta_bridge.hardware.check.CONNECT_TIME', PATIENCE)
 
 
 @pytest.fixture

@@ -7,11 +7,11 @@ import time
 from typing import Annotated
 
 from lta_analysis.console import plain_console
+from lta_bridge.crazyflie.connection_manager import CONNECT_TIME
 from lta_bridge.crazyflie.drone_lock import DroneLock
 from lta_bridge.crazyflie.link import CrazyflieLink, LinkFailed
 from lta_bridge.crazyflie.links import create_link
 from lta_bridge.crazyflie.log_table import BLOCKS
-from lta_bridge.hardware.drone import DEADLINE
 from lta_bridge.hardware.motor import interrupt_on_signals, MotorBench, MotorTurnResult
 from lta_cli.options.common_options import Json, print_json, VehicleOption
 from lta_config.errors import BadInput, unknown_name_error
@@ -93,7 +93,7 @@ def turn_motor(
     with interrupt_on_signals():
         try:
             # Opened inside the signal handler, so that Ctrl-C closes it
-            link.open(DEADLINE)
+            link.open(CONNECT_TIME)
             with ProgressBar(console, *columns, begin=f'{motor} turns', total=seconds) as bar:
                 return bench.turn_motor(duty, seconds, lambda been: bar.update_bar(completed=been))
         except LinkFailed as error:
