@@ -7,10 +7,6 @@ by a wrench, the third by duties. `lta calibrate` sees two training flights and 
 Its intervals are compared with the truth, and its forecasts of the confirming flight with those of
 the oracle, the vehicle file with all true values.
 
-`discovery`: the model of the vehicle lacks an effect in every second case. `lta discover` has to
-calibrate the vehicle, name the effect and nothing else. It also studies the same vehicle with a
-right file, for comparison.
-
 `closed-loop`: a controller flies by the state alone, without dither, at rest, in a circle or from
 place to place; every second case has a draught of 1 cm/s, which its commands answer. A gain of
 0.3, 20 mN of lift, markers turned by 8 degrees and commands 0.2 s late are hidden, and no effect:
@@ -23,7 +19,7 @@ import math
 from pathlib import Path
 import tempfile
 import time
-from typing import Any, Final
+from typing import Final
 
 from lta_config.files import find_file
 from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle
@@ -39,7 +35,6 @@ from lta_discovery.flights.usable_flights import select_usable_flights, UsableFl
 from lta_discovery.model.calibration_parameters import list_calibration_parameters
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import apply_parameters, NET_LIFT
-from lta_discovery.planning.equivalence_classes import load_class_map
 from lta_discovery.state_filter.forecasts import forecast_flights, list_flight_parameters
 from lta_discovery.state_filter.noise_model import average_noise
 from lta_model.effects.protocol import AXES
@@ -53,7 +48,6 @@ from campaigns.challenge.calibration_case import (
     misstate_thrusts,
     SECONDS,
 )
-from campaigns.challenge.effect_injection import HIDINGS
 from campaigns.challenge.recording import write_bag
 from campaigns.challenge.wrench_flight import Course
 from campaigns.harness import Campaign, Case, Row, Rows
@@ -61,16 +55,7 @@ from campaigns.harness import Campaign, Case, Row, Rows
 ROLES: Final = ('train', 'train', 'confirm')
 COURSES: Final[tuple[Course, ...]] = ('hover', 'circle', 'places')
 AHEAD: Final = 3.0  # s
-SHORTER: Final = (40.0, 60.0)  # s; flights of a study
-# Effects that are no calibration, and visible in poses
-EFFECTS: Final = (
-    *(f'{effect}.{axis}' for effect in ('linear_drag', 'quadratic_drag')
-      for axis in ('surge', 'heave')),
-    'rotational_drag.yaw',
-    'added_mass.surge',
-    'added_mass.heave',
-    'steady_wind.x',
-)  # fmt: skip
+SHORTER: Final = (40.0, 60.0)  # s; flights in closed loop
 
 
 def is_driven(number: int) -> bool:
@@ -82,18 +67,16 @@ def record_case(
     seed: int,
     number: int,
     folder: Path,
-    effects: Mapping[str, float] | None = None,
-    is_right: bool = False,
     course: Course | None = None,
 ) -> tuple[CalibrationCase, Path, dict[Role, list[Path]]]:
     """Generate a case; write its bags and its vehicle file."""
     vehicle, rotors = load_vehicle('gtmab'), is_driven(number) and course is None
-    seconds = SECONDS if effects is None else SHORTER
+    seconds = SHORTER if course else SECONDS
     case = generate_calibration_case(
-        vehicle, seed, number, ROLES, seconds, rotors, effects, is_right, course
+        vehicle, seed, number, ROLES, seconds, rotors, with_flows=not course, course=course
     )
     text = find_file('vehicle', 'gtmab').read_text(encoding='utf-8')
-    if rotors and not is_right:
+    if rotors:
         text = misstate_thrusts(text, vehicle, draw_calibration(vehicle, seed, number, rotors))
     path = folder / 'vehicle.yaml'
     path.write_text(text, encoding='utf-8')
@@ -199,7 +182,7 @@ def study_closed_loop(seed: int, number: int) -> Row:
     """Return what a calibration and a discovery make of flights in closed loop."""
     began, course = time.process_time(), COURSES[number % len(COURSES)]
     with tempfile.TemporaryDirectory() as place:
-        case, path, bags = record_case(seed, number, Path(place), {}, course=course)
+        case, path, bags = record_case(seed, number, Path(place), course)
         vehicle = load_vehicle(str(path))
         usable = select_usable_flights(read_bags(bags), vehicle)
         found = calibrate_flights(vehicle, str(path), usable.flights, lambda _what, _part: None)
@@ -241,62 +224,9 @@ def list_closed_loop_table(rows: Sequence[Row]) -> Iterator[str]:
         )
 
 
-def draw_effect(seed: int, number: int) -> dict[str, float]:
-    """Return the effect that the model of a case lacks; none in every second case."""
-    if number % 2:
-        return {}
-    draw = np.random.default_rng([seed, number, 99])
-    name = str(draw.choice(EFFECTS))
-    hiding = HIDINGS[name]
-    # The larger half of the range, so that flights of less than a minute show it
-    least = math.sqrt(hiding.least * hiding.most)
-    size = least * (hiding.most / least) ** draw.random()
-    return {name: float(size * draw.choice(hiding.signs))}
-
-
 def list_names(study: Discovery) -> list[str]:
     """Return the names of effects and numbers in a study."""
     return [one.present.names[0] for one in study.named if one.estimates]
-
-
-def study_case(seed: int, number: int) -> Row:
-    """Return what discovery finds in a case, after a calibration and with a right file."""
-    hidden, row = draw_effect(seed, number), dict[str, Any]()
-    for kind, is_right in (('calibrated', False), ('right', True)):
-        with tempfile.TemporaryDirectory() as place:
-            _, path, bags = record_case(seed, number, Path(place), hidden, is_right)
-            vehicle = load_vehicle(str(path))
-            usable = select_usable_flights(read_bags(bags), vehicle)
-            request = DiscoveryRequest.of_bags(str(path), bags)
-            began = time.process_time()
-            study = study_usable_flights(request, vehicle, usable, lambda _what, _part: None)[0]
-            conclusion = draw_conclusion(study)
-            one = load_class_map('pose' if is_driven(number) else 'wrench')
-            named = list_names(study)
-            row[kind] = {
-                'verdict': conclusion.verdict,
-                'named': named,
-                # Effects that poses cannot distinguish count as one
-                'right': {one.get(each, each) for each in named}
-                == {one.get(each, each) for each in hidden},
-                'calibrated': study.first.calibration is not None,
-                'headline': conclusion.headline,
-                'cpu_s': time.process_time() - began,
-            }
-    return {'hidden': hidden, **row}
-
-
-def list_study_table(rows: Sequence[Row]) -> Iterator[str]:
-    """Yield the lines of the table of some studies."""
-    for kind, words in (('calibrated', 'wrong file, calibrated first'), ('right', 'right file')):
-        for hides, what in ((True, 'an effect'), (False, 'nothing')):
-            some = [row[kind] for row in rows if bool(row['hidden']) is hides]
-            right = sum(one['right'] for one in some)
-            false = sum(bool(one['named']) and not one['right'] for one in some)
-            yield (
-                f'{words}, hidden {what}: {right} of {len(some)} right, wrong names in {false}, '
-                f'calibrated {sum(one["calibrated"] for one in some)}'
-            )
 
 
 def is_inside(value: Row) -> bool:
@@ -348,7 +278,6 @@ def list_table(rows: Rows, options: Namespace) -> Iterator[str]:
     tables = [
         ('calibration', 'wrench', list_calibration_table),
         ('calibration', 'rotors', list_calibration_table),
-        ('discovery', '', list_study_table),
         ('closed-loop', '', list_closed_loop_table),
     ]
     for kind, command, lines in tables:
@@ -365,9 +294,9 @@ def list_table(rows: Rows, options: Namespace) -> Iterator[str]:
 
 
 RUNS: Final[Mapping[str, Callable[[int, int], Row]]] = {
-    'calibration': run_case, 'discovery': study_case, 'closed-loop': study_closed_loop,
+    'calibration': run_case, 'closed-loop': study_closed_loop,
 }  # fmt: skip
 CAMPAIGN: Final = Campaign(
     lambda options: ['calibration'], run, list_table, each=20, alone=True,
-    hidden=('discovery', 'closed-loop'),
+    hidden=('closed-loop',),
 )  # fmt: skip

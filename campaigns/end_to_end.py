@@ -3,7 +3,7 @@ Fly to the lamp through the real firmware of the drone and of the light board.
 
 The Crazyflie firmware of `--firmware` runs as a Linux process (firmware/crazyflie/linux), the
 portable part of the light board's firmware on a Cortex-M7 that QEMU emulates
-(firmware/light_board/mps2_an500), or as a process (kind `process`). One simulated world moves by
+(firmware/light_board/mps2_an500). One simulated world moves by
 the motors of the first, gives it what its sensors read, and gives the second the samples of its
 converter. The graph flies both over UDP and a serial port, in real time, as it would fly a drone.
 """
@@ -27,13 +27,11 @@ from command import Lta
 from diagnostic_msgs.msg import DiagnosticArray
 from lta_config.schema.crazyflie_file import hash_diodes
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_config.topics import load_topic_table
 from lta_emulation.crazyflie.commander import BodyCommand
 from lta_emulation.crazyflie.firmware_bench import FirmwareBench
 from lta_emulation.crazyflie.simulated_body import SimulatedBody
 from lta_emulation.emulated_hardware import build_simulated_body
 from lta_emulation.step_thread import StepThread
-from lta_emulation.teensy.emulated_board import Cable
 import numpy as np
 from numpy.typing import NDArray
 from peer import Peer
@@ -51,7 +49,7 @@ MEMORY: Final = 1 << 24  # bytes that the board shares with us (flight.c)
 FIRST: Final = 64  # byte after the count
 CONVERTER_ROWS: Final = 1 << 19
 LINK, LINK_BYTES = 0xC00000, 1 << 20
-PROCESS, EMULATED = 'process', 'emulated'  # ways to run the light board's core
+BOARD: Final = 'flight.elf'  # program of the light board, from firmware/light_board
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,75 +160,18 @@ class EmulatedCore:
         return data + self._memory[first : first + max(0, ended - LINK_BYTES)]
 
 
-@final
-class ProcessCore:
-    """
-    The portable part of the light board's firmware as a process, at the end of a serial port.
-
-    `program`: from firmware/light_board/host. `folder`: for its ports and its samples.
-    """
-
-    def __init__(self, program: Path, folder: Path) -> None:
-        self._program, self._rows = program, folder / 'rows'
-        self._near, self._far = Cable(folder / 'light_board'), Cable(folder / 'inner')
-        self._inner = folder / 'inner'
-        self.port = folder / 'light_board'
-        # Until the bridge has asked for the time nobody reads, and a full port would hold up the
-        # board and with it the world
-        self._is_open = False
-        self._relay = StepThread(self._carry, 'relay')
-        os.mkfifo(self._rows)
-
-    def __enter__(self) -> Self:
-        light = load_topic_table().light
-        words = [self._inner, self._rows, 8, light.sample_rate.si, 0.0, 0.0]
-        self._process = subprocess.Popen([self._program, *map(str, words)])
-        # The board boots when its samples can begin
-        self._samples = self._rows.open('wb', buffering=0)
-        self._relay.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._process.kill()
-        self._process.wait()
-        self._relay.stop()
-        self._samples.close()
-        self._near.pull()
-        self._far.pull()
-
-    @property
-    def processor_time(self) -> float:
-        """As of `EmulatedCore`."""
-        return read_processor_time(self._process.pid)
-
-    def sample_light(self, _begun: float, samples: NDArray[np.uint16]) -> None:
-        """Give the board a block; shape (samples, diodes)."""
-        self._samples.write(samples.astype('<u2').tobytes())
-
-    def _carry(self) -> None:
-        sent, asked = self._far.read(0.002), self._near.read()
-        self._is_open = self._is_open or bool(asked)
-        self._far.write(asked)
-        if self._is_open:
-            self._near.write(sent)
-
-
 def read_processor_time(process: int) -> float:
     """Return the time of a processor that a process has taken. [s]"""
     words = Path(f'/proc/{process}/stat').read_text().rpartition(')')[2].split()
     return (int(words[11]) + int(words[12])) / os.sysconf('SC_CLK_TCK')
 
 
-CORES: Final = {PROCESS: (ProcessCore, 'light_board'), EMULATED: (EmulatedCore, 'flight.elf')}
-
-
 @contextmanager
 def serve(
-    core: str, programs: Path, folder: Path, seed: int
-) -> Iterator[tuple[SimulatedBody, FirmwareBench, ProcessCore | EmulatedCore]]:
+    programs: Path, folder: Path, seed: int
+) -> Iterator[tuple[SimulatedBody, FirmwareBench, EmulatedCore]]:
     """Serve both boards and their world."""
-    kind, program = CORES[core]
-    light = kind(programs / program, folder)
+    light = EmulatedCore(programs / BOARD, folder)
     body = build_simulated_body('gtmab', 'lamp_room', seed, light.sample_light)
     # The first step compiles the model for seconds, in which the board would count on
     body.advance(0.011, BodyCommand((0.0,) * 4))
@@ -242,10 +183,10 @@ def serve(
         yield body, bench, light
 
 
-def fly(core: str, programs: Path, seed: int, folder: Path, peer: Peer) -> FirmwareFlight:
+def fly(programs: Path, seed: int, folder: Path, peer: Peer) -> FirmwareFlight:
     """Fly to the lamp, and ask for a landing."""
     facts: dict[str, str] = {}
-    with serve(core, programs, folder, seed) as (body, bench, light):
+    with serve(programs, folder, seed) as (body, bench, light):
         lta, world = Lta(), body.world
         listen(peer, facts)
         graph = lta.start(
@@ -297,38 +238,35 @@ def prepare(options: Namespace) -> None:
     programs = options.out.resolve() / 'programs'
     build(check_sources(options), 'app', programs)
     diodes = hash_diodes(load_vehicle_file('gtmab'))
-    for core in options.kinds or [EMULATED]:
-        words = ['make', '-s', '-C', ROOT / 'firmware/light_board', programs / CORES[core][1],
-                 f'BUILD={programs}', f'PYTHON={sys.executable}',
-                 f'IDENTITY=-DLTA_VEHICLE={diodes:#x}u']  # fmt: skip
-        subprocess.run(words, check=True)
+    words = ['make', '-s', '-C', ROOT / 'firmware/light_board', programs / BOARD,
+             f'BUILD={programs}', f'PYTHON={sys.executable}',
+             f'IDENTITY=-DLTA_VEHICLE={diodes:#x}u']  # fmt: skip
+    subprocess.run(words, check=True)
 
 
 def run(case: Case, options: Namespace) -> Row:
     """Return the row of a flight; its number is the seed."""
     programs = options.out.resolve() / 'programs'
-    return try_flight(lambda folder, peer: fly(case.kind, programs, case.number, folder, peer))
+    return try_flight(lambda folder, peer: fly(programs, case.number, folder, peer))
 
 
 def list_table(rows: Rows, options: Namespace) -> Iterator[str]:
-    """Yield the span of each figure over the flights, by light board."""
+    """Yield the span of each figure over the flights."""
     reached = sum(row.get('reached') is not None for row in rows.values())
     stopped = sum(row.get('took') is not None for row in rows.values())
     yield f'{reached} of {len(rows)} flights reached the lamp; the motors of {stopped} stopped.'
     yield ''
     yield (
-        '| light board | flights | start [m from the lamp] | reached after [s] | closest [m] | '
+        '| flights | start [m from the lamp] | reached after [s] | closest [m] | '
         'motors stopped after [s] | missed exchanges |'
     )
-    yield '|---|---|---|---|---|---|---|'
-    for kind in dict.fromkeys(case.kind for case in rows):
-        some = [row for case, row in rows.items() if case.kind == kind]
-        figures = (('begun', 1), ('reached', 1), ('closest', 2), ('took', 1), ('missed', 0))
-        cells = (
-            format_span([row[name] for row in some if row.get(name) is not None], digits)
-            for name, digits in figures
-        )
-        yield f'| {kind} | {len(some)} | {" | ".join(cells)} |'
+    yield '|---|---|---|---|---|---|'
+    figures = (('begun', 1), ('reached', 1), ('closest', 2), ('took', 1), ('missed', 0))
+    cells = (
+        format_span([row[name] for row in rows.values() if row.get(name) is not None], digits)
+        for name, digits in figures
+    )
+    yield f'| {len(rows)} | {" | ".join(cells)} |'
 
 
 def format_span(values: Sequence[float], digits: int) -> str:
@@ -345,6 +283,6 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 CAMPAIGN: Final = Campaign(
-    lambda options: [EMULATED], run, list_table, each=20, add_arguments=add_arguments,
-    page='hardware_flights.md', hidden=(PROCESS,), alone=True, patience=400.0, prepare=prepare,
+    lambda options: ['lamp_room'], run, list_table, each=20, add_arguments=add_arguments,
+    page='hardware_flights.md', alone=True, patience=400.0, prepare=prepare,
 )  # fmt: skip

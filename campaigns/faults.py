@@ -1,9 +1,8 @@
 """
-Inject faults into flights of emulated hardware, and into the link of the light board.
+Inject faults into flights of emulated hardware.
 
 Each kind of `fault_kinds.py` comes at a random moment of a flight, by turns of one that is
-commanded by duties (GT-MAB, even numbers) and by setpoints (multirotor, odd numbers); those of
-`light_trial.py` turn no motor.
+commanded by duties (GT-MAB, even numbers) and by setpoints (multirotor, odd numbers).
 """
 
 from argparse import Namespace
@@ -14,18 +13,15 @@ from campaigns.fault_kinds import FaultKind, KINDS
 from campaigns.fault_trial import Trial
 from campaigns.graph_trial import try_flight
 from campaigns.harness import Campaign, Case, count_right, Row, Rows
-from campaigns.light_trial import LIGHT_KINDS, LightTrial
 
 
 def run(case: Case, options: Namespace) -> Row:
     """Return the row of a trial."""
-    if case.kind in LIGHT_KINDS:
-        return try_flight(lambda folder, peer: LightTrial(*case, folder, peer).watch())
     return try_flight(lambda folder, peer: Trial(*case, folder, peer).fly())
 
 
 def list_table(rows: Rows, options: Namespace) -> Iterator[str]:
-    """Yield the tables of flights and of the light link."""
+    """Yield the table of flights."""
     yield '| fault | outcome of the flight | by duties | by setpoints | as stated |'
     yield '|---|---|---|---|---|'
     for name, kind in KINDS.items():
@@ -36,15 +32,6 @@ def list_table(rows: Rows, options: Namespace) -> Iterator[str]:
                 for way, stated in enumerate(kind.stated)
             ]
             cells = (kind.about, describe_end(kind), *times, count_right(list(some.values())))
-            yield f'| {" | ".join(cells)} |'
-    yield ''
-    yield '| fault of the light link | outcome of the light | longest time | as stated |'
-    yield '|---|---|---|---|'
-    for name, light in LIGHT_KINDS.items():
-        found = [row for case, row in rows.items() if case.kind == name]
-        if found:
-            then = 'reported, and back after the repair' if light.word else 'continues'
-            cells = (light.about, then, format_times(0.0, found), count_right(found))
             yield f'| {" | ".join(cells)} |'
 
 
@@ -63,6 +50,6 @@ def describe_end(kind: FaultKind) -> str:
 
 
 CAMPAIGN: Final = Campaign(
-    lambda options: [*KINDS, *LIGHT_KINDS], run, list_table, each=20, page='hardware_faults.md',
+    lambda options: list(KINDS), run, list_table, each=20, page='hardware_faults.md',
     alone=True, side=0, patience=240.0,
 )  # fmt: skip

@@ -24,7 +24,6 @@ from pathlib import Path
 import signal
 import subprocess
 import sys
-import time
 import traceback
 from typing import Any, Final, NamedTuple
 import uuid
@@ -38,7 +37,6 @@ HERE: Final = Path(__file__).resolve().parent
 STALLED: Final = 0.25  # s: a sleeper woken so much later; commands are stale after 0.3 s
 TRIES: Final = 3  # of a trial in which the machine stood still
 MARK: Final = 'LTA_TRIAL'  # variable by which the processes of a trial are found
-SLOWER: Final = 'LTA_SLOWER'  # variable: by how much time passes more slowly
 Row = dict[str, Any]
 
 
@@ -127,7 +125,6 @@ def build_parser(name: str) -> ArgumentParser:
     add('--first', type=int, default=0, help='number of the first case of each kind')
     add('--seed', type=int, default=1, help='random seed')
     add('--side', type=int, default=campaign.side or os.cpu_count() or 1, help='side by side')
-    add('--slower', type=int, default=1, help='let time pass so much more slowly')
     add('--out', type=Path, default=ROOT / 'runs' / name, help='folder of the rows')
     add('--again', action='store_true', help='try once more what was not as required')
     add('--write', action='store_true', help='write the page, if all kinds are tried')
@@ -149,7 +146,6 @@ def run_campaign(name: str, words: Sequence[str]) -> int:
     if unknown := set(kinds) - {*every, *campaign.hidden}:
         parser.error(f'no kind {sorted(unknown)[0]!r}; known: {", ".join(every)}')
     options.out.mkdir(parents=True, exist_ok=True)
-    slow_down(options.slower, options.out)
     campaign.prepare(options)
     cases = take_turns(kinds, options.first, options.each)
     path = options.out / f'{hash_code()}-{options.seed}.jsonl'
@@ -225,7 +221,7 @@ def try_alone(name: str, case: Case, words: Sequence[str], patience: float) -> R
     try:
         done = subprocess.run(
             [*command, str(case.number)], cwd=ROOT, capture_output=True, text=True,
-            timeout=patience * int(os.environ.get(SLOWER, '1')), env=os.environ | {MARK: mark},
+            timeout=patience, env=os.environ | {MARK: mark},
         )  # fmt: skip
     except subprocess.TimeoutExpired:
         return {'wrong': 'it hung'}
@@ -271,8 +267,7 @@ def collect_rows(
             for future in track(as_completed(futures), path.parent.name, len(futures),
                                 disable=silent):  # fmt: skip
                 case = futures[future]
-                slower = int(os.environ.get(SLOWER, '1'))
-                rows[case] = {**future.result(), 'slower': slower, **origin}
+                rows[case] = future.result() | origin
                 file.write(json.dumps({'case': case, **rows[case]}) + '\n')
                 file.flush()
                 if silent:
@@ -296,8 +291,6 @@ def describe_origin(rows: Rows) -> str:
         text += f' The machine woke a sleeper {max(lateness):.2f} s too late at most.'
     if again := sum(row.get('again', 0) for row in rows.values()):
         text += f' Repeated, as the machine had stood still: {again}.'
-    if (slower := max((row['slower'] for row in rows.values()), default=1)) > 1:
-        text += f' Time passed up to {slower} times more slowly (`--slower`).'
     return text
 
 
@@ -320,15 +313,3 @@ def write_part(page: Path, name: str, lines: Sequence[str]) -> None:
     before, _, after = page.read_text(encoding='utf-8').split(mark)
     text = '\n'.join(lines).strip('\n')
     page.write_text(f'{before}{mark}\n\n{text}\n\n{mark}{after}', encoding='utf-8')
-
-
-def slow_down(factor: int, folder: Path) -> None:
-    """Slow down time in all processes that this one starts from now on; the folder stays."""
-    if factor == 1:
-        return
-    library = folder.resolve() / 'slow_clock.so'
-    source = HERE / 'slow_clock.c'
-    words = ['gcc', '-shared', '-fPIC', '-O2', '-Wall', '-Wextra', '-o', library, source, '-ldl']
-    subprocess.run(words, check=True)
-    variables = {SLOWER: str(factor), 'LD_PRELOAD': str(library)}
-    os.environ |= variables | {'LTA_SLOW_SINCE': str(time.time_ns())}

@@ -46,7 +46,7 @@ names the GPL for a few of its files beside the public domain and BSD of the res
 not imported in flight. By its README, what it generates is under the MIT licence; the headers of
 its generator's files name the GPL. cflib (GPL) is a tool of the tests; to fly a real Crazyflie you
 install it yourself. What is asked for by hand (`requirements-bench.txt`, `-dask`, `-docs`, `-gpu`,
-`-mutation`, `-pybamm`) is not listed.
+`-pybamm`) is not listed.
 
 The pages that LTA writes contain two libraries of JavaScript with their licence texts: plotly.js
 (MIT), which comes with plotly, and, for 3-D views, three.js (MIT), which comes with trimesh.

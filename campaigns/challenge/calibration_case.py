@@ -2,7 +2,7 @@
 Generate flights of a vehicle whose calibration is hidden: gains, delay, lift, marker frame.
 
 The vehicle is commanded by a wrench or by duties, and only the pose of its markers is recorded.
-Unless effects are hidden too, it lacks none, so that everything found is calibration.
+It lacks no effect, so that everything found is calibration.
 """
 
 from collections.abc import Mapping, Sequence
@@ -16,10 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from campaigns.challenge.air import MovingAir, RoomAirMotion, UnsteadyWind
+from campaigns.challenge.air import MovingAir, RoomAirMotion
 from campaigns.challenge.case import CaseFlight
 from campaigns.challenge.case_generator import draw_initial_state
-from campaigns.challenge.effect_injection import inject_effects
 from campaigns.challenge.flight import DutyPilot, FlightSimulator, TICK
 from campaigns.challenge.pilot import SwingingPilot
 from campaigns.challenge.rotors import RotorSet
@@ -236,7 +235,7 @@ def generate_calibration_case(
     roles: Sequence[str] = ROLES,
     seconds: tuple[float, float] = SECONDS,
     rotors: bool = False,
-    effects: Mapping[str, float] | None = None,
+    with_flows: bool = True,
     is_right: bool = False,
     course: Course | None = None,
 ) -> CalibrationCase:
@@ -252,9 +251,8 @@ def generate_calibration_case(
     rotors : bool
         Whether the vehicle is commanded by duties. Its file must state wrong thrusts
         (`misstate_thrusts` with `draw_calibration`).
-    effects : mapping of str to float, optional
-        Hidden effects of a vehicle whose drag and added mass are those of its file; by default
-        none, and both are off as a calibration assumes.
+    with_flows : bool
+        Whether drag and added mass are off, too, as a calibration assumes.
     is_right : bool
         Whether the file is right, and nothing to be calibrated: the same vehicle for comparison.
     course : Course, optional
@@ -268,9 +266,8 @@ def generate_calibration_case(
         truth = (
             _hide_lab_calibration(truth, draw)
             if course
-            else hide_calibration(truth, draw, effects is None)
+            else hide_calibration(truth, draw, with_flows)
         )
-    truth = inject_effects(truth, effects or {})
     stamps = STAMPS[int(draw.integers(len(STAMPS)))]
     draughty = number % 2 == 1
     flights, lifts, trends = list[CaseFlight](), dict[str, float](), dict[str, float]()
@@ -288,8 +285,6 @@ def generate_calibration_case(
         unseen = SETTLED if course else 0.0
         draught = LAB_DRAUGHT if course else DRAUGHT
         air: list[MovingAir] = []
-        if any(truth.wind):
-            air.append(UnsteadyWind(truth, unseen + length, own))
         if draughty:
             air.append(RoomAirMotion(draught, unseen + length, own))
         pilot: DutyPilot = WrenchPilot(nominal, truth.wrench_gains, own)

@@ -1,6 +1,5 @@
 """Calibrations hidden in flights of the independent simulator, which shares no code."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 import math
 from pathlib import Path
@@ -54,7 +53,6 @@ def calibrate_case(
     seed: int,
     folder: Path,
     name: str = 'gtmab',
-    effects: Mapping[str, float] | None = None,
     course: Course | None = None,
     heading: float = 0.0,
     number: int = 0,
@@ -62,7 +60,7 @@ def calibrate_case(
     """Return a case and its calibration, through bags; the markers are turned by a heading."""
     vehicle = load_vehicle(name)
     case = generate_calibration_case(
-        load_vehicle('gtmab'), seed, number, ROLES, SECONDS, effects=effects, course=course
+        load_vehicle('gtmab'), seed, number, ROLES, SECONDS, with_flows=not course, course=course
     )
     bags: dict[Role, list[Path]] = {'train': [], 'confirm': []}
     for flight in case.flights:
@@ -303,7 +301,7 @@ def test_flights_in_closed_loop_are_calibrated_and_nothing_is_named(
     tmp_path: Path, course: Course
 ) -> None:
     """A controller without dither; `make campaign calibration` has more, also with a draught."""
-    case, found = calibrate_case(6, tmp_path, effects={}, course=course)
+    case, found = calibrate_case(6, tmp_path, course=course)
     # A hover is nearly a coast: the share was 0.56 there
     assert_truth_is_found(case, found, share=0.75)
     study = study_case(case, tmp_path)
@@ -318,7 +316,7 @@ def test_flights_in_closed_loop_are_calibrated_and_nothing_is_named(
 @pytest.mark.parametrize('course', ['hover', 'places'])
 def test_a_controller_in_a_draught_shows_no_effect(tmp_path: Path, course: Course) -> None:
     """All that it commands is an answer to the air, which looks like anything."""
-    case, _ = calibrate_case(6, tmp_path, effects={}, course=course, number=1)
+    case, _ = calibrate_case(6, tmp_path, course=course, number=1)
     study = study_case(case, tmp_path)
     assert not draw_conclusion(study).writes_file
 
@@ -327,7 +325,7 @@ def test_the_gain_of_a_controller_that_dithers_nothing_is_found(tmp_path: Path) 
     """The short fit finds it, by which a discovery decides whether to calibrate."""
     vehicle = load_vehicle('gtmab')
     case = generate_calibration_case(
-        vehicle, 6, 0, ('train', 'confirm'), (24.0, 26.0), effects={}, course='places'
+        vehicle, 6, 0, ('train', 'confirm'), (24.0, 26.0), with_flows=False, course='places'
     )
     for flight in case.flights:
         write_bag(tmp_path / flight.name, flight.streams, vehicle.rotor_names, {})

@@ -52,7 +52,7 @@ def vehicle() -> Vehicle:
 def read_flights(vehicle: Vehicle, folder: Path, is_right: bool) -> list[Role]:
     """Return two short flights of a vehicle whose file is right or not."""
     case = generate_calibration_case(
-        vehicle, 3, 0, ('train', 'confirm'), (24.0, 26.0), effects={}, is_right=is_right
+        vehicle, 3, 0, ('train', 'confirm'), (24.0, 26.0), with_flows=False, is_right=is_right
     )
     for flight in case.flights:
         write_bag(folder / flight.name, flight.streams, vehicle.rotor_names, {})
