@@ -9,7 +9,6 @@ from lta_sim.kernels import kernel
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from scipy.spatial.transform import Rotation
 
 G = 9.80665
 SURGE = math.sqrt(0.0400 / 0.07)  # 0.756 m/s
@@ -18,19 +17,6 @@ SURGE = math.sqrt(0.0400 / 0.07)  # 0.756 m/s
 @pytest.fixture(scope='module')
 def vehicle():
     return load_vehicle('blimp2b')
-
-
-def flown(vehicle, duty, wind=(0.0, 0.0, 0.0), seconds=240.0):
-    """Return the state after so long at constant duties, from rest on the ground's axes."""
-    state = pack_state((0.0, 0.0, 100.0), memory=initial_memory())
-    count = round(seconds / 2e-3)
-    return kernel.advance(
-        state, vehicle.build_model(), vehicle.pack_command(duty), wind, 2e-3, count
-    )
-
-
-def over_ground(state):
-    return Rotation.from_quat(state[3:7]).apply(state[7:10])
 
 
 def steady():
@@ -49,26 +35,6 @@ def test_full_surge_is_steady_at_the_published_speed_and_tilt(vehicle):
     assert np.max(abs(rate[7:13])) < 1e-14
     expected = (SURGE * math.cos(pitch), 0.0, SURGE * math.sin(pitch))
     np.testing.assert_allclose(rate[:3], expected, atol=1e-14)
-
-
-def test_from_rest_it_comes_there(vehicle):
-    """
-    As slowly as quadratic drag lets heave w fade: w = (m + m_a) / (0.22 t), 1.4e-3 m/s in 1000 s.
-
-    The Munk moment of that is (0.129 - 0.033) 0.756 w, a hundredth of the propeller's.
-    """
-    state, (_, pitch) = flown(vehicle, (1, 0, 0), seconds=1000.0), steady()
-    nose = Rotation.from_quat(state[3:7]).apply((1.0, 0.0, 0.0))
-    assert state[7] == pytest.approx(SURGE, rel=1e-5)
-    assert math.asin(nose[2]) == pytest.approx(pitch, rel=0.01)
-    assert abs(state[9]) < 1.1 * (0.184 + 0.129) / (0.22 * 1000.0)
-
-
-@pytest.mark.parametrize('wind', [(0.5, 0.0, 0.0), (-0.4, 0.0, 0.0)])
-def test_surge_in_wind_is_surge_through_the_air(vehicle, wind):
-    state = flown(vehicle, (1, 0, 0), wind)
-    through = Rotation.from_quat(state[3:7]).inv().apply(over_ground(state) - wind)
-    assert through[0] == pytest.approx(SURGE, rel=1e-3)
 
 
 def test_straight_surge_does_not_last(vehicle):

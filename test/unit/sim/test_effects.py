@@ -2,24 +2,10 @@
 
 from lta_config.errors import BadInput
 from lta_model import effects
-from lta_model.effects.protocol import EffectParameter, VehicleMotion, WrenchEffect
+from lta_model.effects.protocol import EffectParameter, WrenchEffect
 from lta_model.effects.weight import WEIGHT_AND_BUOYANCY
-from lta_model.state import BODY, COMMAND, DISPLACED, MASS, MASS_MOMENT, SURROUNDINGS
 import pytest
 from tools.reference.effects import render_page
-
-LEVEL = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
-NO = (0.0, 0.0, 0.0)
-
-
-def still(position=NO, rotation=LEVEL, velocity=NO, rates=NO):
-    body = [0.0] * BODY
-    body[MASS], body[MASS_MOMENT + 2], body[DISPLACED] = 0.4, -0.04, 0.3
-    command, surroundings = (0.0,) * COMMAND, (0.0,) * SURROUNDINGS
-    return VehicleMotion(
-        position, rotation, velocity, rates, velocity, tuple(body), command, surroundings
-    )
-
 
 POUNDS = EffectParameter('pull', 'lbf', 0.0, 0.0, 1.0, 0.1, 'nobody: a unit that no file knows')
 

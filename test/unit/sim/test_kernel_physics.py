@@ -50,34 +50,6 @@ def test_pendulum_period():
     assert np.diff(crossings).mean() == pytest.approx(expected, rel=1e-6)
 
 
-def test_fall_with_quadratic_drag():
-    heave = 0.359
-    given = {
-        'weight_and_buoyancy': balloon.WEIGHT,
-        **balloon.ADDED,
-        'quadratic_drag': {'heave': heave},
-    }
-    terminal = math.sqrt(0.002 * balloon.G / heave)
-    time = (balloon.MASS + 0.374) / (heave * terminal)
-    model, state = balloon.model(given), balloon.at()
-    for t in (2.0, 4.0):
-        state = advance(state, model, OFF, CALM, 2e-3, 1000)
-        assert state[9] == pytest.approx(-terminal * math.tanh(t / time), rel=1e-9)
-    assert advance(state, model, OFF, CALM, 2e-3, 60_000)[9] == pytest.approx(-terminal, rel=1e-9)
-
-
-def test_turning_the_start_turns_the_flight():
-    model = balloon.model(balloon.EVERYTHING)
-    duty, turn = np.array([0.3, 0.2, 0.6, 0.4]), Rotation.from_euler('z', 1.1)
-    start = {'velocity': (0.2, 0.1, 0.0), 'rates': (0.1, -0.2, 0.5)}
-    one = advance(balloon.at(heading=0.4, **start), model, duty, CALM, 2e-3, 2000)
-    two = advance(balloon.at(heading=1.5, **start), model, duty, CALM, 2e-3, 2000)
-    np.testing.assert_allclose(two[POSITION], turn.apply(one[POSITION]), atol=1e-11)
-    np.testing.assert_allclose(two[7:], one[7:], atol=1e-11)
-    turned = turn * Rotation.from_quat(one[QUATERNION])
-    assert (turned.inv() * Rotation.from_quat(two[QUATERNION])).magnitude() < 1e-11
-
-
 def test_steps_add_up_to_the_bit():
     model = balloon.model(balloon.EVERYTHING)
     state, duty, wind = balloon.anywhere(np.random.default_rng(3))
@@ -123,13 +95,3 @@ def test_it_stands_on_the_floor_and_takes_off():
 def test_wrong_shapes_are_refused(function, state, duty, wind, words):
     with pytest.raises(ValueError, match=words):
         function(state, balloon.model({}), duty, wind)
-
-
-def test_any_layout_of_the_state_will_do():
-    model = balloon.model(balloon.EVERYTHING)
-    state, duty, wind = balloon.anywhere(np.random.default_rng(5))
-    spread = np.zeros(2 * len(state))
-    spread[::2] = state
-    for same in (spread[::2], state.tolist()):
-        rate = state_derivative(same, model, tuple(duty), list(wind))
-        np.testing.assert_array_equal(rate, state_derivative(state, model, duty, wind))

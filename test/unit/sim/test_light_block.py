@@ -86,23 +86,6 @@ def test_mains_by_hand():
     assert block[1, 0] == pytest.approx(0.2415 / STEP + 14.6, abs=1.0)
 
 
-def test_mains_phase_shifts_its_flicker():
-    array = ring(feedback_resistance=1e5, noise=0.0, count=1)
-    field = scene(Ambient(LED, 361.0, 240.66, mains_frequency=120.0, mains_phase=0.75))
-    block, _ = synthesise(array, field, light([0.0], 361.0, 240.66), 0, 1e4, 1000, generator())
-    # Three quarters on it stands in its trough: 0.234 - 0.156 + 0.0075 V.
-    assert block[0, 0] == pytest.approx(0.0855 / STEP, abs=1.0)
-
-
-def test_a_flicker_as_deep_as_its_light_touches_the_dark():
-    field = scene(Ambient(LED, 120.33, 120.33))
-    lit = light([0.0], 120.33, 120.33)
-    block, _ = synthesise(SILENT, field, lit, START, 1e4, 1000, generator())
-    # 0.78 V of mean and of amplitude: from the dark, 9.3 counts, to 1.5675 V.
-    assert block.min() == 9
-    assert block.max() == pytest.approx(1.5675 / STEP, abs=1.0)
-
-
 def test_a_lux_of_sun_is_worth_more_than_one_of_a_led():
     def mean(efficacy):
         field, lit = scene(Ambient(efficacy)), light([0.0], 100.0)
@@ -228,15 +211,6 @@ def test_light_between_the_instants_is_linear():
     block, _ = synthesise(array, scene(), ramp, START, 1e4, 1000, generator())
     lux = (block[:, 0] * (3.3 / 65_536) - 7.5e-3) / 15.65271e-3
     assert lux[[0, 250, 500, 750, 999]] == pytest.approx([10.0, 30.0, 50.0, 40.0, 30.04], abs=0.1)
-
-
-def test_one_seed_gives_one_block():
-    blocks = [
-        synthesise(ring(count=1), scene(), light([65.0]), START, 1e4, 1000, generator(seed))
-        for seed in (3, 3, 4)
-    ]
-    assert np.array_equal(blocks[0][0], blocks[1][0])
-    assert not np.array_equal(blocks[0][0], blocks[2][0])
 
 
 def pose(distance: float, yaw: float):

@@ -3,7 +3,7 @@
 import math
 
 from lta_model.effects.commands import find_command, WRENCH_GAIN
-from lta_model.effects.protocol import CHANNELS, MeasurementEffect
+from lta_model.effects.protocol import CHANNELS
 from lta_model.effects.sensors import (
     CLOCK_OFFSET,
     CLOCK_SKEW,
@@ -31,7 +31,6 @@ DECLARED = (
     CLOCK_SKEW,
 )
 EFFECTS = {effect.name: effect for effect in DECLARED}
-NUMBERS = (0.1, -2.3, 7.7, 0.5, -0.5, 0.5, 0.5)
 DEGREE = math.pi / 180.0
 LEVEL = (0.0, 0.0, 0.0, 1.0)
 
@@ -45,36 +44,6 @@ def rotated(quaternion):
     v, w = np.array(quaternion[:3]), quaternion[3]
     skew = np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
     return (w * w - v @ v) * np.eye(3) + 2 * np.outer(v, v) + 2 * w * skew
-
-
-@pytest.mark.parametrize('effect', EFFECTS.values(), ids=lambda effect: effect.name)
-def test_at_null_the_truth_is_left_alone(effect):
-    assert isinstance(effect, MeasurementEffect)
-    values = NUMBERS[: CHANNELS[effect.channel]]
-    null = tuple(parameter.null for parameter in effect.parameters)
-    assert effect.reading(null, values, 12.3) == values
-    given = {effect.name: {parameter.name: parameter.null for parameter in effect.parameters}}
-    assert all(chain == () for chain in build_chains(given, EFFECTS).values())
-
-
-@pytest.mark.parametrize('effect', EFFECTS.values(), ids=lambda effect: effect.name)
-def test_declared_as_the_protocol_wants(effect):
-    assert effect.channel in CHANNELS
-    for parameter in effect.parameters:
-        assert parameter.low <= parameter.null <= parameter.high
-        assert parameter.low < parameter.high
-        # A prior of three deviations lies within the bounds.
-        assert 0.0 < 3.0 * parameter.spread <= parameter.high - parameter.null
-        assert parameter.source
-
-
-@pytest.mark.parametrize('effect', EFFECTS.values(), ids=lambda effect: effect.name)
-def test_every_parameter_shows_in_a_reading_of_the_right_length(effect):
-    values = NUMBERS[: CHANNELS[effect.channel]]
-    for one in effect.parameters:
-        changed = told({effect.name: {one.name: one.null + one.spread}}, effect.channel, values, 9)
-        assert len(changed) == len(values)
-        assert changed != values
 
 
 def test_each_channel_is_left_to_its_own_effects():

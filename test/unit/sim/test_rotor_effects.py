@@ -3,11 +3,8 @@
 from lta_model.effects.commands import COMMAND_DELAY
 from lta_model.effects.motors import (
     BATTERY_SAG,
-    MOTOR_DEADBAND,
-    ROTOR_FAULT,
     THRUST_CURVE,
     THRUST_POLYNOMIAL,
-    THRUST_SCALE,
 )
 from lta_model.effects.protocol import CHANNELS
 from lta_model.state import SURROUNDINGS, VOLTAGE
@@ -129,46 +126,6 @@ def test_curves_against_the_bench():
         ]
         off[which] = 1e3 * rms(thrusts - NEWTONS)
     assert off == pytest.approx({'2.1+': 12.15, 'legacy': 9.38, 'upgrade kit': 39.38}, abs=0.01)
-
-
-def test_the_bench_s_own_parabola_and_its_voltage():
-    """By duty the bench is a parabola to 1 mN; taking its voltage into account makes it worse."""
-    by_duty = np.column_stack([DUTY**2, DUTY])
-    a, b = np.linalg.lstsq(by_duty, NEWTONS)[0]
-    assert (a, b) == pytest.approx((0.0660, 0.0877), abs=5e-5)
-    assert 1e3 * rms(by_duty @ (a, b) - NEWTONS) == pytest.approx(0.92, abs=0.01)
-    mean = np.array([
-        through(BATTERY_SAG, (3.7, 1.0), float(duty), float(volts))
-        for duty, volts in zip(DUTY, VOLTS, strict=True)
-    ])  # fmt: skip
-    np.testing.assert_allclose(mean, DUTY * VOLTS / 3.7, rtol=1e-12)
-    by_voltage = np.column_stack([mean**2, mean])
-    best = np.linalg.lstsq(by_voltage, NEWTONS)[0]
-    assert 1e3 * rms(by_voltage @ best - NEWTONS) == pytest.approx(2.84, abs=0.01)
-
-
-@pytest.mark.parametrize(
-    ('effect', 'null'),
-    [
-        (MOTOR_DEADBAND, (0.0,)),
-        (BATTERY_SAG, (0.0, 1.0)),
-        (THRUST_POLYNOMIAL, (0.0,) * 6),
-        (THRUST_SCALE, (1.0,)),
-        (ROTOR_FAULT, (0.0,)),
-    ],
-)
-def test_null_passes_everything_on(effect, null):
-    declared = (*effect.shared, *effect.each)
-    assert tuple(parameter.null for parameter in declared) == null
-    for value in (-1.0, -1e-300, -0.0, 0.0, 5e-324, 0.1, 0.7, 1.0):
-        for voltage in (0.0, 3.1):
-            passed = through(effect, null, value, voltage)
-            assert (passed, np.signbit(passed)) == (value, np.signbit(value))
-
-
-def test_a_fault_is_of_one_rotor():
-    names = [parameter.name for parameter in ROTOR_FAULT.parameters]
-    assert names == [f'lost_{i}' for i in range(1, 9)]
 
 
 def test_commands_are_late():
