@@ -176,14 +176,6 @@ def test_the_reserve_can_be_moved_in_flight_but_not_out_of_range(vehicle: Vehicl
     assert vehicle.answers['energy/reserve'][-1].data
 
 
-@mostly_lockstep
-def test_a_meter_mounted_the_wrong_way_round_is_named(vehicle: Vehicle) -> None:
-    for turn in range(4):  # 0.3 s
-        vehicle.turn(turn, 0.45)
-    told = vehicle.until_level('meters', HealthLevel.ERROR)
-    assert 'check the sign of the measured current' in told
-
-
 def test_it_knows_the_cell_of_its_vehicle(domain_id: int, tmp_path: Path) -> None:
     """A file with half the capacity: the same current counts twice, and it says so."""
     text = find_file('vehicle', 'gtmab').read_text(encoding='utf-8')

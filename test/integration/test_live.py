@@ -1,9 +1,7 @@
 """A running graph as a viewer without ROS sees it, and a flight that loses its viewer."""
 
 from contextlib import closing
-from functools import partial
 import json
-import math
 import os
 from pathlib import Path
 import re
@@ -15,14 +13,8 @@ from lta_bridge.live.server import LiveServer
 from lta_config.files import share_folder
 from lta_config.topics import load_topic_table, robot_topic
 from lta_data.bag.reader import read_bag
-from lta_graph.ros.message_validation import find_message_type
-from lta_graph.ros.qos import select_profile
-from lta_graph.ros.stamps import to_stamp
 from ports import free_port
 import pytest
-import rclpy
-from rclpy.context import Context
-from rclpy.serialization import serialize_message
 from rosbags.typesys import get_types_from_msg
 from waiting import wait_until
 
@@ -187,53 +179,6 @@ def test_a_viewer_that_takes_nothing_keeps_no_other_from_seeing(port):
         server.send_message('/block', b'the end', 2000)
         viewer.until(lambda: viewer.messages.get('/block', [(0, b'')])[-1] == (2000, b'the end'))
     server.close()
-
-
-def test_nonsense_ends_no_view(domain_id, lta, port, hear):
-    words = ('--ros-args', '-r', '__ns:=/lta1', '-p', f'port:={port}')
-    alone = lta.start('run', 'lta_bridge', 'live', *words)
-    context = Context()
-    rclpy.init(args=[], context=context, domain_id=domain_id)
-    node = rclpy.create_node('peer', namespace='/lta1', context=context)
-    row, clock = TABLE['odom'], TABLE['/clock']
-    odom = node.create_publisher(
-        find_message_type(row), 'odom', select_profile(row, lockstep=False)
-    )
-    ticks = node.create_publisher(
-        find_message_type(clock), '/clock', select_profile(clock, lockstep=False)
-    )
-    good, wild, early = (find_message_type(row)() for _ in range(3))
-    good.header.stamp = to_stamp(TABLE.start_ns)
-    wild.header.stamp = to_stamp(2_000_000_000 * 10**9)
-    early.header.stamp.sec = -5
-    early.pose.pose.position.x = math.nan
-    backwards = find_message_type(clock)()
-    backwards.clock.sec = -1
-    nonsense = [serialize_message(good)[:8], serialize_message(good)[:60], wild, early]
-    with closing(Viewer(port)) as viewer:
-        viewer.until(lambda: viewer.channels.keys() >= TOPICS)
-        viewer.subscribe()
-        hear(lambda facts: 'live: view' in facts)
-
-        def publish(*messages: object) -> None:
-            for message in messages:
-                odom.publish(message)
-                ticks.publish(backwards)
-                viewer.pause(0.02)
-
-        def seen() -> int:
-            return len(viewer.messages.get('/lta1/odom', []))
-
-        # The view believes the first stamp that it gets, so this is a good one
-        wait_until(seen, 'a message of odom', seen, lambda: publish(good))
-        every = partial(publish, *nonsense, good)
-        wait_until(lambda: seen() >= 40, '40 messages of odom', seen, every)
-    node.destroy_node()
-    context.try_shutdown()
-    assert viewer.times == []
-    alone.interrupt()
-    assert alone.end() == 0
-    assert 'Traceback' not in alone.text
 
 
 def repeatable(path):

@@ -9,7 +9,6 @@ import time
 
 from builtin_interfaces.msg import Time
 from domain import free_domain
-from lta_config.covariances import UNKNOWN_VARIANCE
 from lta_control.messages import from_duties
 from lta_graph.health import HealthLevel
 from lta_graph.ros.message_validation import find_message_type
@@ -173,38 +172,6 @@ def test_one_half_alone_keeps_no_setpoint_alive(flown, hear):
     hear(lambda facts: 'holding' in motors(facts))
 
 
-def test_a_stale_setpoint_is_held_and_then_the_drone_comes_down(flown, hear):
-    step = flying_controller(flown)
-    for seconds, word in ((0.6, 'holding'), (3.2, 'landing')):
-        estimate(flown, step + round(seconds * 1e9 / STEP))
-        hear(lambda facts, word=word: word in motors(facts))
-    # Landing asks for 0.2 m below where the drone is: no lift, whatever was asked before.
-    up = [estimate(flown, step + 400 + i)[:2] for i in range(200)][-1]
-    assert up == pytest.approx([0.0, 0.0], abs=1e-9)
-    setpoint(flown, 1.0, step + 600)
-    hear(lambda facts: max(estimate(flown, step + 601)) > 0.0)
-
-
-@pytest.mark.parametrize('stale', [False, True])
-def test_a_landing_ends_where_the_drone_no_longer_sinks(flown, hear, stale):
-    """By a setpoint on the floor, or by itself without one; the floor reads as 0.5 m."""
-    later = itertools.count(flying_controller(flown) + (320 if stale else 0), 10)
-
-    def land(facts):
-        # For as long as it takes: setpoints have no order with the estimates
-        at = next(later)
-        if not stale:
-            setpoint(flown, 0.3, at)
-        estimate(flown, at)
-        fact = facts.get('controller: motors')
-        return fact and fact.message == 'on the ground, as it no longer sinks'
-
-    hear(land)
-    at = next(later)
-    setpoint(flown, 1.0, at)
-    hear(lambda facts: max(estimate(flown, at + 1)) > 0.0)
-
-
 def test_a_drone_that_two_nodes_steer_comes_down_until_it_is_armed_again(controller, hear):
     later = itertools.count(flying_controller(controller) + 1)
     name, node = 'setpoint/pose', controller.beside()
@@ -272,39 +239,6 @@ def test_not_a_number_stops_the_motors_for_good(controller, hear):
     refused = controller.ask(SetBool, 'arm', data=True)
     assert not refused.success
     assert 'NaN or infinity' in refused.message
-
-
-@pytest.mark.parametrize('lost', [{'noise': 0.0}, {'variance': UNKNOWN_VARIANCE}])
-def test_an_unknown_height_stops_the_motors_for_good(controller, hear, lost):
-    """Its estimate repeats it to the bit for more than 2 s, or says that it is unknown."""
-    step = flying_controller(controller)
-    duties = []
-    for turn in range(1, 230):
-        setpoint(controller, 1.0, step + turn)
-        duties.append(estimate(controller, step + turn, **lost))
-    if 'noise' in lost:
-        assert all(map(any, duties[:190]))
-    assert not any(map(any, duties[-10:]))
-    assert not any(estimate(controller, step + 231))
-    hear(lambda facts: 'the height is unknown' in motors(facts))
-    assert len(controller.reads('ERROR', 'motors: the height is unknown')) == 1
-    refused = controller.ask(SetBool, 'arm', data=True)
-    assert not refused.success
-
-
-def test_turned_over_the_motors_stop_for_good(controller, hear):
-    step = flying_controller(controller)
-    assert any(estimate(controller, step + 1, roll=0.98))
-    assert estimate(controller, step + 2, roll=1.02) == [0.0] * 4
-    assert estimate(controller, step + 3) == [0.0] * 4
-    hear(lambda facts: 'turned over' in motors(facts))
-    assert len(controller.reads('ERROR', 'motors: the drone turned over')) == 1
-    assert controller.ask(Trigger, 'emergency_stop').success
-    assert len(controller.reads('ERROR', 'motors: emergency stop')) == 1
-    refused = controller.ask(SetBool, 'arm', data=True)
-    assert not refused.success
-    assert 'emergency stop' in refused.message
-    assert estimate(controller, step + 4) == [0.0] * 4
 
 
 def test_qualities_are_overridden_by_the_parameters_of_ros(peer):

@@ -137,17 +137,6 @@ def test_a_gap_makes_the_charge_less_certain():
     assert blind.deviation > before.deviation
 
 
-def test_stamps_that_stand_still_are_told_after_the_third():
-    _, clean = series()
-    estimate = follow(clean(BEFORE))
-    again = estimate.last
-    for count, told in ((2, set()), (1, {'clock'})):
-        estimate = follow([again] * count, estimate=estimate)
-        assert names(estimate) == told
-    assert estimate.reserve
-    assert names(follow(clean(21), estimate=estimate)) == set()
-
-
 @pytest.mark.parametrize('back', [0.5, 60.0, 3600.0])
 def test_a_clock_that_is_set_back_is_told_and_the_energy_stays_known(back):
     cell, clean = series()
@@ -186,18 +175,6 @@ def test_what_is_overtaken_or_told_late_sets_no_clock_back():
         assert (names(estimate), estimate.last) == (set(), good)
     estimate = follow([old[7], old[3], old[7], old[3]], estimate=estimate)
     assert (names(estimate), estimate.last) == ({'clock'}, good)
-
-
-def test_a_fault_is_taken_back_only_after_a_while():
-    _, clean = series()
-    estimate = follow(clean(BEFORE))
-    estimate = follow([replace(clean(1)[0], voltage=0.0)], estimate=estimate)
-    assert names(estimate) == {'dropout'}
-    estimate = follow(clean(19), estimate=estimate)
-    assert names(estimate) == {'dropout'}
-    estimate = follow(clean(2), estimate=estimate)
-    assert names(estimate) == set()
-    assert not estimate.reserve
 
 
 # Eight seeds are flown every time, the others by the long tests.

@@ -119,24 +119,6 @@ def test_a_reading_of_the_past_changes_nothing():
     )  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ('series', 'level', 'words'),
-    [
-        ([], HealthLevel.ERROR, 'no usable battery reading'),
-        ([resting(0.92, -0.1)] * 30, HealthLevel.OK, 'min at this power'),
-        ([resting(0.6, 0.1)] * 30, HealthLevel.OK, 'full in'),
-        ([resting(0.16, -0.1)] * 30, HealthLevel.WARN, 'reserve 25%'),
-        ([(3.15, -0.1)] * 30, HealthLevel.ERROR, 'only 3.15 V: land now'),
-        ([(2.9, -0.1)] * 30, HealthLevel.ERROR, 'brown-out'),
-    ],
-)
-def test_what_is_said_of_the_battery(series, level, words):
-    harvest = 1.0 if series and series[0][1] > 0.0 else 0.0
-    estimate = follow(readings(*series, harvest=harvest))
-    found, sentence = report_energy(SETTINGS, CELL, estimate).battery
-    assert (found, words in sentence) == (level, True), sentence
-
-
 def two(dt, second=-0.9, **before):
     """Return the estimates after a reading of -0.5 A and after the next one."""
     one = update_estimate(

@@ -225,28 +225,6 @@ def test_a_discovery_does_not_go_on_from_what_confirming_flights_contradict(
         assert (decide(found).calibration is not None) == called
 
 
-def test_one_training_flight_shows_with_a_confirming_one_that_lifts_differ(
-    vehicle: Vehicle, wrong: list[Role], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    lifts = {
-        name: make_value('net_lift.force', 0.0, force, 1e-4, name)
-        for (name, _, _), force in zip(wrong, (0.021, 0.012), strict=True)
-    }
-    taught = []
-
-    def calibrate(_vehicle: Vehicle, _name: str, flights: list[Role], *_: object, **__: object):
-        taught.append([name for name, role, _ in flights if role == 'train'])
-        nominal = NominalVehicle.from_vehicle(vehicle)
-        return make_calibration(nominal, *(lifts[name] for name in taught[-1]))
-
-    monkeypatch.setattr(first_step, 'calibrate_flights', calibrate)
-    for suspicions, is_called in ((['net_lift.force'], True), (['wrench_gain.surge'], False)):
-        monkeypatch.setattr(first_step, '_list_suspicions', lambda *_, found=suspicions: found)
-        result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None).calibration
-        assert (result is not None) == is_called
-    assert taught == [[wrong[0][0]], [name for name, _, _ in wrong], [wrong[0][0]]]
-
-
 @pytest.mark.parametrize(
     ('method', 'highest', 'differ'),
     [
@@ -454,12 +432,6 @@ def test_a_rotor_that_pushes_weaker_in_reverse_is_written_as_one(
 def test_reverse_is_calibrated_of_rotors_that_are_flown_in_reverse_alone() -> None:
     duties = [np.array([[0.5, -0.5, -0.5, -0.04]]), np.zeros((0, 4))]
     assert list_reversed_rotors(duties, (True, True, False, True)) == [2]
-
-
-def test_weaker_reverse_is_said_and_has_an_interval(vehicle: Vehicle) -> None:
-    nominal = NominalVehicle.from_vehicle(vehicle)
-    found = make_calibration(nominal, make_value('rotor_3.reverse', 1.0, 0.55, 0.03))
-    assert build_report(found, None).headline == 'Rotor 3 pushes 45 % weaker in reverse.'
 
 
 def test_a_rotor_the_wrong_way_round_is_stated_by_duty(vehicle: Vehicle) -> None:
