@@ -15,7 +15,7 @@ from typing import Any
 from lta_flight.flight import FlightRequest, fly_once
 
 from campaigns import ROOT
-from campaigns.bench_figure import Figure
+from campaigns.bench import Figure
 
 COMMANDS = {
     'help': (('--help',), '`lta --help`'),

@@ -28,7 +28,7 @@ from lta_sim.kernels.kernel import advance
 from lta_sim.kernels.vehicle_batch import VehicleBatch
 import numpy as np
 
-from campaigns.bench_figure import Figure, measure_pace
+from campaigns.bench import Figure, measure_pace
 
 STEP = 2e-3
 DUTY = np.array([0.145, 0.145, 0.2, 0.2])  # forward, and slowly up

@@ -27,7 +27,7 @@ import numpy as np
 from scipy import fft
 
 from campaigns import ROOT
-from campaigns.bench_figure import Figure
+from campaigns.bench import Figure
 
 SAMPLE_RATE = 10_000.0  # of each diode, as in config/topics.yaml [1/s]
 SAMPLES = 1000  # of a light block

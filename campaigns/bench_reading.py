@@ -24,7 +24,7 @@ from lta_flight.simulate import simulate_once, SimulationRequest
 import numpy as np
 from rosbags.highlevel import AnyReader
 
-from campaigns.bench_figure import Figure
+from campaigns.bench import Figure
 
 SIZE = 1_000_000_000  # of the bag [bytes]
 BLOCK = 160_000  # of a light block: 8 diodes of 10 kS/s for 1 s, 16 bits each [bytes]

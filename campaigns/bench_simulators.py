@@ -20,7 +20,7 @@ import warnings
 
 from lta_config.machine import count_cores
 
-from campaigns.bench_figure import Figure, measure_pace
+from campaigns.bench import Figure, measure_pace
 
 STEP = 2e-3
 STEPS = 20_000  # of MuJoCo

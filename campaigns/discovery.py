@@ -14,7 +14,7 @@ from lta_report.formatting import format_markdown_table, MISSING
 import numpy as np
 from scipy.stats import binomtest
 
-from campaigns.challenge.case import KINDS, SECONDS
+from campaigns.challenge.case_generator import KINDS, SECONDS
 from campaigns.challenge.trial import run_trial
 from campaigns.harness import Campaign, Case, Row, Rows
 

@@ -1,7 +1,7 @@
 """
 One fault in one flight of the real firmware.
 
-As `fault_trial.py`, with the firmware as a Linux process (firmware/crazyflie/linux) in place of
+As `faults.py`, with the firmware as a Linux process (firmware/crazyflie/linux) in place of
 the emulated one, and a link between it and the bridge that can be spoilt. The build with our app
 flies GT-MAB by duties, the others fly the multirotor by setpoints.
 """
@@ -21,7 +21,7 @@ from lta_emulation.step_thread import StepThread
 from lta_model.vehicle import load_vehicle
 
 from campaigns.fault_kinds import WRAP_MS
-from campaigns.fault_trial import Trial
+from campaigns.faults import Trial
 from campaigns.graph_trial import try_flight
 from campaigns.linux_crazyflie import BLIMP, Process
 

@@ -35,8 +35,7 @@ from campaigns.trust_case import (
     whole,
 )
 from campaigns.trust_flights import piece
-from campaigns.trust_hands import held
-from campaigns.trust_motion import axes, clock
+from campaigns.trust_motion import axes, clock, held
 
 
 def restless(flight: ChannelRecording) -> list[SignalChannel]:

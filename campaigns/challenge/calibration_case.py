@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from campaigns.challenge.air import MovingAir, RoomAirMotion
-from campaigns.challenge.case import CaseFlight
-from campaigns.challenge.case_generator import draw_initial_state
+from campaigns.challenge.case_generator import CaseFlight, draw_initial_state
 from campaigns.challenge.flight import DutyPilot, FlightSimulator, TICK
 from campaigns.challenge.pilot import SwingingPilot
 from campaigns.challenge.rotors import RotorSet

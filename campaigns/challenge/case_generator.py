@@ -1,31 +1,56 @@
 """Generate a case; it depends on seed, number and kind only."""
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 import math
-from typing import Any, Final, final
+from typing import Any, Final, final, Literal
 
 from lta_model.vehicle import Vehicle
 import numpy as np
+from numpy.typing import NDArray
 
 from campaigns.challenge.air import MovingAir, RoomAirMotion, UnsteadyWind
-from campaigns.challenge.case import (
-    CaseFlight,
-    ChallengeCase,
-    Kind,
-    KINDS,
-    LEARNED,
-    ROLES,
-    SECONDS,
-)
 from campaigns.challenge.effect_injection import draw_hidden_effects, inject_effects, true_values
 from campaigns.challenge.flight import FlightSimulator, SimulatedTrajectory
 from campaigns.challenge.pilot import SwingingPilot
 from campaigns.challenge.sensors import SensorSet, STAMPS, Stamps
-from campaigns.challenge.sizing import draw_unlisted, scale_unlisted, wrench_strength
 from campaigns.challenge.tolerance import apply_flight_errors, perturb_vehicle
 from campaigns.challenge.truth import build_vehicle_truth, VehicleTruth
-from campaigns.challenge.unlisted import UNLISTED
+from campaigns.challenge.unlisted import draw_unlisted, scale_unlisted, UNLISTED, wrench_strength
+
+Array = NDArray[np.float64]
+Streams = Mapping[str, tuple[Array, Array]]  # times [s] and values by topic
+Kind = Literal['clean', 'single', 'pair', 'outside', 'mixed']
+
+# Probabilities of what is hidden, if none is requested
+KINDS: Final[dict[Kind, float]] = {
+    'clean': 0.3, 'single': 0.25, 'pair': 0.15, 'outside': 0.15, 'mixed': 0.15,
+}  # fmt: skip
+ROLES: Final = ('train', 'confirm', 'holdout')
+LEARNED: Final = (0, 1)  # indices of the flights from which discovery learns
+SECONDS: Final = (60.0, 180.0)  # s; range of flight lengths
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class CaseFlight:
+    """A recorded flight of a case."""
+
+    name: str  # of its bag
+    role: str  # 'train', 'confirm' or 'holdout'
+    course: str
+    streams: Streams
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class ChallengeCase:
+    """A case."""
+
+    number: int
+    flights: tuple[CaseFlight, ...]
+    answer: dict[str, Any]
+
 
 Draw = np.random.Generator
 

@@ -23,8 +23,7 @@ from lta_discovery.state_filter.parameter_fit import fit_likelihood
 from lta_model.vehicle import load_vehicle
 import numpy as np
 
-from campaigns.challenge.case import ChallengeCase, Kind, SECONDS
-from campaigns.challenge.case_generator import OtherCaseGenerator
+from campaigns.challenge.case_generator import ChallengeCase, Kind, OtherCaseGenerator, SECONDS
 from campaigns.challenge.recording import write_bag
 
 VEHICLE: Final = 'gtmab'

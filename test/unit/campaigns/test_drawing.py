@@ -6,16 +6,14 @@ from pathlib import Path
 
 import campaigns.challenge as challenge
 from campaigns.challenge.air import RoomAirMotion, UnsteadyWind
-from campaigns.challenge.case import ChallengeCase, Kind
-from campaigns.challenge.case_generator import OtherCaseGenerator
+from campaigns.challenge.case_generator import ChallengeCase, Kind, OtherCaseGenerator
 from campaigns.challenge.effect_injection import HIDINGS, inject_effects, true_values
 from campaigns.challenge.flight import FlightSimulator
 from campaigns.challenge.pilot import SwingingPilot
 from campaigns.challenge.sensors import SensorSet
-from campaigns.challenge.sizing import wrench_strength
 from campaigns.challenge.tolerance import perturb_vehicle
 from campaigns.challenge.truth import build_vehicle_truth, VehicleTruth
-from campaigns.challenge.unlisted import UNLISTED
+from campaigns.challenge.unlisted import UNLISTED, wrench_strength
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest

@@ -8,7 +8,7 @@ from builtin_interfaces.msg import Time
 from campaigns import soak
 from campaigns.chaos_spoilt import AGE_NS, spoil, SPOILT
 from campaigns.graph_trial import write_endless_flight
-from campaigns.soak_measures import fit_slope, LEAK
+from campaigns.soak import fit_slope, LEAK
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.topics import load_topic_table, robot_topic
 from lta_control.messages import from_duties

@@ -5,7 +5,7 @@ import math
 from pathlib import Path
 
 from campaigns.challenge.calibration_case import CalibrationCase, generate_calibration_case
-from campaigns.challenge.case import CaseFlight
+from campaigns.challenge.case_generator import CaseFlight
 from campaigns.challenge.flight import DutyPilot, FlightSimulator, TICK
 from campaigns.challenge.recording import write_bag
 from campaigns.challenge.sensors import SensorSet
