@@ -11,35 +11,29 @@ from lta_discovery.model.parameters import FreeParameter, list_free_parameters
 from lta_discovery.model.quaternions import (
     quaternion_exponential,
     quaternion_product,
-    rotation_matrix,
 )
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_spec import build_vehicle_scenario_stack, load_spec
 from lta_model.vehicle import load_vehicle, Vehicle
-from lta_sim.scene_model import build_scene_model
 from lta_sim.world import World
 import numpy as np
 from numpy.typing import NDArray
-
-from .unknown_physics import Kind, Seen
 
 Array = NDArray[np.float64]
 POSE_NOISE, TURN_NOISE = 1e-3, 2.5e-3  # m, rad: a tracker of passive markers
 
 
-def course(seed: int, turn: float = 0.0) -> dict[int, Setpoint]:
-    """Return setpoints that change every 8 s: climbs, turns, speeds; round and round by `turn`."""
+def course(seed: int) -> dict[int, Setpoint]:
+    """Return setpoints that change every 8 s: climbs, turns, speeds."""
     rng = np.random.default_rng([seed, 7])
     heading, out = 0.0, {}
     for k in range(64):
-        heading += rng.uniform(-2.0, 2.0) if turn == 0.0 else turn + rng.uniform(-0.4, 0.4)
+        heading += rng.uniform(-2.0, 2.0)
         out[k] = Setpoint(rng.uniform(1.0, 2.0), heading, rng.choice([0.0, 0.3, 0.6]))
     return out
 
 
-def world_of(
-    changes: Mapping[str, object], seed: int, turn: float = 0.0
-) -> tuple[World, ClosedLoop]:
+def world_of(changes: Mapping[str, object], seed: int) -> tuple[World, ClosedLoop]:
     """Return a GT-MAB in a great empty hall, with changes to its file."""
     made = load_spec('gtmab', 'lamp_room', 'bag', 'gtmab')
     scene = {
@@ -49,7 +43,7 @@ def world_of(
     made = made.with_values({**scene, **changes})
     vehicle, scenario, policy = build_vehicle_scenario_stack(made)
     table = load_topic_table()
-    plan = course(seed, turn)
+    plan = course(seed)
     policy = replace(policy, course=lambda t: plan[int(t // 8.0)])
     world = World(vehicle, scenario, table, seed)
     known = Vehicle(
@@ -58,47 +52,13 @@ def world_of(
     return world, ClosedLoop(world, table, policy, known)
 
 
-class Pushed:
-    """A world in which something pushes, half before a period and half after it."""
-
-    def __init__(self, world: World, kind: Kind | None) -> None:
-        self.world, self.kind = world, kind
-        model = build_scene_model(world.vehicle, world.scenario)
-        self._inverse = np.array(model.inverse).reshape(6, 6)
-        self._arm = np.array(world.vehicle.file.sensors.imu_position.vector)
-        self._before = world.state[7:13].copy()
-        self._period = load_topic_table().control_ns * 1e-9
-        self.felt = np.zeros(3)  # by the accelerometer, m/s2
-
-    def advance(self, duties: Array) -> None:
-        """Fly one control period."""
-        if self.kind is None:
-            self.world.advance(duties.tolist())
-            return
-        state, period = self.world.state, self._period
-        change = (state[7:13] - self._before) / period
-        self._before = state[7:13].copy()
-        seen = Seen(
-            self.world.elapsed, state[:3].copy(), rotation_matrix(state[3:7]), state[7:10].copy(),
-            state[10:13].copy(), change, duties, period,
-        )  # fmt: skip
-        answer = self._inverse @ self.kind(seen)
-        self.felt = answer[:3] + np.cross(answer[3:], self._arm)
-        state[7:13] += 0.5 * period * answer
-        self.world.advance(duties.tolist())
-        state[7:13] += 0.5 * period * answer
-
-
 def flown(
     changes: Mapping[str, object],
     seed: int,
     length: float = 60.0,
-    kind: Kind | None = None,
-    turn: float = 0.0,
 ) -> FlightStreams:
-    """Fly and return what is recorded; `kind` pushes as no effect does."""
-    world, loop = world_of(changes, seed, turn)
-    pushed = Pushed(world, kind)
+    """Fly and return what is recorded."""
+    world, loop = world_of(changes, seed)
     rng = np.random.default_rng([seed, 9])
     rotors = len(world.vehicle.reversible)
     until, dither = 0.0, np.zeros(rotors)
@@ -113,7 +73,7 @@ def flown(
         duties = np.clip(np.array(loop.duties) + dither, 0.0, 1.0)
         pose.append((now, *told.truth[:7]))
         rates.append((now, *told.rates))
-        force.append((now, *(np.array(told.force) + pushed.felt)))
+        force.append((now, *told.force))
         for stamp, distance in told.ranges:
             ranges.append((now + (stamp - told.stamp_ns) * 1e-9, distance))
         if told.pressure is not None:
@@ -121,7 +81,7 @@ def flown(
         if told.battery is not None:
             volts.append((now, told.battery[0]))
         commands.append((now, *duties))
-        pushed.advance(duties)
+        world.advance(duties.tolist())
     seen = _stream(pose)
     values = seen.values
     values[:, :3] += POSE_NOISE * rng.standard_normal((len(values), 3))
