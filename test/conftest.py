@@ -12,6 +12,7 @@ import os
 from pathlib import Path
 import sys
 from typing import Any
+from zlib import crc32
 
 # Before numpy is imported: more threads only take the cores from the processes under test.
 os.environ.update(OPENBLAS_NUM_THREADS='1', OMP_NUM_THREADS='1', MKL_NUM_THREADS='1')
@@ -44,7 +45,18 @@ def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line('filterwarnings', "ignore:module 'sre_:DeprecationWarning")
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def pytest_addoption(parser: pytest.Parser) -> None:
+    words = 'of the long tests alone those of this quarter'
+    parser.addoption('--quarter', type=int, choices=range(4), help=words)
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    if (quarter := config.getoption('quarter')) is not None:
+        # By name, so that a test stays in its quarter whatever is added beside it
+        mine = [item for item in items if item.get_closest_marker('long')
+                and crc32(item.nodeid.encode()) % 4 == quarter]  # fmt: skip
+        config.hook.pytest_deselected(items=[item for item in items if item not in mine])
+        items[:] = mine
     for item in items:
         folder = item.path.relative_to(ROOT / 'test').parts[0]
         if folder in MARKED:
