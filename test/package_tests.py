@@ -46,7 +46,6 @@ PACKAGE_TESTS: Final = {
         'sim/test_light_field.py',
         'sim/test_mass.py',
         'sim/test_measurement_effects.py',
-        'sim/test_photodiode.py',
         'sim/test_pressure.py',
         'sim/test_range.py',
         'sim/test_ray_integration.py',

@@ -85,17 +85,6 @@ def test_a_command_is_flown_until_it_is_three_tenths_of_a_second_old(simulator, 
     assert list(simulator._world.duties) == DUTIES
 
 
-def test_a_command_of_the_far_future_keeps_nothing_turning(simulator, paced):
-    """Taken for the newest, it would be fresh until its stamp has come."""
-    passes, command = paced
-    command(DUTIES, ahead=100.0)
-    passes(0.35)
-    assert list(simulator._world.duties) == STILL
-    command(DUTIES, ahead=0.2)
-    passes(0.4)
-    assert list(simulator._world.duties) == DUTIES
-
-
 @pytest.mark.parametrize(
     'duties',
     [[0.1, 0.2, 0.3, -0.4], [0.1, 0.2, 0.3, 1.1], [0.1, 0.2, 0.3, float('nan')], [0.1] * 3],

@@ -107,12 +107,6 @@ def test_it_sinks_as_fast_as_its_drag_allows(truth: VehicleTruth) -> None:
         assert drag == pytest.approx(-0.359 * speed**2 - 0.1 * 0.4**0.1 * speed**1.9, rel=1e-12)
 
 
-def test_a_round_hull_brakes_alike_whatever_its_heading(truth: VehicleTruth) -> None:
-    body = KirchhoffBody(truth)
-    ahead, askew = body.drag_wrench((0.5, 0.0, 0.0), NONE), body.drag_wrench((0.3, 0.4, 0.0), NONE)
-    assert askew[:2] == pytest.approx((0.6 * ahead[0], 0.8 * ahead[0]), rel=1e-12)
-
-
 def energy(truth: VehicleTruth, path: SimulatedTrajectory) -> np.ndarray:
     """Return the energy of body, air and weight. [J]."""
     masses = KirchhoffBody(truth).masses

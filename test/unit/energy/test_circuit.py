@@ -42,21 +42,6 @@ def test_what_is_harvested_is_consumed_lost_or_stored(charge, available, asked, 
     assert 0.0 <= store.charge <= 1.0
 
 
-def test_a_full_cell_leaves_the_light_unharvested():
-    """Loads of 0.1 W at 85 % efficiency, and 22 mW of the charger, take 0.1396 W of the array."""
-    _, spent = step_circuit(CELL, CHARGER, resting_flow(1.0), NO_ENERGY, 1.0, 0.1, 60.0)
-    assert spent.harvested == pytest.approx(60.0 * (0.1 / 0.85 + 0.022))
-    assert spent.curtailed == pytest.approx(60.0 * (0.95 - 0.1 / 0.85 - 0.022))
-
-
-def test_an_empty_cell_goes_out():
-    store, spent = resting_flow(0.001), NO_ENERGY
-    for _ in range(10):
-        store, spent = step_circuit(CELL, CHARGER, store, spent, 0.0, 1.5, 1.0)
-    assert not store.fed
-    assert spent.consumed < 15.0
-
-
 def test_a_table_gives_what_the_diode_gives():
     for light in (0.3, 7.0, 55.5, 333.0, 981.0):
         voltage, current = find_max_power_point(PANEL, light)
@@ -73,13 +58,6 @@ def test_a_flickering_lamp_brings_its_duty_of_its_own_brightness():
     assert both == pytest.approx(
         0.75 * HARVEST.steady_light_power(100.0) + 0.25 * HARVEST.steady_light_power(320.0)
     )
-
-
-def test_in_light_too_dim_for_the_charger_nothing_is_left_unharvested():
-    """The charger's own 22 mW need 23.2 mW from the array."""
-    for available, curtailed in ((0.0231, 0.0), (0.024, 60.0 * (0.024 * 0.95 - 0.022))):
-        _, spent = step_circuit(CELL, CHARGER, resting_flow(1.0), NO_ENERGY, available, 0.0, 60.0)
-        assert spent.curtailed == pytest.approx(curtailed, abs=1e-9)
 
 
 def test_the_books_add_up_entry_by_entry():

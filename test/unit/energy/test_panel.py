@@ -81,13 +81,6 @@ def test_warmth_is_pvlibs(name, irradiance):
     assert ours[2] == pytest.approx(thermal, rel=1e-6)
 
 
-def test_silicon_loses_a_quarter_of_a_percent_of_voltage_a_kelvin():
-    panel = SolarArrayModel.from_cells('anysolar', 1, 1).model_copy(update={'warming': 0.0})
-    warm = panel.model_copy(update={'warming': 0.01})  # 10 K at 1000 W/m2
-    cool, hot = pvlib_curve(panel, 1000.0)['v_oc'], pvlib_curve(warm, 1000.0)['v_oc']
-    assert (hot / cool - 1.0) / 10.0 == pytest.approx(-0.0027, abs=0.0005)
-
-
 @given(LIGHT, st.integers(1, 5), st.integers(1, 5))
 def test_strings_add_up(irradiance, series, parallel):
     voltage, current = find_max_power_point(
@@ -98,26 +91,6 @@ def test_strings_add_up(irradiance, series, parallel):
     )
     assert volts == pytest.approx(series * voltage, rel=1e-6)
     assert amperes == pytest.approx(parallel * current, rel=1e-6)
-
-
-@given(LIGHT, LIGHT)
-def test_more_light_gives_more(one, other):
-    low, high = sorted((one, other))
-    panel = SolarArrayModel.from_cells('adafruit', 1, 1).model_copy(update={'warming': 0.0})
-    powers = [
-        volts * amperes for volts, amperes in (find_max_power_point(panel, x) for x in (low, high))
-    ]
-    assert powers[0] <= powers[1]
-
-
-def test_dim_light_gives_less_than_in_proportion():
-    panel = SolarArrayModel.from_cells('anysolar', 1, 1).model_copy(update={'warming': 0.0})
-    powers = [
-        volts * amperes
-        for volts, amperes in (find_max_power_point(panel, x) for x in (1.0, 1000.0))
-    ]
-    # The open circuit loses 0.226 V ln 1000 = 1.56 V of its 5.53 V; the rest is lost in shape.
-    assert powers[0] == pytest.approx(0.75e-3 * powers[1], rel=0.01)
 
 
 def test_darkness_gives_nothing():

@@ -37,18 +37,6 @@ def test_a_first_reading_at_rest_finds_the_charge_and_how_sure_it_is(charge):
     assert state.charge == pytest.approx(charge, abs=0.5 * state.deviation)
 
 
-def test_counting_by_hand():
-    state = initialize_from_reading(SETTINGS, CELL, 3.84, 0.0)
-    after = predict_state(SETTINGS, CELL, state, -0.9, 0.0, 10.0)
-    factor = state.mean[soc_ekf.INVERSE]
-    assert after.charge == pytest.approx(state.charge - factor * 9.0 / 900.0, rel=1e-12)
-    kept = math.exp(-10.0 / 33.0)
-    pulled = -0.9 * 0.094 * state.mean[soc_ekf.RESISTANCE]
-    assert after.mean[soc_ekf.RELAXATION] == pytest.approx(
-        kept * state.mean[soc_ekf.RELAXATION] + (1.0 - kept) * pulled, rel=1e-12
-    )
-
-
 readings = st.lists(
     st.tuples(st.floats(-2.0, 1.0), st.floats(3.3, 4.2), st.floats(0.05, 30.0)),
     min_size=1, max_size=12,
@@ -102,25 +90,6 @@ def test_a_covariance_stays_one(series):
         np.testing.assert_allclose(spread(state), spread(state).T, atol=1e-12)
         assert np.linalg.eigvalsh(spread(state)).min() > -1e-12
         assert 0.0 <= state.charge <= 1.0
-
-
-def test_no_number_of_readings_averages_an_error_of_the_chart_away():
-    state = initialize_from_reading(SETTINGS, CELL, 3.9, 0.0)
-    for _ in range(5000):
-        state = predict_state(SETTINGS, CELL, state, 0.0, 0.0, 0.1)
-        state, _ = correct_state(SETTINGS, CELL, state, 3.9, 0.0)
-    slope = soc_ekf.chord_slope(state.charge, soc_ekf.NARROWEST_CHORD)
-    assert state.deviation > 0.8 * SETTINGS.chart_error / slope  # the prior tells a little
-
-
-def test_what_is_not_measured_is_less_and_less_known():
-    state, deviations = initialize_from_reading(SETTINGS, CELL, 3.9, -0.1), []
-    for _ in range(5):
-        state = predict_state(SETTINGS, CELL, state, -0.4, 0.4, 60.0)
-        deviations.append(state.deviation)
-    assert deviations == sorted(deviations)
-    # 0.4 A of doubt for each of five minutes: 24 C a minute, independent.
-    assert deviations[-1] > math.sqrt(5.0) * 24.0 / 900.0
 
 
 def test_what_is_not_known_at_first_by_hand():

@@ -12,7 +12,6 @@ from lta_vlc.settings import DemodulationSettings
 import numpy as np
 import pytest
 
-from ..vlc.square_mean import mean_on  # noqa: TID252 - `test` is Python's own
 from .diode_noise import noise_volts
 from .even_light import illuminance, synthesise
 
@@ -149,28 +148,6 @@ def test_noise_is_as_correlated_as_the_pole_makes_it():
     assert math.sqrt(variance) * STEP == pytest.approx(0.03, rel=0.02)
     following = (counts[1:] * counts[:-1]).mean() / variance
     assert following == pytest.approx(math.exp(-0.1 * math.pi), abs=0.01)
-
-
-def test_filter_is_that_of_a_fine_simulation():
-    # A slow pole, so that it shows: 800 Hz; an odd frequency, so that edges fall anywhere.
-    array = ring(bandwidth=800.0, noise=0.0, feedback_resistance=1e6, adc_bits=16, count=1)
-    field = scene(frequency=137.3)
-    block, _ = synthesise(array, field, light([300.0, 312.0]), START, 1e4, 1000, generator())
-    # Euler's exponential in steps of 1 us through 100 us before each sample.
-    fine = START + np.arange(-20_000, 100_000, dtype=np.int64) * 1000
-    ramp = np.clip(300.0 + 12.0 * (fine - START) * 1e-8, 300.0, None)
-    drive = mean_on(field.first_lamp.wave, fine, 1000) * ramp * 6.48228e-3
-    keep = math.exp(-2.0 * math.pi * 800.0 * 1e-6)
-    volts, output = 0.0, np.empty(fine.size)
-    for k, level in enumerate(drive.tolist()):
-        output[k] = volts
-        volts = keep * volts + (1.0 - keep) * level
-    expected = (output[20_000::100] + 7.5e-3) / (3.3 / 65_536)
-    # Shot noise of 2 V at 800 Hz: 0.03 mV, 0.6 counts; rounding 0.3 counts; and the ramp is
-    # taken as level within a sample, 0.012 lx or 1.9 counts times the half of it that counts.
-    error = block[:, 0] - expected
-    assert np.abs(error).max() < 3.5
-    assert np.abs(error).mean() < 1.0
 
 
 @pytest.mark.parametrize('bandwidth', [14e3, 300.0])

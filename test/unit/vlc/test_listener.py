@@ -1,10 +1,18 @@
-"""Several beacons, wishes, and clocks that are off, from block to block."""
+"""Several beacons, wishes, drifting clocks, gaps and faults, from block to block."""
 
 import math
 
 from lta_config.errors import BadInput
-from lta_vlc.demodulation import demodulate_block, DiodeFault
-from lta_vlc.receiver import BeaconReceiver
+from lta_graph.health import HealthLevel
+from lta_vlc.demodulation import demodulate_block, DemodulatedBlock, DiodeFault, Peaks
+from lta_vlc.diagnostics import describe_beacons
+from lta_vlc.receiver import (
+    BeaconPresence,
+    BeaconReceiver,
+    BlockSequence,
+    FrequencyTracker,
+    tracking_range,
+)
 from lta_vlc.settings import DemodulationSettings, NO_WISH
 import numpy as np
 import pytest
@@ -162,3 +170,175 @@ def test_a_tone_that_nobody_knows_is_told_and_mains_are_known():
 def test_a_truncated_block_is_refused(shape):
     with pytest.raises(BadInput, match='the demodulator expects 1000 samples of each diode'):
         listener().demodulate_next_block(np.zeros(shape))
+
+
+PERIOD = 100_000_000
+START = 1_000_000_000
+
+
+def taken(*blocks: float) -> list[int]:
+    """Return how many blocks are missing before each of these, counted in blocks."""
+    sequence = BlockSequence(PERIOD)
+    return [sequence.count_missing_blocks(START + round(block * PERIOD)) for block in blocks]
+
+
+def test_blocks_go_on_from_one_another():
+    assert taken(0, 1, 2, 3) == [0, 0, 0, 0]
+
+
+def test_a_clock_that_trembles_loses_nothing():
+    assert taken(0, 1.3, 2.2, 2.8, 4.2) == [0, 0, 0, 0, 0]
+
+
+def test_missing_blocks_are_counted():
+    sequence = BlockSequence(PERIOD)
+    assert [sequence.count_missing_blocks(START + k * PERIOD) for k in (0, 3, 4, 9)] == [
+        0,
+        2,
+        0,
+        4,
+    ]
+    assert sequence.missing == 6
+
+
+@pytest.mark.parametrize('late', [1, 0, 1.4, 1.4999, -8.9999])
+def test_a_block_out_of_order_is_refused_and_the_newest_kept(late):
+    sequence = BlockSequence(PERIOD)
+    sequence.count_missing_blocks(START + PERIOD)
+    with pytest.raises(BadInput, match=r'follows one with 1.100 s, but each block lasts 0.1 s'):
+        sequence.count_missing_blocks(START + round(late * PERIOD))
+    assert sequence.count_missing_blocks(START + 2 * PERIOD) == 0
+
+
+def test_a_recording_may_begin_again():
+    assert taken(50, 51, 0, 1) == [0, 0, 0, 0]
+
+
+def test_presence_takes_blocks_that_are_missing_for_silent():
+    assert BeaconPresence(True).update_presence(False, 4) == (True, 4)
+    assert BeaconPresence(True).update_presence(False, 5) == (False, 0)
+    assert BeaconPresence(True, 4).update_presence(True) == (True, 0)
+    assert BeaconPresence().update_presence(True).update_presence(True) == (True, 0)
+
+
+def test_gaps_between_stamps_are_rounded_to_whole_blocks():
+    assert taken(0, 0.5) == [0, 0]
+    assert taken(0, 1.49) == [0, 0]
+    assert taken(0, 1.5) == [0, 1]
+    assert taken(0, 2.49, 3.49) == [0, 1, 0]
+    assert taken(10, 0, 1) == [0, 0, 0]  # ten blocks back, a new sequence begins
+
+
+def test_the_error_moves_a_quarter_of_the_way_and_stays_within_reach():
+    tracker = FrequencyTracker(150.0).update_frequency(154.0, 20.0)
+    assert tracker == FrequencyTracker(150.0, 1.0, 0)
+    tracker = tracker.update_frequency(154.0, 20.0)
+    assert tracker.error == pytest.approx(1.75)
+    assert tracker.update_frequency(154.0, 2.0).error == 2.0
+    assert FrequencyTracker(150.0).update_frequency(130.0, 2.0).error == -2.0
+
+
+def test_after_twenty_silent_blocks_the_nominal_frequency_is_expected():
+    tracker = FrequencyTracker(150.0, 1.5)
+    for silent in range(1, 20):
+        tracker = tracker.coast_without_detection()
+        assert tracker == FrequencyTracker(150.0, 1.5, silent)
+    assert tracker.coast_without_detection() == FrequencyTracker(150.0, 0.0, 20)
+    assert FrequencyTracker(150.0, 1.5, 4).coast_without_detection(15) == FrequencyTracker(
+        150.0, 1.5, 19
+    )
+    assert FrequencyTracker(150.0, 1.5, 4).coast_without_detection(16) == FrequencyTracker(
+        150.0, 0.0, 20
+    )
+    assert FrequencyTracker(150.0, 1.5, 19).update_frequency(151.5, 20.0) == FrequencyTracker(
+        150.0, 1.5, 0
+    )
+
+
+@pytest.mark.parametrize(
+    ('beacons', 'flicker', 'apart', 'far'),
+    [
+        ((1000.0,), (), 30.0, 50.0),  # a twentieth of its frequency
+        ((1000.0, 1120.0), (), 30.0, 30.0),  # half of the way to the next beacon, less `apart`
+        ((880.0, 1000.0), (), 30.0, 30.0),
+        ((1000.0,), (930.0, 1100.0), 30.0, 40.0),  # all of the way to the flicker, less `apart`
+        ((1000.0, 1120.0), (1050.0,), 30.0, 20.0),
+        ((1000.0, 1050.0), (), 30.0, 0.0),
+    ],
+)
+def test_reach_ends_before_the_bins_of_other_beacons_and_of_flicker(beacons, flicker, apart, far):
+    assert tracking_range(1000.0, beacons, flicker, apart) == pytest.approx(far)
+
+
+def test_a_beacon_is_found_after_two_blocks_and_lost_after_five():
+    presence = BeaconPresence()
+    assert presence == (False, 0)
+    presence = presence.update_presence(True)
+    assert presence == (False, 1)
+    assert presence.update_presence(False) == (False, 0)
+    presence = presence.update_presence(True)
+    assert presence == (True, 0)
+    for against in range(1, 5):
+        presence = presence.update_presence(False)
+        assert presence == (True, against)
+    assert presence.update_presence(False) == (False, 0)
+    assert BeaconPresence().update_presence(True, 2) == (True, 0)
+
+
+NOTHING = np.zeros(4)
+LOST, FOUND = BeaconPresence(False), BeaconPresence(True)
+
+
+def told(*presences, snr=(5.0, 3.0), faults=(DiodeFault.NONE,) * 4):
+    """Return the facts of two beacons, at 150 and 250 Hz, that are heard 0.3 Hz too high."""
+    peaks = tuple(
+        Peaks(NOTHING, np.array([0.5 * best, best, 0.0, 0.0]), NOTHING, NOTHING) for best in snr
+    )
+    hearing = DemodulatedBlock(peaks, (150.3, 250.3), faults, NOTHING)
+    return list(describe_beacons(hearing, (150.0, 250.0), presences, 7, 2))
+
+
+def test_the_wanted_beacon_warns_where_no_diode_hears_it_and_another_never():
+    assert [(fact.task, fact.level, fact.message) for fact in told(FOUND, FOUND)] == [
+        ('light', HealthLevel.OK, 'beacon found'),
+        ('beacon at 250 Hz', HealthLevel.OK, 'beacon found'),
+    ]
+    assert [(fact.level, fact.message) for fact in told(LOST, LOST)] == [
+        (HealthLevel.WARN, 'no photodiode receives the beacon'),
+        (HealthLevel.OK, 'no photodiode receives the beacon'),
+    ]
+
+
+def test_what_concerns_the_diodes_is_told_once():
+    saturated = DiodeFault.SATURATED | DiodeFault.ALIASED
+    faults = (
+        saturated,
+        DiodeFault.FLAT,
+        DiodeFault.SATURATED,
+        DiodeFault.SATURATED | DiodeFault.NOT_A_NUMBER,
+    )
+    wanted, other = told(FOUND, FOUND, faults=faults)
+    assert wanted.values == {
+        'beacon_Hz': '150',
+        'best_snr': '5.0',
+        'frequency_error_Hz': '0.300',
+        'saturated_diodes': '3',
+        'flat_diodes': '1',
+        'wild_diodes': '1',
+        'aliased_diodes': '1',
+        'blocks_missing': '7',
+        'blocks_refused': '2',
+    }
+    assert other.values == {
+        'beacon_Hz': '250',
+        'best_snr': '3.0',
+        'frequency_error_Hz': '0.300',
+    }
+
+
+def test_one_that_is_not_heard_has_no_frequency_to_be_off():
+    assert math.isnan(float(told(LOST, FOUND)[0].values['frequency_error_Hz']))
+    deaf = told(FOUND, FOUND, snr=(0.0, 3.0))[0].values['frequency_error_Hz']
+    assert math.isnan(float(deaf))
+    faint = told(FOUND, FOUND, snr=(1.0, 1.0))[1].values['frequency_error_Hz']
+    assert faint == '0.300'

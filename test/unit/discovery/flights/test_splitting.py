@@ -1,8 +1,10 @@
-"""Which flights teach, confirm and are held out where nobody says."""
+"""Bags, which of them teach, confirm and are held out, and what is said of several."""
 
 from dataclasses import replace
+import shutil
 
 from lta_config.errors import BadInput
+from lta_discovery.flights.bags import read_bags
 from lta_discovery.flights.measured_flight import (
     FlightStreams,
     MeasuredFlight,
@@ -16,6 +18,7 @@ from lta_discovery.flights.role_assignment import (
     ROLES,
     TWO,
 )
+from lta_discovery.flights.sentence_merger import merge_sentences
 import numpy as np
 import pytest
 
@@ -111,3 +114,84 @@ def test_of_an_odd_number_of_flights_one_more_trains_than_confirms(
     found, _ = assign_roles([(f'F{k}', 'train', flight) for k in range(count)])
     assert [role for _, role, _ in found] == ['train'] * teach + ['confirm'] * (count - teach)
     assert [name for name, _, _ in found] == [f'F{k}' for k in range(count)]
+
+
+def test_bags_keep_their_names_roles_and_order(hidden_bags, tmp_path):
+    a, b, c = hidden_bags
+    results = tmp_path / 'flown'
+    shutil.copytree(c, results / 'bag')  # as the results folder of a flight has it
+    again = tmp_path / 'A'
+    shutil.copytree(b, again)
+    told = []
+    found = read_bags({'holdout': [results], 'train': [a, again]}, tell=told.append)
+    assert [(one.name, one.role) for one in found] == [
+        ('A', 'train'), ('A_2', 'train'), ('flown', 'holdout'),
+    ]  # fmt: skip
+    assert told == ['A', 'A_2', 'flown']
+    assert {one.vehicle for one in found} == {'gtmab'}
+    assert found[0].rotor_names == ('forward_left', 'forward_right', 'up_left', 'up_right')
+    assert found[0].recording.is_simulated
+
+
+@pytest.mark.parametrize('role', ['train', 'confirm'])
+def test_a_bag_has_one_role(hidden_bags, role):
+    a = hidden_bags[0]
+    (file,) = a.glob('*.mcap')  # the same in other words
+    with pytest.raises(BadInput, match='is given twice'):
+        read_bags({'train': [a, *([file] if role == 'train' else [])],
+                   **({role: [file]} if role != 'train' else {})})  # fmt: skip
+
+
+def test_there_has_to_be_something_to_learn_from(hidden_bags):
+    with pytest.raises(BadInput, match='no training flight'):
+        read_bags({'confirm': [hidden_bags[0]]})
+
+
+def test_what_is_no_bag_is_said(tmp_path):
+    with pytest.raises(BadInput, match='does not exist'):
+        read_bags({'train': [tmp_path / 'nothing']})
+
+
+def test_the_same_of_several_is_said_once_and_the_rest_as_it_was() -> None:
+    late = [f'{name} is late, which is odd.' for name in 'ABCDE']
+    other = ['B: a gap of 2 s is cut out.', 'F is late.', 'No flight was held out.']
+    assert merge_sentences([*late[:2], *other, *late[2:]]) == [
+        'A, B, C and 2 more are late, which is odd.',
+        *other,
+    ]
+
+
+def test_what_differs_in_numbers_alone_is_a_range() -> None:
+    said = [
+        'data_1: 4 % is lost in 2 gaps.',
+        'data_2: 12.5 % is lost in 2 gaps.',
+        'data_3: the clock drifts.',
+        'data_4: 9 % is lost in 2 gaps.',
+    ]
+    assert merge_sentences(said, 28) == [
+        'In 3 of 28 flights (data_1, data_2, data_4): 4 to 12.5 % is lost in 2 gaps.',
+        'data_3: the clock drifts.',
+    ]
+
+
+def test_the_number_of_flights_is_given_if_there_is_more_than_one() -> None:
+    odd = ['A: 3 are odd.', 'B: 3 are odd.']
+    assert merge_sentences(odd, 2) == ['In 2 of 2 flights (A, B): 3 are odd.']
+    assert merge_sentences(odd, 1) == merge_sentences(odd) == ['A, B: 3 are odd.']
+
+
+def test_only_separate_numbers_after_a_colon_become_ranges() -> None:
+    """Sentences that differ in digits within a word, or have 'is' for the colon, stay apart."""
+    said = ['A: lost_3 misses 1.5 s.', 'B: lost_3 misses 0.5 s.', 'C: lost_4 misses 1 s.']
+    assert merge_sentences(said, 3) == [
+        'In 2 of 3 flights (A, B): lost_3 misses 0.5 to 1.5 s.', 'C: lost_4 misses 1 s.',
+    ]  # fmt: skip
+    assert merge_sentences(['A is 1 s late.', 'B is 2 s late.']) == [
+        'A is 1 s late.',
+        'B is 2 s late.',
+    ]
+
+
+def test_a_sentence_that_begins_with_no_name_is_only_deduplicated() -> None:
+    said = ['The flight, A: is odd.', 'The other flight is odd.', 'A 1: 2 are odd.']
+    assert merge_sentences(said * 2, 2) == said

@@ -1,4 +1,4 @@
-"""What can be turned about each shipped vehicle."""
+"""What can be turned about each shipped vehicle, and rotations against scipy."""
 
 from dataclasses import replace
 import math
@@ -7,10 +7,19 @@ from lta_config.files import list_shipped_names
 from lta_discovery.model.candidates import DESIGN, NO_CANDIDATE
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter, list_free_parameters
+from lta_discovery.model.quaternions import (
+    quaternion_conjugate,
+    quaternion_exponential,
+    quaternion_logarithm,
+    quaternion_product,
+    rotate_vectors,
+    rotation_matrix,
+)
 from lta_model.effects import EFFECTS
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 
 @pytest.mark.parametrize('name', list_shipped_names('vehicles'))
@@ -81,3 +90,35 @@ def test_a_step_stays_within_the_bounds_on_either_side() -> None:
     up = replace(down, step=0.1, fine=0.1)
     assert up.step_at(0.5) == 0.1
     assert up.step_at(1.0) == -0.1
+
+
+RNG = np.random.default_rng(1)
+AXIS = np.array([0.6, 0.0, 0.8])
+A, B = RNG.normal(size=(2, 50, 3))
+
+
+def test_operations_are_those_of_scipy() -> None:
+    a, b = Rotation.from_rotvec(A), Rotation.from_rotvec(B)
+    qa, qb = quaternion_exponential(A), quaternion_exponential(B)
+    np.testing.assert_allclose(rotation_matrix(qa), a.as_matrix(), atol=1e-12)
+    np.testing.assert_allclose(
+        rotation_matrix(quaternion_product(qa, qb)), (a * b).as_matrix(), atol=1e-12
+    )
+    np.testing.assert_allclose(
+        rotate_vectors(quaternion_conjugate(qa), B), a.inv().apply(B), atol=1e-12
+    )
+    turn = quaternion_logarithm(quaternion_product(quaternion_conjugate(qa), qb))
+    np.testing.assert_allclose(turn, (a.inv() * b).as_rotvec(), atol=1e-10)
+
+
+def test_small_rotations_keep_their_size() -> None:
+    tiny = np.array([[1e-9, -2e-9, 3e-9], [0.0, 0.0, 0.0], [1e-5, 0.0, 0.0]])
+    np.testing.assert_allclose(
+        quaternion_logarithm(quaternion_exponential(tiny)), tiny, rtol=1e-7, atol=1e-16
+    )
+
+
+def test_a_turn_by_pi_keeps_its_axis_and_a_larger_one_gets_the_opposite_axis() -> None:
+    np.testing.assert_allclose(quaternion_logarithm(np.array([0.6, 0.0, 0.8, 0.0])), np.pi * AXIS)
+    turned = quaternion_logarithm(quaternion_exponential((np.pi + 0.1) * AXIS))
+    np.testing.assert_allclose(turned, -(np.pi - 0.1) * AXIS)

@@ -1,4 +1,4 @@
-"""The replay in pieces is the simulator's own model."""
+"""The replay in pieces is the simulator's own model; markers and tangents by hand."""
 
 from dataclasses import replace
 
@@ -6,12 +6,20 @@ from lta_discovery.flights.measured_flight import resample_flight, Stream
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.replay.replay import FlightReplay, STEPS
+from lta_discovery.replay.sensing import marker_frame, transform_to_map
+from lta_discovery.replay.variational_equation import (
+    apply_state_changes,
+    discretize_dynamics,
+    WIDTH,
+)
 from lta_discovery.state_filter.linear_flight import FlightSystem
 from lta_model.effects import initial_memory
 from lta_model.vehicle import load_vehicle
 from lta_sim.kernels import kernel
 import numpy as np
 import pytest
+from scipy.linalg import expm
+from scipy.spatial.transform import Rotation
 
 from ..hidden_flight import flown  # noqa: TID252 - `test` is Python's own
 
@@ -98,3 +106,71 @@ def test_a_turned_row_is_that_of_the_vehicle_built_anew(
         for name in ('actuators', 'actuators_on', 'body', 'body_on'):
             np.testing.assert_array_equal(getattr(quick, name), getattr(slow, name))
         assert quick.acting == slow.acting
+
+
+Known = tuple[NominalVehicle, list[FreeParameter]]
+ARM, TURN = np.array([0.05, -0.02, 0.1]), (0.3, -0.2, 0.1)  # m; yaw, pitch, roll in rad
+
+
+def marked(nominal: NominalVehicle, share: float = 1.0) -> NominalVehicle:
+    """Return a vehicle whose markers sit askew."""
+    for name, value in zip(('x', 'y', 'z', 'yaw', 'pitch', 'roll'), [*ARM, *TURN], strict=True):
+        nominal = nominal.with_value('marker_offset', name, share * float(value))
+    return nominal
+
+
+def test_states_of_markers_become_those_of_the_body(gtmab: Known) -> None:
+    """Against rigid-body kinematics with SciPy's rotations."""
+    acting = marked(gtmab[0]).build_replay_rows().acting
+    frame = marker_frame(acting)
+    assert frame is not None
+    np.testing.assert_allclose(frame[0], ARM)
+    body, own = Rotation.from_euler('ZYX', (0.7, 0.2, -0.1)), Rotation.from_euler('ZYX', TURN)
+    place, velocity, rates = np.array([[1.0, 2.0, 3.0], [0.3, -0.1, 0.2], [0.1, -0.2, 0.4]])
+    there = np.concatenate([
+        place + body.apply(ARM),
+        (body * own).as_quat(),
+        own.apply(velocity + np.cross(rates, ARM), inverse=True),
+        own.apply(rates, inverse=True),
+    ])  # fmt: skip
+    found = transform_to_map(there[None], acting)[0]
+    np.testing.assert_allclose(found[:3], place, atol=1e-12)
+    np.testing.assert_allclose(np.abs(found[3:7] @ body.as_quat()), 1.0, atol=1e-12)
+    np.testing.assert_allclose(found[7:10], velocity, atol=1e-12)
+    np.testing.assert_allclose(found[10:], rates, atol=1e-12)
+
+
+RNG = np.random.default_rng(6)
+STEP = 0.04
+
+
+def test_a_step_is_the_exponential_to_fourth_order() -> None:
+    """It is exact for a matrix whose fourth power is 0, since all further terms vanish."""
+    chain = np.zeros((WIDTH, WIDTH))
+    for row, column, value in ((0, 1, 30.0), (1, 2, -20.0), (2, 3, 50.0), (5, 7, 10.0)):
+        chain[row, column] = value
+    whole = np.zeros((2 * WIDTH, 2 * WIDTH))
+    whole[:WIDTH, :WIDTH], whole[:WIDTH, WIDTH:] = chain, np.eye(WIDTH)
+    exact = expm(STEP * whole)
+    a, b = discretize_dynamics(chain, STEP)
+    np.testing.assert_allclose(a, exact[:WIDTH, :WIDTH], rtol=1e-12, atol=1e-14)
+    np.testing.assert_allclose(b, exact[:WIDTH, WIDTH:], rtol=1e-12, atol=1e-14)
+
+
+def test_the_series_ends_with_its_fourth_order() -> None:
+    """If F h = 1, A is 1 + 1 + 1/2 + 1/6 + 1/24, and B is h (1 + 1/2 + 1/6 + 1/24)."""
+    a, b = discretize_dynamics(np.eye(WIDTH) / STEP, STEP)
+    np.testing.assert_allclose(a, (2.0 + 17.0 / 24.0) * np.eye(WIDTH))
+    np.testing.assert_allclose(b, STEP * (1.0 + 17.0 / 24.0) * np.eye(WIDTH))
+
+
+def test_a_change_adds_to_place_and_speeds_and_rotates_in_the_body_frame() -> None:
+    state, change = RNG.normal(size=(2, 13)), RNG.normal(size=(2, 12))
+    state[:, 3:7] /= np.linalg.norm(state[:, 3:7], axis=1, keepdims=True)
+    after = apply_state_changes(state, change)
+    np.testing.assert_allclose(after[:, :3], state[:, :3] + change[:, :3])
+    np.testing.assert_allclose(after[:, 7:], state[:, 7:] + change[:, 6:])
+    turn = Rotation.from_quat(state[:, 3:7]) * Rotation.from_rotvec(change[:, 3:6])
+    np.testing.assert_allclose(
+        Rotation.from_quat(after[:, 3:7]).as_matrix(), turn.as_matrix(), atol=1e-12
+    )

@@ -1,4 +1,4 @@
-"""Fits of linear flights against the posterior distribution, computed densely."""
+"""Fits of linear flights against the posterior, computed densely; columns by differences."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -7,7 +7,7 @@ from typing import Any
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.state_filter.forecast_sums import weigh_errors
-from lta_discovery.state_filter.linear_flight import LinearFlight
+from lta_discovery.state_filter.linear_flight import FlightSystem, LinearFlight
 from lta_discovery.state_filter.parameter_fit import fit_likelihood
 import numpy as np
 from numpy.typing import NDArray
@@ -85,3 +85,48 @@ def test_one_wild_forecast_weighs_like_a_linear_cost() -> None:
     assert weighed[2, 0, 3, -1] == pytest.approx(0.5 * 0.6745, rel=1e-3)
     assert weighed[0, 0, 0, -1] == pytest.approx(45.0 * 0.1**0.5, rel=1e-3)
     assert not weighed[1].any()
+
+
+Known = tuple[NominalVehicle, list[FreeParameter]]
+CHECKED = (
+    'thrust_scale.factor', 'rotor_fault.lost_3', 'linear_drag.surge', 'quadratic_drag.heave',
+    'vehicle.mass', 'cg_offset.y', 'munk_moment.lost', 'motor_lag', 'command_delay.delay',
+    'battery_sag.sensitivity', 'helium_leak.rate', 'gyro_scale.z', 'range_offset.offset',
+    'tracker_delay.delay', 'steady_wind.x', 'ground_effect.gain',
+)  # fmt: skip
+
+
+@pytest.fixture(scope='module')
+def linear(gtmab: Known, clean: FlightSystem) -> LinearFlight:
+    """The clean flight about the vehicle of the file."""
+    return clean.linearize(gtmab[0], np.zeros(len(gtmab[1])))
+
+
+def _differ(expected: NDArray[np.float64], column: NDArray[np.float64]) -> float:
+    """Return how far a column is from the expected one, by its size."""
+    known = np.isfinite(expected) & np.isfinite(column)
+    off = np.linalg.norm((expected - column)[known])
+    # What nothing changes is 0 but for rounding
+    return float(off / max(np.linalg.norm(expected[known]), 1e-6))
+
+
+@pytest.mark.parametrize('name', CHECKED)
+def test_a_column_is_what_another_value_changes(
+    gtmab: Known, clean: FlightSystem, linear: LinearFlight, name: str
+) -> None:
+    """A step leaves less of its defect, and a prediction takes what it gains from the reading."""
+    k = [one.name for one in gtmab[1]].index(name)
+    values = np.zeros(len(gtmab[1]))
+    values[k] = 1e-3 * gtmab[1][k].typical or 1e-4
+    if name == 'command_delay.delay':
+        values[k] = 1e-3
+    none = np.zeros(len(values), dtype=np.bool_)
+    after = clean.linearize(gtmab[0], values, none)
+    before = clean.linearize(gtmab[1][k].enable_effect(gtmab[0]), 0.0 * values, none)
+    # Nothing is known outside the run
+    ((begin, end),) = linear.runs
+    inside = slice(begin, end - 1)
+    moved = ((after.defect - before.defect) / values[k])[inside]
+    assert _differ(moved, linear.moved[inside, :, k]) < 0.06
+    read = ((before.left - after.left) / values[k])[inside, :6]
+    assert _differ(read, linear.read_moved[inside, :6, k]) < 0.06
