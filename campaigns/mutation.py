@@ -78,7 +78,7 @@ AREAS: Final = {
          'lta_model/lta_model/mass_properties.py', 'lta_sim/lta_sim/supply.py'),
         'test/unit/sim',
         ('test/unit/sim/test_effects.py', 'test/unit/sim/test_kernel_oracle.py',
-         'test/unit/sim/test_measurement_effects.py', 'test/unit/sim/test_lift_effects.py'),
+         'test/unit/sim/test_measurement_effects.py'),
         left_out=('flights', 'platforms', 'world', 'counted', 'shipped', 'sphere', 'surface',
                   'lambertian', 'extract', 'derivatives', 'physics'),
     ),

@@ -1,14 +1,19 @@
 """What the pages for people say is there, and the figures in them are those of the code."""
 
+from importlib import import_module
+import json
 from pathlib import Path
 from pkgutil import resolve_name
 import re
+import sys
 
+from campaigns.firmware import list_record, RECORD
 import lta_analysis
 from lta_data.bag import RecordedFlight
 from lta_graph.ros.node import REPORT_PERIOD, REPORTED_WAIT
 from pandas import DataFrame
 import pytest
+import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', *sorted(ROOT.glob('docs/**/*.md'))]
@@ -76,3 +81,56 @@ def test_every_picture_has_the_command_that_draws_it():
     # Composed of a page's planes by hand
     assert there - set(drawn) == {'cfd_slices'}
     assert set(drawn) <= there
+
+
+KINDS = ['Tutorials', 'How to', 'Reference', 'Explanation']
+SITE = yaml.safe_load((ROOT / 'mkdocs.yml').read_text(encoding='utf-8'))
+
+
+def pages(nav):
+    """Yield the files of a part of the navigation, in order."""
+    for entry in nav:
+        for inner in entry.values() if isinstance(entry, dict) else [entry]:
+            yield from pages(inner) if isinstance(inner, list) else [inner]
+
+
+def test_the_kinds_are_the_four():
+    titles = [title for entry in SITE['nav'] for title in entry]
+    assert titles == ['Start', *KINDS]
+
+
+def test_every_page_stands_in_the_navigation_once():
+    """A new page gets one line in mkdocs.yml, below its kind."""
+    listed = list(pages(SITE['nav']))
+    there = [str(path.relative_to(ROOT / 'docs')) for path in ROOT.glob('docs/**/*.md')]
+    assert sorted(listed) == sorted([*there, 'CONTRIBUTING.md', 'CHANGELOG.md'])
+
+
+def test_nothing_is_fetched_from_elsewhere():
+    assert SITE['theme']['font'] is False
+    assert SITE['plugins'] == ['search']
+    assert not {'extra_css', 'extra_javascript', 'extra'} & SITE.keys()
+
+
+@pytest.mark.parametrize('name', ['mkdocs', 'mkdocs-material'])
+def test_what_builds_the_site_is_pinned_and_apart(name):
+    lines = (ROOT / 'requirements-docs.txt').read_text(encoding='utf-8').splitlines()
+    assert all('==' in line for line in lines if not line.startswith('#'))
+    assert any(line.startswith(f'{name}==') for line in lines)
+    tests = (ROOT / 'requirements-test.txt').read_text(encoding='utf-8')
+    assert name not in tests.split()
+
+
+sys.path.append(str(ROOT / 'tools'))
+COMMIT = import_module('firmware').FIRMWARE.commit
+
+
+def test_the_tables_of_the_firmware_are_those_that_were_recorded():
+    page = (ROOT / 'docs/hardware_firmware.md').read_text(encoding='utf-8')
+    recorded = '\n'.join(list_record(json.loads(RECORD.read_text())))
+    assert recorded in page, 'run make campaign firmware'
+
+
+def test_every_page_names_the_commit_of_the_firmware():
+    for page in (ROOT / 'docs').glob('hardware*.md'):
+        assert COMMIT[:12] in page.read_text(encoding='utf-8'), page
