@@ -118,4 +118,5 @@ def add_arguments(parser: ArgumentParser) -> None:
 CAMPAIGN: Final = Campaign(
     lambda options: ['any'], run, list_table, each=30, add_arguments=add_arguments,
     page='discovery_scores.md', alone=True, side=0, hidden=tuple(KINDS),
+    smoke='--kinds clean --each 1 --seconds 20 21',
 )  # fmt: skip
