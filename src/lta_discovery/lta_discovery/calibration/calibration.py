@@ -1,6 +1,7 @@
 """Calibrate a vehicle file from flights: values with intervals, and what cannot be separated."""
 
 from collections.abc import Callable, Mapping, Sequence
+import contextlib
 from dataclasses import dataclass
 import math
 from typing import Final, final
@@ -28,6 +29,9 @@ from lta_discovery.model.calibration_parameters import (
 )
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import apply_parameters, FreeParameter, NET_LIFT
+from lta_discovery.state_filter.forecast_noise import fit_forecast_noise
+from lta_discovery.state_filter.likelihood import linearize_all, ParameterPrior
+from lta_discovery.state_filter.linear_flight import LinearFlight
 from lta_discovery.state_filter.noise_model import average_noise, NoiseModel
 from lta_discovery.state_filter.parameter_fit import fit_forecasts, ParameterFit
 from lta_model.vehicle import Vehicle
@@ -55,6 +59,7 @@ class _Estimate:
     shared: Array
     covariance: Array
     flights: Sequence[tuple[Array, Array]]
+    noise: NoiseModel  # of forecasts
 
 
 def calibrate_flights(
@@ -72,12 +77,11 @@ def calibrate_flights(
     tell('fitting forecasts', 0.6)
     estimates = _list_estimates(prepared, fit)
     tell('forecasting', 0.7)
-    noise = average_noise(fit.noise)
-    best, built, train = _choose_estimate(prepared, estimates, noise)
+    best, built, train = _choose_estimate(prepared, estimates)
     scores = {'train': train}
     if prepared.flights['confirm']:
-        before = forecast_role(prepared, 'confirm', nominal, noise)
-        after = forecast_role(prepared, 'confirm', built, noise)
+        before = forecast_role(prepared, 'confirm', nominal, estimates[-1].noise)
+        after = forecast_role(prepared, 'confirm', built, best.noise)
         scores['confirm'] = score_forecasts(before, after)
     tell('done', 1.0)
     return Calibration(
@@ -93,23 +97,31 @@ def calibrate_flights(
         best.method,
         {role: tuple(each) for role, each in prepared.names.items()},
         noise=dict(zip(prepared.names['train'], fit.noise, strict=True)),
+        forecast_noise=best.noise,
     )
 
 
 def _list_estimates(prepared: PreparedCalibration, fit: ParameterFit) -> list[_Estimate]:
     """Return the estimates in the order of preference; that of the vehicle file is the last."""
-    systems, nominal = prepared.systems, prepared.nominal
-    out = [_Estimate('likelihood', fit.values, fit.covariance, _join(fit))]
-    # From the file as well: where nothing explains single readings, a fit to them is a poor start
-    for begin in (fit.values, np.zeros(len(fit.values))):
-        try:
-            ahead = fit_forecasts(systems, nominal, begin, fit.noise, prepared.horizons)
-            out.append(_widen_intervals(ahead, fit))
-        except BadInput:
-            continue
-    unknown = np.diag([one.tolerance**2 for one in prepared.parameters])
+    systems, nominal, horizons = prepared.systems, prepared.nominal, prepared.horizons
+    prior = ParameterPrior.of(prepared.parameters)
+
+    def adapt(flights: Sequence[LinearFlight]) -> NoiseModel:
+        return average_noise(fit_forecast_noise(flights, fit.noise, prior, horizons))
+
+    known = adapt(fit.flights)
+    out = [_Estimate('likelihood', fit.values, fit.covariance, _join(fit), known)]
     none = np.zeros(len(fit.values))
-    out.append(_Estimate('file', none, unknown, [(none, unknown)] * len(systems)))
+    # From the file as well: where nothing explains single readings, a fit to them is a poor start
+    fits = []
+    for begin in (fit.values, none):
+        with contextlib.suppress(BadInput):
+            fits.append(fit_forecasts(systems, nominal, begin, fit.noise, horizons))
+    if fits:
+        out.append(_widen_intervals(max(fits, key=lambda one: one.evidence), fit))
+    unknown = np.diag([one.tolerance**2 for one in prepared.parameters])
+    own = [(none, unknown)] * len(systems)
+    out.append(_Estimate('file', none, unknown, own, adapt(linearize_all(systems, nominal, none))))
     return out
 
 
@@ -127,7 +139,7 @@ def _widen_intervals(ahead: ParameterFit, fit: ParameterFit) -> _Estimate:
         (values, spread + np.diag((values - other) ** 2))
         for (values, spread), other in zip(both, others, strict=True)
     )
-    return _Estimate('forecasts', shared, covariance, members)
+    return _Estimate('forecasts', shared, covariance, members, average_noise(ahead.noise))
 
 
 def _join(fit: ParameterFit) -> list[tuple[Array, Array]]:
@@ -136,7 +148,7 @@ def _join(fit: ParameterFit) -> list[tuple[Array, Array]]:
 
 
 def _choose_estimate(
-    prepared: PreparedCalibration, estimates: Sequence[_Estimate], noise: NoiseModel
+    prepared: PreparedCalibration, estimates: Sequence[_Estimate]
 ) -> tuple[_Estimate, NominalVehicle, tuple[ForecastScore, ...]]:
     """
     Return the estimate that forecasts the training flights best, its vehicle and its scores.
@@ -145,12 +157,12 @@ def _choose_estimate(
     forecasts worse than the vehicle file, or positions at the horizon that headlines state.
     """
     nominal, limit = prepared.nominal, 1.0
-    file = forecast_role(prepared, 'train', nominal, noise)
+    file = forecast_role(prepared, 'train', nominal, estimates[-1].noise)
     chosen = estimates[-1], nominal, score_forecasts(file, file)
     for one in estimates[:-1]:
         try:
             built = _build_calibrated_vehicle(nominal, prepared.parameters, one, with_flows=True)
-            scores = score_forecasts(file, forecast_role(prepared, 'train', built, noise))
+            scores = score_forecasts(file, forecast_role(prepared, 'train', built, one.noise))
         except BadInput:
             continue
         error = relative_error(scores)

@@ -43,11 +43,7 @@ def sum_forecasts(
     horizons: Sequence[float],
 ) -> ForecastSum:
     """Return the errors of all forecasts about some values."""
-
-    def forecast(one: tuple[LinearFlight, NoiseModel]) -> Array:
-        return settle_own(filter_flight(*one, list_starts(one[0].runs, EVERY), horizons), prior)
-
-    errors = map_parallel(forecast, list(zip(flights, noise, strict=True)))
+    errors = list_errors(flights, noise, prior, horizons)
     places = [
         (f, int(start * PERIOD / BLOCK))
         for f, flight in enumerate(flights)
@@ -66,6 +62,36 @@ def sum_forecasts(
     np.add.at(blocks, block, pulls)
     cost = float(np.mean(np.log(size)))
     return ForecastSum(inner, pull + pulls.sum(axis=0), cost, blocks)
+
+
+def list_errors(
+    flights: Sequence[LinearFlight],
+    noise: Sequence[NoiseModel],
+    prior: ParameterPrior,
+    horizons: Sequence[float],
+) -> list[Array]:
+    """Return the errors of the forecasts of each flight, shape (S, H, 6, K + 1) [m, rad]."""
+
+    def forecast(one: tuple[LinearFlight, NoiseModel]) -> Array:
+        return settle_own(filter_flight(*one, list_starts(one[0].runs, EVERY), horizons), prior)
+
+    return map_parallel(forecast, list(zip(flights, noise, strict=True)))
+
+
+def measure_errors(
+    flights: Sequence[LinearFlight],
+    noise: Sequence[NoiseModel],
+    prior: ParameterPrior,
+    horizons: Sequence[float],
+) -> float:
+    """Return the mean logarithm of the RMS errors of all forecasts, attitude with its weight."""
+    errors = np.concatenate(list_errors(flights, noise, prior, horizons))[..., -1]
+    # With a model that diverges, the most that a float holds
+    squares = np.minimum(errors, 1e100) ** 2
+    parts = [squares[..., part].sum(axis=-1) for part in (slice(0, 3), slice(3, 6))]
+    means = [np.nanmean(part, axis=0) for part in parts]
+    sizes = [0.5 * np.log(each[np.isfinite(each)]) for each in means]
+    return float((sizes[0] + ATTITUDE * sizes[1]).mean())
 
 
 def choose_horizons(systems: Sequence[FlightSystem]) -> tuple[float, ...]:

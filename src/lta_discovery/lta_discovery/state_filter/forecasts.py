@@ -4,7 +4,7 @@ Forecast flights from what they have shown so far, and measure the errors.
 `lta calibrate` and `lta simulate --commands --forecasts` judge vehicles by these. A forecast
 begins at the estimate of a filter through the model that has seen the readings up to there and
 none after it. The commands that were given later are known. What differs from flight to flight is
-learned on the way: lift and biases by the filter, and the strength of the commands from those
+learned on the way: biases by the filter, and the lift and the strength of the commands from those
 forecasts that have ended by then. The unexplained wrench goes on and decays.
 """
 
@@ -14,7 +14,7 @@ from typing import Final, final
 
 from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD
 from lta_discovery.model.nominal import NominalVehicle
-from lta_discovery.model.parameters import apply_parameters, FreeParameter
+from lta_discovery.model.parameters import apply_parameters, FreeParameter, NET_LIFT
 from lta_discovery.model.quaternions import (
     quaternion_conjugate,
     quaternion_exponential,
@@ -51,7 +51,6 @@ COASTING: Final = 12  # grid periods; the straight line of coasting goes through
 VARIES: Final = 0.3
 LEAST_COASTING: Final = 4  # poses of that line
 TREND: Final = 'helium_leak.rate'
-LEAST_ENDED: Final = 3  # forecasts of a flight that have to end before it tells of the commands
 
 
 @final
@@ -111,11 +110,15 @@ def list_flight_parameters(
     Return what a flight may have of its own: what differs per flight, and strengths of commands.
 
     The strength of a command of the vehicle has a relative deviation of `VARIES`. A trend of the
-    lift is not among them: until a flight has told it, the flight is over.
+    lift is not among them: until a flight has told it, the flight is over. What ended forecasts
+    tell is not `per_flight`, which the filter learns: any force that the model lacks looks like
+    lift from one reading to the next, and less so over the seconds of a forecast.
     """
     out = []
     for one in parameters:
-        if one.per_flight and one.name != TREND:
+        if one.name == NET_LIFT:
+            out.append(replace(one, per_flight=False))
+        elif one.per_flight and one.name != TREND:
             out.append(one)
         elif share := _strength(nominal, one):
             out.append(replace(one, tolerance=VARIES * share))
@@ -157,21 +160,20 @@ def _estimate_starts(
 ) -> tuple[Array, Array]:
     """Return the flight's own parameters and the filter's state at each start."""
     seen = filter_flight(linear, noise, starts)
-    strengths = _learn_strengths(linear, noise, prior, starts)
-    values = np.zeros((len(starts), len(prior.own)))
-    for s in range(len(starts)):
-        values[s] = _join_own(seen.sums[s], prior, strengths[s])
+    values = _learn_from_ended(linear, noise, prior, starts)
+    for s, sums in enumerate(seen.sums):
+        values[s] = _join_own(sums, prior, values[s])
     full = np.column_stack([values, np.ones(len(starts))])
     return values, np.einsum('szk,sk->sz', seen.states, full)
 
 
-def _learn_strengths(
+def _learn_from_ended(
     linear: LinearFlight, noise: NoiseModel, prior: ParameterPrior, starts: NDArray[np.int64]
 ) -> Array:
     """
-    Return what ended forecasts tell of the strength of commands at each start, shape (S, K).
+    Return what ended forecasts tell of the flight at each start, shape (S, K).
 
-    0 for other parameters.
+    0 for parameters that the filter learns.
     """
     out, which = np.zeros((len(starts), len(prior.own))), np.flatnonzero(~prior.own)
     if not len(which):
@@ -182,7 +184,7 @@ def _learn_strengths(
     limits = np.diag(prior.deviation[which] ** -2.0)
     for s, start in enumerate(starts):
         ended = ends <= start
-        if ended[:, 0].sum() < LEAST_ENDED:
+        if not ended.any():
             continue
         past = np.where(ended[..., None, None], errors, np.nan)
         table = weigh_errors(past[ended[:, 0]])[0].reshape(-1, errors.shape[-1])
@@ -191,12 +193,12 @@ def _learn_strengths(
     return np.clip(out, prior.low, prior.high)
 
 
-def _join_own(sums: Array, prior: ParameterPrior, strengths: Array) -> Array:
-    """Return all parameters of a flight: those that its readings tell, with given strengths."""
-    own, out = np.flatnonzero(prior.own), strengths.copy()
+def _join_own(sums: Array, prior: ParameterPrior, others: Array) -> Array:
+    """Return all parameters of a flight: those that its readings tell, beside the others."""
+    own, out = np.flatnonzero(prior.own), others.copy()
     if len(own):
         inner = sums[np.ix_(own, own)] + np.diag(prior.deviation[own] ** -2.0)
-        pull = sums[own, -1] + sums[own, :-1] @ strengths
+        pull = sums[own, -1] + sums[own, :-1] @ others
         out[own] = np.clip(-np.linalg.solve(inner, pull), prior.low[own], prior.high[own])
     return out
 

@@ -14,7 +14,8 @@ from typing import Final, final, Generic, NamedTuple, TypeVar
 
 from lta_config.errors import BadInput
 from lta_discovery.model.nominal import NominalVehicle
-from lta_discovery.state_filter.forecast_sums import ForecastSum, HORIZONS, sum_forecasts
+from lta_discovery.state_filter.forecast_noise import fit_forecast_noise
+from lta_discovery.state_filter.forecast_sums import ForecastSum, HORIZONS, measure_errors, sum_forecasts
 from lta_discovery.state_filter.likelihood import (
     estimate_own,
     filter_all,
@@ -35,6 +36,7 @@ Array = NDArray[np.float64]
 Sums = TypeVar('Sums', LikelihoodSum, ForecastSum)
 
 ROUNDS: Final = 10  # most linearizations
+FORECAST_NOISES: Final = 2  # times that a fit to forecasts chooses its noise
 LEARNING: Final = (1, 4)  # rounds before which the noise is learned
 # Prior deviations; longest step of a parameter from afar, where a model is not linear
 LONGEST: Final = 1.0
@@ -55,7 +57,9 @@ class ParameterFit:
     # What each flight has of its own, and its covariance; 0 for shared parameters
     own: tuple[tuple[Array, Array], ...]
     noise: tuple[NoiseModel, ...]  # of each flight
-    evidence: float  # log density of the readings, without a constant [nats]
+    # Log density of the readings, without a constant [nats]; of a fit to forecasts the negative
+    # mean logarithm of their errors
+    evidence: float
     flights: tuple[LinearFlight, ...]  # linearized about the values
 
 
@@ -171,7 +175,11 @@ def fit_forecasts(
     horizons: Sequence[float] = HORIZONS,
     rounds: int = ROUNDS,
 ) -> ParameterFit:
-    """Fit parameters to the errors of forecasts, with given noise; errors as `fit_likelihood`."""
+    """
+    Fit parameters, and how forces that nothing explains last, to the errors of forecasts.
+
+    `noise`: of each flight, to begin with. Errors as `fit_likelihood`.
+    """
     prior = ParameterPrior.of(systems[0].parameters)
 
     def evaluate(flights: Sequence[LinearFlight], values: Array) -> ForecastSum:
@@ -179,13 +187,16 @@ def fit_forecasts(
 
     search = _Search(systems, nominal, prior, evaluate)
     point = search.look(begin)
-    for _ in range(rounds):
-        after = search.step(point, point.sums.cost + ERROR_RISE)
-        if after is None:
-            break
-        before, point = point, after
-        if search.has_settled(before.values, point.values):
-            break
+    for _ in range(FORECAST_NOISES):
+        noise = fit_forecast_noise(point.flights, noise, prior, horizons)
+        point = point._replace(sums=evaluate(point.flights, point.values))
+        for _ in range(rounds):
+            after = search.step(point, point.sums.cost + ERROR_RISE)
+            if after is None:
+                break
+            before, point = point, after
+            if search.has_settled(before.values, point.values):
+                break
     blocks = point.sums.blocks[:, prior.free]
 
     def spread(inner: Array) -> Array:
@@ -195,7 +206,8 @@ def fit_forecasts(
         inverse = np.linalg.inv(inner)
         return inverse @ (blocks.T @ blocks + inner) @ inverse
 
-    return _complete(point, prior, noise, spread, -math.inf)
+    error = measure_errors(point.flights, noise, prior, horizons)
+    return _complete(point, prior, noise, spread, -error)
 
 
 def _complete(

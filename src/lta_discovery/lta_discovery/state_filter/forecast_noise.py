@@ -1,0 +1,52 @@
+"""Choose how large unexplained forces are and how long they last, so that forecasts are best."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+import functools
+from typing import Final
+
+from lta_discovery.state_filter.forecast_sums import measure_errors
+from lta_discovery.state_filter.likelihood import ParameterPrior
+from lta_discovery.state_filter.linear_flight import LinearFlight
+from lta_discovery.state_filter.noise_model import NoiseModel
+
+FACTOR: Final = 2.0  # between two sizes or memories that are tried; errors change by some per cent
+MOST: Final = 4  # such factors in either direction
+CLEARLY: Final = 0.003  # of the mean logarithm of the errors; less is no reason for another noise
+
+
+def fit_forecast_noise(
+    flights: Sequence[LinearFlight],
+    noise: Sequence[NoiseModel],
+    prior: ParameterPrior,
+    horizons: Sequence[float],
+) -> list[NoiseModel]:
+    """
+    Return the noise under which the forecasts of some flights are best.
+
+    Under the most probable noise, whatever a model lacks is a force that acts on for as long as
+    one reading is like the next. Over seconds of a forecast, much of it fades or follows the
+    commands. The sensors keep their noise; the forces and moments of all axes change alike.
+    """
+
+    def build(size: int, memory: int) -> list[NoiseModel]:
+        return [
+            replace(
+                one, wrench=one.wrench * FACTOR**size, memory=one.memory * FACTOR**memory
+            )
+            for one in noise
+        ]
+
+    @functools.cache
+    def measure(size: int, memory: int) -> float:
+        return measure_errors(flights, build(size, memory), prior, horizons)
+
+    best = (0, 0)
+    while True:
+        size, memory = best
+        near = [(size - 1, memory), (size, memory - 1), (size + 1, memory), (size, memory + 1)]
+        inside = [one for one in near if max(map(abs, one)) <= MOST]
+        after = min(inside, key=lambda one: measure(*one))
+        if not measure(*after) < measure(*best) - CLEARLY:
+            return build(*best)
+        best = after
