@@ -35,6 +35,8 @@ from lta_discovery.flights.usable_flights import select_usable_flights, UsableFl
 from lta_discovery.model.calibration_parameters import list_calibration_parameters
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import apply_parameters, NET_LIFT
+from lta_discovery.state_filter.forecast_noise import adapt_noise
+from lta_discovery.state_filter.forecast_sums import HORIZONS
 from lta_discovery.state_filter.forecasts import forecast_flights, list_flight_parameters
 from lta_discovery.state_filter.noise_model import average_noise
 from lta_model.effects.protocol import AXES
@@ -143,7 +145,9 @@ def score_oracle(
     oracle = find_oracle(case, vehicle).with_value(*NET_LIFT.split('.'), float(np.mean(taught)))
     flights = [flight for _, role, flight in usable.flights if role == 'confirm']
     parameters = list_calibration_parameters(oracle, list_commanded_axes(case), True)
-    noise = average_noise(list(found.noise.values()))
+    used = [flight for _, role, flight in usable.flights if role == 'train']
+    usual = average_noise(list(found.noise.values()))
+    noise = adapt_noise(vehicle, oracle, used, parameters, usual, HORIZONS)
     told = forecast_flights(
         vehicle, oracle, flights, list_flight_parameters(oracle, parameters),
         [noise] * len(flights),

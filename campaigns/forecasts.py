@@ -22,6 +22,7 @@ from lta_discovery.calibration.prepared_flights import prepare_calibration
 from lta_discovery.flights.bags import read_bags, Role
 from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD
 from lta_discovery.flights.usable_flights import CALIBRATED, select_usable_flights
+from lta_discovery.state_filter.forecast_noise import adapt_noise
 from lta_discovery.state_filter.forecasts import (
     FlightForecasts,
     forecast_flights,
@@ -161,7 +162,11 @@ def run_study(study: RealStudy) -> Iterator[ForecastRow]:
     taught = [one for one in usable if one[1] == 'train']
     found = calibrate_flights(vehicle, study.vehicle, taught, lambda _what, _part: None)
     prepared = prepare_calibration(vehicle, taught)
-    noise, horizons = average_noise(list(found.noise.values())), prepared.horizons
+    usual, horizons = average_noise(list(found.noise.values())), prepared.horizons
+    noises = [
+        adapt_noise(vehicle, each, prepared.flights['train'], prepared.parameters, usual, horizons)
+        for each in (found.nominal, found.calibrated)
+    ]
     known = [Flown(flight) for _, _, flight in taught]
     physics = Physics.fit(known)
     ridges = {horizon: Ridge.fit(known, horizon) for horizon in horizons}
@@ -182,7 +187,7 @@ def run_study(study: RealStudy) -> Iterator[ForecastRow]:
                 vehicle, each, flights, list_flight_parameters(each, prepared.parameters),
                 [noise] * len(flights), horizons,
             )
-            for each in (found.nominal, found.calibrated)
+            for each, noise in zip((found.nominal, found.calibrated), noises, strict=True)
         )  # fmt: skip
         yield from compare(title, flights, (file, calibrated), physics, ridges)
 

@@ -30,6 +30,7 @@ from lta_discovery.flights.role_assignment import Role
 from lta_discovery.flights.usable_flights import CALIBRATED, select_usable_flights
 from lta_discovery.formatting import DEGREES, format_number
 from lta_discovery.progress import DiscoverProgress
+from lta_discovery.state_filter.forecast_noise import fit_forecast_noise
 from lta_discovery.state_filter.forecasts import (
     APART,
     FlightForecasts,
@@ -160,7 +161,7 @@ def judge_vehicle(
     if not horizons:
         return []
     tell('learning the noise', 0.2)
-    noise = learn_noise_of_flights(prepared)
+    noise = learn_noise_of_flights(prepared, horizons)
     tell('forecasting', 0.8)
     own = list_flight_parameters(prepared.nominal, prepared.parameters)
     return forecast_flights(
@@ -168,14 +169,20 @@ def judge_vehicle(
     )
 
 
-def learn_noise_of_flights(prepared: PreparedCalibration) -> list[NoiseModel]:
-    """Return the noise of each flight, of which the learned numbers are averaged over all."""
+def learn_noise_of_flights(
+    prepared: PreparedCalibration, horizons: Sequence[float]
+) -> list[NoiseModel]:
+    """
+    Return the noise of each flight for forecasts, the learned numbers averaged over all.
+
+    It is that of these flights themselves: two numbers more than the readings tell.
+    """
     nominal, parameters = prepared.nominal, prepared.parameters
     none = np.zeros(len(parameters))
-    noise = learn_noise(
-        linearize_all(prepared.systems, nominal, none), ParameterPrior.of(parameters), none,
-        [NoiseModel.guess(nominal, one.flight) for one in prepared.systems],
-    )  # fmt: skip
+    linear, prior = linearize_all(prepared.systems, nominal, none), ParameterPrior.of(parameters)
+    guess = [NoiseModel.guess(nominal, one.flight) for one in prepared.systems]
+    noise = learn_noise(linear, prior, none, guess)
+    noise = fit_forecast_noise(linear, noise, prior, horizons)
     # Flights may have different sensors, of which each keeps its own noise
     mean = average_noise(noise).logarithms
     return [one.with_logarithms(mean) for one in noise]

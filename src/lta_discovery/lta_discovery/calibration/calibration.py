@@ -97,7 +97,6 @@ def calibrate_flights(
         best.method,
         {role: tuple(each) for role, each in prepared.names.items()},
         noise=dict(zip(prepared.names['train'], fit.noise, strict=True)),
-        forecast_noise=best.noise,
     )
 
 

@@ -83,7 +83,6 @@ class Calibration:
     # What the values were estimated from (`report.METHODS`)
     method: str
     bags: Mapping[str, tuple[str, ...]]
-    forecast_noise: NoiseModel  # under which the calibrated vehicle forecasts
     warnings: tuple[str, ...] = ()
     noise: Mapping[str, NoiseModel] = field(default_factory=dict)  # of the training flights
 

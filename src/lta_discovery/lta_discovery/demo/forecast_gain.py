@@ -65,7 +65,7 @@ def measure_forecast_gain(hidden: DemoEffect, bags: Mapping[Role, Sequence[Path]
     ]
     held_out = {name: flight for name, role, flight in flights if role == 'holdout'}
     main = compare_forecasts(
-        vehicle, held_out, models, list_free_parameters(nominal), HORIZONS
+        vehicle, used, held_out, models, list_free_parameters(nominal), HORIZONS
     ).main
     if main is None:
         return ForecastGain(0.0, 0.0, np.inf)

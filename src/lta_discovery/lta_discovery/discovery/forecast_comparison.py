@@ -1,15 +1,18 @@
 """Compare the forecasts of flights by several models of one vehicle."""
 
 from collections.abc import Mapping, Sequence
+import contextlib
 from dataclasses import dataclass
 import math
 from typing import Final, final, NamedTuple
 
+from lta_config.errors import BadInput
 from lta_discovery.calibration.result import ForecastRms, MAIN
 from lta_discovery.calibration.scores import summarize_errors
 from lta_discovery.flights.measured_flight import MeasuredFlight
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.state_filter.forecast_noise import adapt_noise
 from lta_discovery.state_filter.forecast_sums import BLOCK
 from lta_discovery.state_filter.forecasts import (
     FlightForecasts,
@@ -132,6 +135,7 @@ def _bootstrap_ratio(sums: Array, seed: int) -> ErrorRatio:
 
 def compare_forecasts(
     vehicle: Vehicle,
+    taught: Sequence[MeasuredFlight],
     flights: Mapping[str, MeasuredFlight],
     models: Sequence[ComparedModel],
     parameters: Sequence[FreeParameter],
@@ -140,14 +144,19 @@ def compare_forecasts(
     """
     Forecast flights with each model.
 
-    `flights`: by name. `parameters`: of which a flight has some of its own. `horizons`: how far
+    `taught`: flights to which the noise of the forecasts is fitted. `flights`: those that are
+    forecast, by name. `parameters`: of which a flight has some of its own. `horizons`: how far
     ahead, rising [s].
     """
     measured = list(flights.values())
     forecasts = {}
     for model in models if horizons else ():
         own = list_flight_parameters(model.nominal, parameters)
-        mean = average_noise(model.noise).logarithms
+        usual = average_noise(model.noise)
+        # A model that diverges has no better noise
+        with contextlib.suppress(BadInput):
+            usual = adapt_noise(vehicle, model.nominal, taught, parameters, usual, horizons)
+        mean = usual.logarithms
         noise = [NoiseModel.guess(model.nominal, one).with_logarithms(mean) for one in measured]
         forecasts[model.name] = forecast_flights(
             vehicle, model.nominal, measured, own, noise, horizons

@@ -5,10 +5,15 @@ from dataclasses import replace
 import functools
 from typing import Final
 
+from lta_discovery.flights.measured_flight import MeasuredFlight
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.state_filter.forecast_sums import measure_errors
-from lta_discovery.state_filter.likelihood import ParameterPrior
-from lta_discovery.state_filter.linear_flight import LinearFlight
-from lta_discovery.state_filter.noise_model import NoiseModel
+from lta_discovery.state_filter.likelihood import linearize_all, ParameterPrior
+from lta_discovery.state_filter.linear_flight import FlightSystem, LinearFlight
+from lta_discovery.state_filter.noise_model import average_noise, NoiseModel
+from lta_model.vehicle import Vehicle
+import numpy as np
 
 FACTOR: Final = 2.0  # between two sizes or memories that are tried; errors change by some per cent
 MOST: Final = 4  # such factors in either direction
@@ -31,9 +36,7 @@ def fit_forecast_noise(
 
     def build(size: int, memory: int) -> list[NoiseModel]:
         return [
-            replace(
-                one, wrench=one.wrench * FACTOR**size, memory=one.memory * FACTOR**memory
-            )
+            replace(one, wrench=one.wrench * FACTOR**size, memory=one.memory * FACTOR**memory)
             for one in noise
         ]
 
@@ -50,3 +53,24 @@ def fit_forecast_noise(
         if not measure(*after) < measure(*best) - CLEARLY:
             return build(*best)
         best = after
+
+
+def adapt_noise(
+    vehicle: Vehicle,
+    nominal: NominalVehicle,
+    flights: Sequence[MeasuredFlight],
+    parameters: Sequence[FreeParameter],
+    noise: NoiseModel,
+    horizons: Sequence[float],
+) -> NoiseModel:
+    """
+    Return the noise under which a model forecasts some flights best (`fit_forecast_noise`).
+
+    `nominal`: the model. `noise`: the most probable one. The values of `parameters` that a flight
+    has of its own are those that its readings tell. Raise `BadInput` if the model diverges.
+    """
+    systems = [FlightSystem(vehicle, one, parameters) for one in flights]
+    linear = linearize_all(systems, nominal, np.zeros(len(parameters)))
+    usual = [NoiseModel.guess(nominal, one).with_logarithms(noise.logarithms) for one in flights]
+    prior = ParameterPrior.of(parameters)
+    return average_noise(fit_forecast_noise(linear, usual, prior, horizons))

@@ -15,7 +15,12 @@ from typing import Final, final, Generic, NamedTuple, TypeVar
 from lta_config.errors import BadInput
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.state_filter.forecast_noise import fit_forecast_noise
-from lta_discovery.state_filter.forecast_sums import ForecastSum, HORIZONS, measure_errors, sum_forecasts
+from lta_discovery.state_filter.forecast_sums import (
+    ForecastSum,
+    HORIZONS,
+    measure_errors,
+    sum_forecasts,
+)
 from lta_discovery.state_filter.likelihood import (
     estimate_own,
     filter_all,
