@@ -12,6 +12,8 @@ from lta_discovery.flights.measured_flight import (
 )
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter, list_free_parameters
+from lta_discovery.state_filter.forecast_noise import CLEARLY, fit_forecast_noise
+from lta_discovery.state_filter.forecast_sums import measure_errors
 from lta_discovery.state_filter.forecasts import (
     coast,
     COASTING,
@@ -20,6 +22,8 @@ from lta_discovery.state_filter.forecasts import (
     list_flight_parameters,
     VARIES,
 )
+from lta_discovery.state_filter.likelihood import linearize_all, ParameterPrior
+from lta_discovery.state_filter.linear_flight import FlightSystem
 from lta_discovery.state_filter.noise_model import NoiseModel
 from lta_model.vehicle import load_vehicle
 import numpy as np
@@ -139,11 +143,35 @@ def test_lift_that_the_file_lacks_is_learned_on_the_way(
     assert up < 1.5 * best
 
 
+def test_noise_of_forecasts_is_better_than_its_neighbours(
+    heavy: MeasuredFlight, gtmab: Known
+) -> None:
+    nominal = gtmab[0].with_value('net_lift', 'force', LIFT)
+    parameters = [one for one in gtmab[1] if one.tolerance > 0.0]
+    systems = [FlightSystem(load_vehicle('gtmab'), heavy, parameters)]
+    linear = linearize_all(systems, nominal, np.zeros(len(parameters)))
+    prior, guess = ParameterPrior.of(parameters), NoiseModel.guess(nominal, heavy)
+
+    def measure(one: NoiseModel) -> float:
+        return measure_errors(linear, [one], prior, HORIZONS)
+
+    first = replace(guess, wrench=8.0 * guess.wrench)
+    (best,) = fit_forecast_noise(linear, [first], prior, HORIZONS)
+    assert measure(best) < measure(first) - CLEARLY
+    np.testing.assert_array_equal(best.white, guess.white)
+    for factor in (0.5, 2.0):
+        for other in (
+            replace(best, wrench=factor * best.wrench),
+            replace(best, memory=factor * best.memory),
+        ):
+            assert measure(other) > measure(best) - CLEARLY
+
+
 def test_what_a_flight_has_of_its_own(gtmab: Known) -> None:
     """Its lift, biases, and the strength of its commands, but not a trend of the lift."""
     nominal, parameters = gtmab
     own = {one.name: one for one in list_flight_parameters(nominal, parameters)}
-    assert own['net_lift.force'] in parameters
+    assert own['net_lift.force'].tolerance > 0.0
     assert 'helium_leak.rate' not in own
     assert 'linear_drag.surge' not in own
     wrench = list_free_parameters(nominal.with_value('wrench_gain', 'surge', -0.5), wrench=True)
