@@ -48,6 +48,7 @@ LONGEST: Final = 1.0
 DAMPINGS: Final = (0.0, 0.1, 1.0, 10.0, 100.0)  # of a step, until it helps
 MISFIT_RISE: Final = 0.5  # nats; tolerated increase of the misfit in a step
 ERROR_RISE: Final = 0.01  # of the mean logarithm of the errors; the same for forecasts
+ERROR_GAIN: Final = 0.002  # of it; a fit to forecasts ends with a step that gains less
 SETTLED: Final = 0.02  # prior deviations; a fit from afar ends with a shorter step
 SETTLED_GAIN: Final = 0.02  # nats; a fit near its end ends with a step that gains less
 
@@ -197,11 +198,10 @@ def fit_forecasts(
         point = point._replace(sums=evaluate(point.flights, point.values))
         for _ in range(rounds):
             after = search.step(point, point.sums.cost + ERROR_RISE)
-            if after is None:
+            # What is left wanders with the weights of the errors
+            if after is None or after.sums.cost > point.sums.cost - ERROR_GAIN:
                 break
-            before, point = point, after
-            if search.has_settled(before.values, point.values):
-                break
+            point = after
     blocks = point.sums.blocks[:, prior.free]
 
     def spread(inner: Array) -> Array:
