@@ -5,7 +5,7 @@ from dataclasses import replace
 from lta_data.data_quality import roles
 from lta_data.data_quality.motion import collect_attitudes
 from lta_data.data_quality.recording import ChannelRecording
-from lta_data.data_quality.smoothing import hann_kernel, smooth_columns
+from lta_data.even_grid import hann_kernel, smooth_columns
 from lta_model.attitude import to_euler_angles
 import numpy as np
 from numpy.random import Generator

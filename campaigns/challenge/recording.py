@@ -8,8 +8,7 @@ from typing import Any, Final
 from lta_bridge.bag.metadata import build_offered_qos
 from lta_bridge.bag.writer import BagWriter
 from lta_config.topics import load_topic_table, robot_topic
-from lta_data.importers.cdr_template import CdrTemplate
-from lta_data.importers.entry_plan import WRENCH
+from lta_data.importers.entry_plan import CdrTemplate, WRENCH
 from lta_flight.flight_run import ROBOT
 import numpy as np
 from numpy.typing import NDArray

@@ -6,6 +6,8 @@ that span years: a 100 Hz grid over them would not fit into memory. So every siz
 a span of time is checked here against the number of messages.
 """
 
+from collections.abc import Iterator
+
 from lta_config.errors import BadInput
 from lta_config.limits import GRID
 import numpy as np
@@ -62,3 +64,141 @@ def build_uniform_time_grid(
     """Return an even grid over `samples` samples, empty if it would be too long. [s]"""
     allowed = is_grid_allowed(last - first, step, samples)
     return np.arange(first, last, max(FINEST, step)) if allowed else EMPTY
+
+
+Array = NDArray[np.float64]
+HOLE = 4.0  # periods without a sample that count as a gap
+TOGETHER = 32  # messages that a network may deliver at once
+UNEVEN = 0.3  # of a period by which steps of a steady rhythm differ, at most
+OFTEN = 0.02  # share of larger differences from which a rhythm is not steady
+
+
+def sort_samples(time: Array, values: Array) -> tuple[Array, Array]:
+    """Return finite samples with strictly increasing time; values may have columns."""
+    good = np.isfinite(time) & np.isfinite(values.reshape(len(values), -1)).all(axis=1)
+    time, values = time[good], values[good]
+    if len(time) > 1 and (np.diff(time) <= 0.0).any():
+        # Keep a sample only if it is later than all before it.
+        rising = time > np.concatenate(([-np.inf], np.maximum.accumulate(time)[:-1]))
+        time, values = time[rising], values[rising]
+    return time, values
+
+
+def median_period(time: Array) -> float:
+    """
+    Return the median time between samples; NaN for fewer than two. [s]
+
+    Over several samples, since a network may deliver some together.
+    """
+    apart = min(TOGETHER, len(time) - 1)
+    if apart < 1:
+        return float('nan')
+    return float(np.median(time[apart:] - time[:-apart])) / apart
+
+
+def spread_evenly(time: Array, values: Array) -> tuple[Array, Array]:
+    """
+    Return samples on an even grid where messages came irregularly, as when stamped on arrival.
+
+    A difference of two samples that came together is no derivative: they count as one, at their
+    mean time. Times of a steady rhythm are returned as they are; holes stay.
+
+    `time`, shape (n,): increasing [s]. `values`, shape (n, k).
+    """
+    step, usual = np.diff(time), median_period(time)
+    if len(time) < TOGETHER or np.mean(np.abs(step - usual) > UNEVEN * usual) < OFTEN:
+        return time, values
+    starts = np.concatenate(([0], np.flatnonzero(step > UNEVEN * usual) + 1))
+    count = np.diff(np.append(starts, len(time)))
+    means = np.add.reduceat(np.column_stack([time, values]), starts) / count[:, None]
+    grid = build_uniform_time_grid(means[0, 0], means[-1, 0], usual, len(time))
+    if len(grid) < TOGETHER:
+        return time, values
+    table, there = interpolate_on_grid(means[:, 0], means[:, 1:], grid)
+    return grid[there], table[there]
+
+
+def interpolate_on_grid(
+    time: Array, values: Array, grid: Array
+) -> tuple[Array, NDArray[np.bool_]]:
+    """
+    Interpolate values linearly on a grid, with a mask of valid points.
+
+    `time`, shape (n,): increasing [s]. `values`, shape (n, k). `grid`, shape (m,) [s].
+    """
+    table = np.stack([np.interp(grid, time, column) for column in values.T], axis=1)
+    # Index of the sample behind each grid point; the clip covers points outside
+    after = np.clip(np.searchsorted(time, grid), 1, len(time) - 1)
+    width = time[after] - time[after - 1]
+    inside = (grid >= time[0]) & (grid <= time[-1])
+    return table, inside & (width <= HOLE * median_period(time))
+
+
+def hann_kernel(width: float, step: float) -> Array:
+    """Return a Hann window of a width, normalised to one; of odd length, at least three."""
+    # No signal has more samples within the width than the longest grid
+    half = max(1, round(min(width / max(FINEST, step) / 2, GRID)))
+    # The first and last point of a Hann window are zero.
+    window = np.hanning(2 * half + 3)[1:-1]
+    return np.asarray(window / window.sum(), dtype=np.float64)
+
+
+def smooth_columns(table: Array, weights: Array) -> Array:
+    """Convolve columns with a kernel; the ends are padded with the edge values."""
+    # Padded by half the kernel, so that the result has the length of the table and no lag
+    half = len(weights) // 2
+    wide = np.pad(table, ((half, half), (0, 0)), mode='edge')
+    return np.stack([np.convolve(column, weights, mode='valid') for column in wide.T], axis=1)
+
+
+def narrow_mask(valid: NDArray[np.bool_], weights: Array, times: int = 1) -> NDArray[np.bool_]:
+    """Return where a smoothed value depends only on valid samples."""
+    reach = times * (len(weights) // 2) + 1
+    # Dilates the invalid samples by the reach; 0.5 separates the counts 0 and 1
+    bad = np.convolve(~valid, np.ones(2 * reach + 1), mode='same') > 0.5
+    # Padded values beyond the ends are invalid too
+    bad[:reach] = bad[-reach:] = True
+    return ~bad
+
+
+SAME = 1e-9  # of the range of a channel; smaller changes are rounding errors of a computer
+NEAR = 0.05  # of a unit of the resolution
+COARSE = 2.0  # units; readings that change less at random follow each other predictably
+
+
+def find_runs(true: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Return first and one-past-last index of each run of True, shape (n, 2)."""
+    # False at both ends, so that runs there are closed as well.
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], true, [False])).astype(np.int8)))
+    return edges.reshape(-1, 2)
+
+
+def merge_runs(bounds: NDArray[np.int64], apart: int) -> Iterator[tuple[int, int]]:
+    """Yield runs, merging those at most `apart` samples apart."""
+    held: tuple[int, int] | None = None
+    for begin, end in bounds.tolist():
+        if held is not None and begin - held[1] <= apart:
+            held = held[0], end
+        else:
+            if held is not None:
+                yield held
+            held = begin, end
+    if held is not None:
+        yield held
+
+
+def find_coarse_unit(values: NDArray[np.float64]) -> float:
+    """
+    Return the unit to which readings are rounded, if that hides their noise; 0 otherwise.
+
+    Rounded readings of a smooth motion repeat, rest at extremes and come again, by no fault.
+    """
+    values = values[np.isfinite(values)]
+    steps = np.abs(np.diff(values))
+    moving = steps[steps > SAME * np.ptp(values)] if len(values) else steps
+    if not len(moving):
+        return 0.0
+    units = moving / moving.min()
+    on_scale = np.percentile(np.abs(units - np.round(units)), 98.0) < NEAR
+    noise = float(np.median(np.abs(np.diff(values, 2))))
+    return float(moving.min()) if on_scale and noise < COARSE * moving.min() else 0.0

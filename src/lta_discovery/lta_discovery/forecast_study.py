@@ -19,7 +19,7 @@ from typing import Any, Final, final
 from lta_config.errors import BadInput
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.recorded_flight import open_flight
-from lta_data.recorded_choices import find_recorded_name
+from lta_data.scene import find_recorded_name
 from lta_discovery.calibration.prepared_flights import prepare_calibration, PreparedCalibration
 from lta_discovery.calibration.result import find_main_score, ForecastRms, ForecastScore
 from lta_discovery.calibration.scores import score_forecasts

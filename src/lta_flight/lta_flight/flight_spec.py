@@ -27,7 +27,7 @@ from lta_control.cascade import CascadeGains
 from lta_control.laws import CASCADE, find_control_law
 from lta_control.reserve import check_reserve
 from lta_control.strategies import check_route, find_navigation_strategy
-from lta_data.recorded_choices import SETTABLE
+from lta_data.scene import SETTABLE
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_stack import FlightStack
 from lta_flight.lamp_frequency import check_lamp_frequency

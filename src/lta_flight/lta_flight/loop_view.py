@@ -6,8 +6,7 @@ from typing import final, NamedTuple
 from lta_config.compilation.flat import Array
 from lta_control.autopilot import ESTIMATE
 from lta_data.bag.recorded_flight import PointSeries
-from lta_data.scene import RecordedScene
-from lta_data.validity import describe_exceeded_region, list_motion
+from lta_data.scene import describe_exceeded_region, list_motion, RecordedScene
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.report.goal import FlightGoal
 from lta_flight.report.view import half_block_time

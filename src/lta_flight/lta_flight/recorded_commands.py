@@ -21,7 +21,7 @@ from lta_data.bag.recorded_flight import open_flight, RecordedFlight
 from lta_data.bag.table import DENSE
 from lta_data.compare.sampling import median_period
 from lta_data.even_grid import check_time_span
-from lta_data.tracked_motion import COMMAND, find_tracker_prefix, has_newton_commands, MASS
+from lta_data.scene import COMMAND, find_tracker_prefix, has_newton_commands, MASS
 from lta_model.effects import EFFECTS
 from lta_model.measurement_chain import apply_chain, build_chains
 from lta_model.state import POSITION, QUATERNION, RATES, RIGID, VELOCITY

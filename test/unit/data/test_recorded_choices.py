@@ -5,13 +5,13 @@ import sys
 
 from lta_config.errors import BadInput
 from lta_config.files import find_file
-from lta_data.recorded_choices import (
+from lta_data.scene import (
     find_recorded_name,
     read_recorded_file,
     read_recorded_settings,
+    read_scene,
     SETTABLE,
 )
-from lta_data.scene import read_scene
 from pydantic import BaseModel
 import pytest
 import yaml

@@ -3,7 +3,7 @@
 from lta_config.files import find_file, parse_yaml
 from lta_config.schema.vehicle_file import VehicleFile
 from lta_config.vehicle_edit import set_yaml_values
-from lta_data.validity import describe_exceeded_region, list_motion
+from lta_data.scene import describe_exceeded_region, list_motion
 import numpy as np
 import pytest
 

@@ -16,7 +16,7 @@ from lta_data.importers.draft.draft_report import (
     group_channels,
     MAPPING,
 )
-from lta_data.plot.terminal import draw_curves
+from lta_data.plot.report import draw_curves
 from lta_report.report_page import PAGE, write_report
 from lta_report.report_terminal import print_report, print_table
 from lta_report.results_folder import (

@@ -17,7 +17,7 @@ from lta_cli.options.flight_output import flight_to_dict, format_outcome, print_
 from lta_config.errors import BadInput
 from lta_control.strategies import STRATEGIES
 from lta_data.bag.recorded_flight import open_flight
-from lta_data.validity import describe_exceeded_region_of_bag
+from lta_data.scene import describe_exceeded_region_of_bag
 from lta_flight.flight import FlightRequest, fly_once
 from lta_flight.flight_run import EXIT_STATUSES, FlightRun
 from lta_flight.progress import FlightProgress

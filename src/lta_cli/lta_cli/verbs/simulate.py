@@ -12,7 +12,7 @@ from lta_config.errors import BadInput
 from lta_control.strategies import STRATEGIES
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.recorded_flight import open_flight
-from lta_data.recorded_choices import find_recorded_name
+from lta_data.scene import find_recorded_name
 from lta_flight.flight_run import EXIT_STATUSES, ROBOT
 from lta_flight.progress import FlightProgress
 from lta_flight.report.page import write_page

@@ -15,11 +15,9 @@ from typing import Any, Final, final, NamedTuple
 
 from lta_config.covariances import select_estimates
 from lta_config.errors import BadInput
-from lta_data.bag.columns import TopicSeries
-from lta_data.bag.packed_samples import LAMP_PEAKS, LIGHT_BLOCK
+from lta_data.bag.columns import LAMP_PEAKS, LIGHT_BLOCK, TopicSeries
 from lta_data.bag.recorded_flight import RecordedFlight
-from lta_data.bag.table import ANGLES, name_joints
-from lta_data.bag.units import find_unit
+from lta_data.bag.table import ANGLES, find_unit, name_joints
 from lta_model.attitude import to_euler_angles
 import numpy as np
 from numpy.typing import NDArray

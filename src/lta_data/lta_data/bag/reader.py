@@ -21,11 +21,6 @@ from lta_data.bag.bag_folder import (
     read_metadata,
     wrong_format_error,
 )
-from lta_data.bag.mcap_file.channel_names import (
-    complete_names,
-    parse_topic_metadata,
-    TopicMetadata,
-)
 from lta_data.bag.mcap_file.chunks import (
     DamagedRecord,
     decompress,
@@ -35,12 +30,15 @@ from lta_data.bag.mcap_file.chunks import (
     unpack_chunk,
 )
 from lta_data.bag.mcap_file.contents import (
+    complete_names,
     DamagedRegion,
     McapContents,
     MessageRegion,
+    parse_topic_metadata,
     read_at,
     read_summary,
     summary_is_damaged,
+    TopicMetadata,
     UNUSABLE,
 )
 from lta_data.bag.mcap_file.decoder import explain_undecodable, MessageDecoder

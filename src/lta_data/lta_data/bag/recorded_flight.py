@@ -22,8 +22,14 @@ from lta_bridge.provenance import extract_robot_origin
 from lta_config.errors import BadInput, unknown_name_error
 from lta_data.bag.bag_folder import find_bag, find_newest_bag
 from lta_data.bag.column_builder import ColumnBuilder, MessageType
-from lta_data.bag.columns import extract_stamp, TopicSeries
-from lta_data.bag.packed_samples import LAMP_PEAKS, LIGHT_BLOCK, stack_blocks, stack_points
+from lta_data.bag.columns import (
+    extract_stamp,
+    LAMP_PEAKS,
+    LIGHT_BLOCK,
+    stack_blocks,
+    stack_points,
+    TopicSeries,
+)
 from lta_data.bag.reader import Bag, read_bag
 from lta_data.bag.table import (
     align_tables,

@@ -14,8 +14,7 @@ from lta_bridge.bag.writer import BagWriter
 from lta_config.errors import BadInput
 from lta_config.files import parse_yaml
 from lta_data.bag.bag_folder import find_bag_files, find_listed_files, read_metadata
-from lta_data.bag.mcap_file.channel_names import parse_topic_metadata
-from lta_data.bag.mcap_file.contents import DamagedRegion, McapContents
+from lta_data.bag.mcap_file.contents import DamagedRegion, McapContents, parse_topic_metadata
 from lta_data.bag.reader import Bag, read_bag
 from lta_report.formatting import format_count
 from mcap.records import Channel, Schema

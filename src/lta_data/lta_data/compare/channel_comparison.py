@@ -18,16 +18,14 @@ from lta_data.compare.divergence import (
 from lta_data.compare.sampling import (
     align_signals,
     AlignedSignals,
-    mask_absurd_values,
-    median_period,
-    SampledSignal,
-    sort_samples,
-)
-from lta_data.compare.spectra import (
     ChannelSpectra,
     compute_spectra,
     CorrelationPeak,
     find_correlation_peak,
+    mask_absurd_values,
+    median_period,
+    SampledSignal,
+    sort_samples,
 )
 import numpy as np
 

@@ -10,8 +10,13 @@ import math
 from typing import Final, NamedTuple
 
 from lta_data.compare.divergence import noise_deviation, white_noise_deviation
-from lta_data.compare.sampling import Array, interpolate_signal, median_period, SampledSignal
-from lta_data.compare.spectra import fit_parabola_peak
+from lta_data.compare.sampling import (
+    Array,
+    fit_parabola_peak,
+    interpolate_signal,
+    median_period,
+    SampledSignal,
+)
 from lta_data.even_grid import check_time_span
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
@@ -40,9 +45,13 @@ class CoarseLag(NamedTuple):
     correlations: dict[str, float]
 
 
-def estimate_coarse_lag(shared: Sequence[SharedQuantity]) -> CoarseLag | None:
+def estimate_coarse_lag(
+    shared: Sequence[SharedQuantity], search: float = math.inf
+) -> CoarseLag | None:
     """
     Return the lag at which the rates of change correlate best; None if none do.
+
+    `search`: largest lag of a sensor [s]; unlimited between flights.
 
     Raise `BadInput` if the time stamps of a flight span too long for their number.
     """
@@ -77,13 +86,15 @@ def estimate_coarse_lag(shared: Sequence[SharedQuantity]) -> CoarseLag | None:
         return None
     # The fourth root favours long overlaps only mildly.
     total = np.mean(list(scores.values()), axis=0) * np.minimum(share, 1.0) ** 0.25
-    best = int(total.argmax())
-    if total[best] <= 0.0:
-        return None
     # FFT order: lags beyond B's length are negative ones
     lags = np.where(np.arange(size) < counts[1], np.arange(size), np.arange(size) - size)
-    # Lags near the peak belong to it
-    elsewhere = total[np.abs(lags - lags[best]) * step > ASIDE]
+    within = np.abs(lags * step + begins[1] - begins[0]) <= search
+    best = int(np.where(within, total, 0.0).argmax())
+    if total[best] <= 0.0 or not within[best]:
+        return None
+    # Near the peak, lags belong to it; a sensor can have the wrong sign, so opposite peaks count
+    rivals = total if math.isinf(search) else np.abs(total)
+    elsewhere = rivals[within & (np.abs(lags - lags[best]) * step > ASIDE)]
     rival = max(0.0, float(elsewhere.max())) / float(total[best]) if len(elsewhere) else 0.0
     # Rolled, so that the peak has both neighbours even at index zero
     shift, _ = fit_parabola_peak(np.roll(total, size // 2 - best), size // 2)

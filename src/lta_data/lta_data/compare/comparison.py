@@ -28,7 +28,7 @@ from lta_data.compare.compared_flight import (
 from lta_data.compare.frame_alignment import align_frames, FrameAlignment, Frames
 from lta_data.compare.sampling import Array, mask_absurd_values
 from lta_data.compare.time_alignment import Align, align_times, TimeAlignment
-from lta_data.validity import describe_exceeded_region_of_bag
+from lta_data.scene import describe_exceeded_region_of_bag
 import numpy as np
 
 # Rank of the verdicts in tables, largest difference first

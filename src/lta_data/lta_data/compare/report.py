@@ -13,11 +13,16 @@ from lta_data.compare.channel_roles import (
     select_panel_channels,
 )
 from lta_data.compare.comparison import ComparisonResult, find_rate_differences
-from lta_data.compare.figures import encode_channel, encode_floats
-from lta_data.compare.json_data import comparison_to_dict
-from lta_data.compare.scene import READOUT, render_comparison_scene
+from lta_data.compare.figures import (
+    encode_channel,
+    encode_floats,
+    READOUT,
+    render_comparison_scene,
+)
+from lta_data.compare.sampling import average_log_bands
 from lta_data.compare.sentences import (
     BASIS,
+    comparison_to_dict,
     describe_comparison,
     describe_faults,
     describe_frames,
@@ -32,7 +37,6 @@ from lta_data.compare.sentences import (
     format_verdict,
     MISSING,
 )
-from lta_data.compare.spectra import average_log_bands
 from lta_report.flight_scene import render_time_bar
 from lta_report.formatting import Tile
 from lta_report.html_elements import embed_data

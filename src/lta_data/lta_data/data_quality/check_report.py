@@ -11,8 +11,12 @@ from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import list_robots, open_flight
 from lta_data.data_quality.duplicate_runs import find_duplicate_runs
-from lta_data.data_quality.finding import QualityFinding, Severity
-from lta_data.data_quality.recording import ChannelRecording, read_recording
+from lta_data.data_quality.recording import (
+    ChannelRecording,
+    QualityFinding,
+    read_recording,
+    Severity,
+)
 from lta_data.data_quality.registry import QualityReport, run_checks
 from lta_report.progress_bar import ProgressBar
 from rich.console import Console

@@ -11,8 +11,12 @@ from typing import Final, final, NamedTuple
 from lta_config.errors import BadInput
 from lta_data.data_quality.motion import collect_poses, PoseSeries
 from lta_data.data_quality.recording import ChannelRecording
-from lta_data.data_quality.smoothing import hann_kernel, interpolate_on_grid, smooth_columns
-from lta_data.even_grid import build_uniform_time_grid
+from lta_data.even_grid import (
+    build_uniform_time_grid,
+    hann_kernel,
+    interpolate_on_grid,
+    smooth_columns,
+)
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation

@@ -82,7 +82,7 @@ CLOCK_SIGMAS: Final = 3.0
 CLOCK_SEARCH: Final = 2.5
 # A lag is reported if correcting it divides 1 - correlation by at least this
 CLOCK_GAIN: Final = 1.5
-# A large clock drift is reported if the correlation after correcting it exceeds this
+# A lag or drift is reported if the correlation after correcting it exceeds this
 WANDER_AGREE: Final = 0.7
 # Shortest gap that is reported, in message periods (GAP_TIME applies too)
 GAP_PERIODS: Final = 5.0

@@ -1,10 +1,11 @@
 """Represent the data of one flight for the checks, with what several of them derive from it."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from enum import StrEnum
 from functools import cached_property
 import re
-from typing import Final, final
+from typing import Final, final, NamedTuple
 
 from lta_config.errors import BadInput
 from lta_config.schema.vehicle_file import VehicleFile
@@ -13,20 +14,71 @@ from lta_data.bag.columns import extract_stamp
 from lta_data.bag.recorded_flight import RecordedFlight
 from lta_data.data_quality.motion import (
     collect_inertials,
+    collect_motions,
     collect_poses,
     InertialSeries,
+    PoseMotion,
     PoseSeries,
-)
-from lta_data.data_quality.motion_pairs import (
-    find_motion_pairs,
-    measure_similarity,
-    MotionPair,
-    PairSimilarity,
 )
 from lta_data.data_quality.roles import is_instrument_topic
 from lta_data.scene import parse_provenance_file
 import numpy as np
 from numpy.typing import NDArray
+
+
+class Severity(StrEnum):
+    """
+    How serious a finding is.
+
+    A note is information. A warning limits what the data can show, though they may be correct.
+    Suspicious data are most likely wrong. An error is impossible data.
+    """
+
+    NOTE = 'note'
+    WARNING = 'warning'
+    SUSPICIOUS = 'suspicious'
+    ERROR = 'error'
+
+
+GRAVE = frozenset((Severity.SUSPICIOUS, Severity.ERROR))
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class QualityFinding:
+    """One problem in a recording."""
+
+    kind: str  # name of the check in `CHECKS`
+    # The channel, or a topic or part of one ('imu/angular_velocity') if all of it is affected
+    channel: str
+    # Interval since the start of the flight [s]
+    from_s: float
+    to_s: float
+    evidence: str  # one sentence with the figures
+    severity: Severity
+    # The figures of the sentence, in SI units
+    values: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def is_grave(self) -> bool:
+        """Whether the data should not be used as they are."""
+        return self.severity in GRAVE
+
+
+class CheckVerdict(NamedTuple):
+    """Findings of one check, and a sentence for each thing that it could not judge."""
+
+    findings: tuple[QualityFinding, ...] = ()
+    unjudged: tuple[str, ...] = ()
+
+
+def select_first_findings(findings: Iterable[QualityFinding]) -> tuple[QualityFinding, ...]:
+    """Return the first finding of each channel; later ones usually follow from it."""
+    one: dict[str, QualityFinding] = {}
+    for finding in findings:
+        one.setdefault(finding.channel, finding)
+    return tuple(one.values())
+
 
 Array = NDArray[np.float64]
 TURNED: Final = re.compile(r'(.*orientation|.*rotation|quaternion)\.yaw$')
@@ -137,7 +189,6 @@ class CheckContext:
         return vehicle.sensors.diodes.largest_reading if vehicle else None
 
     @cached_property
-    def pair_similarities(self) -> list[tuple[MotionPair, PairSimilarity | None]]:
-        """Pairs of sources for the same motion, with their similarity."""
-        pairs = find_motion_pairs(self.recording.channels)
-        return [(pair, measure_similarity(pair)) for pair in pairs]
+    def motions(self) -> list[PoseMotion]:
+        """Poses with an attitude, beside the vectors that follow from them."""
+        return collect_motions(self.poses, self.inertials)

@@ -3,6 +3,10 @@ Export a recording to one format, as one file per topic or one aligned file.
 
 Light blocks become one row per sample, lamp peaks one row per beacon and diode, a part of the
 topic at a time. The packed bytes of other messages, such as pixels, are left out.
+
+`odom.pose.pose.position.x` is a column, `odom.pose.covariance` a matrix with a row per message,
+and `units.pose.pose.position.x` is 'm'. A MATLAB variable is written at once, so the topic must
+fit into memory and into 2 GB.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -17,16 +21,91 @@ from lta_bridge.bag.writer import prepare_empty_folder
 from lta_config.atomic_file import replace_atomically
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.topics import load_topic_table
-from lta_data.bag.columns import Columns
-from lta_data.bag.packed_samples import LAMP_PEAKS, LIGHT_BLOCK
+from lta_data.bag.columns import Columns, LAMP_PEAKS, LIGHT_BLOCK
 from lta_data.bag.recorded_flight import RecordedFlight
-from lta_data.bag.table import FIXED_UNITS, name_columns, STAMP, Table, TIME
-from lta_data.bag.units import find_unit
-from lta_data.export.mat_file import write_mat
+from lta_data.bag.table import find_unit, FIXED_UNITS, name_columns, STAMP, Table, TIME
 import numpy as np
 from numpy.typing import NDArray
 import pyarrow as arrow
 from pyarrow import csv, parquet
+from scipy.io import savemat
+
+LARGEST: Final = 2**31 - 1  # bytes of a variable in version 5
+LONGEST: Final = 63  # characters of a name, namelengthmax of MATLAB
+MAT_UNITS: Final = 'units'
+_INDEX: Final = re.compile(r'\[(\d+)\]')
+_LAST: Final = re.compile(r'(.*)\[(\d+)\]')
+
+Struct = dict[str, Any]
+
+
+def write_mat(source: 'ExportSource', path: Path) -> Iterator[arrow.Table]:
+    """
+    Write a file and yield its table.
+
+    Raise `BadInput` if the topic is too large for the format.
+    """
+    parts, size = [], 0
+    for part in source.iterate_arrow():
+        size += part.nbytes
+        if size > LARGEST:
+            raise BadInput(
+                f"'{source.name}' is larger than the 2 GB that a MATLAB file can hold; leave it "
+                'out with --topics, or export it with --format parquet.'
+            )
+        parts.append(part)
+    whole = arrow.concat_tables(parts)
+    columns = {name: whole.column(name).to_numpy() for name in whole.column_names}
+    values: Struct = {}
+    units: Struct = {}
+    # Units are those of the first element of an array.
+    for name, column in join_array_columns(columns).items():
+        # savemat writes object arrays, as texts are, as cell arrays
+        cells = column
+        unit = source.units.get(name, source.units.get(f'{name}[0]', ''))
+        # MATLAB has no one-dimensional arrays: make it a column.
+        set_nested_value(values, name, cells if cells.ndim == 2 else cells[:, None])
+        set_nested_value(units, name, unit)
+    content = {format_matlab_name(source.name): values, MAT_UNITS: units}
+    savemat(path, content, long_field_names=True, do_compression=True, oned_as='column')
+    yield whole
+
+
+def join_array_columns(
+    columns: Mapping[str, np.ndarray[Any, Any]],
+) -> dict[str, np.ndarray[Any, Any]]:
+    """Join the elements of each numeric array into one matrix, shape (n, elements)."""
+    joined: dict[str, Any] = {}
+    for name, values in columns.items():
+        element = _LAST.fullmatch(name)
+        if element is None or values.dtype.kind == 'O':
+            joined[name] = values
+        else:
+            joined.setdefault(element.group(1), []).append(values)
+    return {
+        name: np.stack(values, axis=1) if isinstance(values, list) else values
+        for name, values in joined.items()
+    }
+
+
+def set_nested_value(struct: Struct, path: str, value: object) -> None:
+    """Set a value in a struct of structs."""
+    *outer, last = [format_matlab_name(part) for part in re.split('[./]', path)]
+    for name in outer:
+        inside = struct.setdefault(name, {})
+        if not isinstance(inside, dict):  # the name already holds a value
+            inside = struct.setdefault(f'{name}_'[:LONGEST], {})
+        struct = inside
+    while last in struct:
+        last = f'{last}_'
+    struct[last] = value
+
+
+def format_matlab_name(name: str) -> str:
+    """Return a valid MATLAB name: letters, digits and underscores, starting with a letter."""
+    plain = re.sub(r'\W', '_', _INDEX.sub(r'_\1', name), flags=re.ASCII).strip('_')
+    return (plain if plain[:1].isalpha() else f'x{plain}')[:LONGEST]
+
 
 BLOCK_ROWS: Final = 512  # blocks of the photodiodes per part, 16 kB each
 POINT_ROWS: Final = 1024  # messages with points per part

@@ -14,8 +14,14 @@ from lta_data.importers.axes import (
     LocalMap,
     rotate_into_body,
 )
-from lta_data.importers.cdr_template import CdrTemplate
-from lta_data.importers.entry_plan import CHILD, EntryPlan, JOINT_DIMENSIONS, JOINTS, MessagePart
+from lta_data.importers.entry_plan import (
+    CdrTemplate,
+    CHILD,
+    EntryPlan,
+    JOINT_DIMENSIONS,
+    JOINTS,
+    MessagePart,
+)
 from lta_data.importers.protocol import encode_label, LogTable, Numbers, Times
 import numpy as np
 

@@ -16,8 +16,6 @@ from lta_data.importers.readers import (
     column_log,
     crazyflie_usd,
     dataflash,
-    mcap_bag,
-    px4_ulog,
     rosbags_bag,
     sensor_folder,
 )
@@ -56,7 +54,7 @@ def _open_csv(path: Path, mapping: MappingFile | None) -> LogReader:
 
 def _open_bag(path: Path, mapping: MappingFile | None) -> LogReader:
     if _is_mcap(path):
-        return mcap_bag.open_mcap_log(path, mapping)
+        return rosbags_bag.open_mcap_log(path, mapping)
     return rosbags_bag.open_rosbags_log(path, mapping)
 
 
@@ -73,7 +71,7 @@ FORMATS: dict[str, LogFormat] = {
     'usd': LogFormat(
         "a log from a Crazyflie's SD card", 'crazyflie_usd', crazyflie_usd.open_usd_log
     ),
-    'ulog': LogFormat('a ULog of PX4', 'px4', px4_ulog.open_ulog),
+    'ulog': LogFormat('a ULog of PX4', 'px4', dataflash.open_ulog),
     'bag': LogFormat('a bag of ROS 2 (MCAP or SQLite) or ROS 1', None, _open_bag),
     'mat': LogFormat(
         'a MATLAB file (version 5 to 7)',

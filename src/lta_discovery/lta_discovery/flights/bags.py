@@ -11,8 +11,7 @@ from lta_data.bag.bag_folder import find_bag, find_bag_files
 from lta_data.bag.recorded_flight import open_flight
 from lta_data.data_quality.duplicate_runs import find_duplicate_runs
 from lta_data.data_quality.recording import ChannelRecording, read_recording
-from lta_data.scene import parse_provenance_file
-from lta_data.tracked_motion import COMMAND
+from lta_data.scene import COMMAND, parse_provenance_file
 
 Role = Literal['train', 'confirm', 'holdout']
 ROLES: Final[tuple[Role, ...]] = ('train', 'confirm', 'holdout')

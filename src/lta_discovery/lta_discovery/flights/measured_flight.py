@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Final, final
 
-from lta_data.data_quality.tracker_jumps import find_tracker_jumps
+from lta_data.data_quality.motion import find_tracker_jumps
 from lta_data.even_grid import check_time_span
 from lta_discovery.flights.noise import (
     estimate_noise,

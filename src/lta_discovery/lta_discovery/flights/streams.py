@@ -6,7 +6,7 @@ from typing import Final
 
 from lta_config.errors import BadInput
 from lta_data.bag.channels import SignalChannel
-from lta_data.tracked_motion import COMMAND, find_tracker_prefix, has_newton_commands, MASS
+from lta_data.scene import COMMAND, find_tracker_prefix, has_newton_commands, MASS
 from lta_discovery.flights.measured_flight import FlightStreams, Stream
 from lta_discovery.model.nominal import NominalVehicle
 import numpy as np

@@ -11,17 +11,11 @@ from dataclasses import dataclass, field, replace
 from typing import Final, final
 
 from lta_config.errors import BadInput
-from lta_data.data_quality.checks import (
-    clocks,
-    hand_motion,
-    impossible_values,
-    noise_floor,
-    stamps,
-)
-from lta_data.data_quality.finding import QualityFinding
+from lta_data.data_quality.checks import clocks, hand_motion, impossible_values
 from lta_data.data_quality.free_swing import require_commands
+from lta_data.data_quality.recording import QualityFinding
 from lta_data.data_quality.registry import run_checks
-from lta_data.tracked_motion import find_tracker_prefix
+from lta_data.scene import find_tracker_prefix
 from lta_discovery.flights.bags import (
     check_same_vehicle,
     require_distinct_runs,
@@ -289,7 +283,7 @@ def _clean_flight(
         lost = finding.kind == impossible_values.KIND and impossible_values.LOST in finding.values
         if lost and finding.channel.startswith((pose, *SENSORS)):
             continue  # each leaves a gap of its own, and the readings between them are good
-        if finding.kind == noise_floor.KIND:
+        if finding.kind == impossible_values.FILTERED:
             smooth.append(finding.channel.rpartition('/')[0])
         elif finding.is_grave and finding.kind == clocks.KIND and set(LATE) & set(finding.values):
             warnings.append(
@@ -329,7 +323,7 @@ def _clean_flight(
 def _exclude_interval(name: str, finding: QualityFinding, end: float) -> ExcludedInterval:
     """Return the interval that a finding excludes; a clock jump excludes everything after it."""
     # After a jump of the clock all later times are wrong: exclude to the end
-    jumped = finding.kind == stamps.KIND and {'jump', 'back'} & set(finding.values)
+    jumped = finding.kind == clocks.STAMPS and {'jump', 'back'} & set(finding.values)
     begin, last = finding.from_s - AROUND, finding.to_s + AROUND
     return ExcludedInterval(
         name,

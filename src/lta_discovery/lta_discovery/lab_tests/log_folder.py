@@ -8,10 +8,11 @@ from lta_config.errors import BadInput
 from lta_config.schema.import_file import load_mapping
 from lta_data.bag.bag_folder import find_bag
 from lta_data.importers.draft.choices import DraftQuestion, DraftVehicle
-from lta_data.importers.draft.draft_mapping import draft_mapping, MappingDraft
-from lta_data.importers.draft.source_tables import (
+from lta_data.importers.draft.draft_mapping import (
     COLUMNS,
     count_changing_columns,
+    draft_mapping,
+    MappingDraft,
     measure_size,
     read_source,
 )

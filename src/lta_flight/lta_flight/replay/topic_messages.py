@@ -4,8 +4,7 @@ from collections.abc import Mapping
 from typing import Any, final, NamedTuple
 
 from lta_config.topics import Topic
-from lta_data.bag.columns import extract_field_columns, extract_stamp
-from lta_data.bag.packed_samples import LAMP_PEAKS, stack_points
+from lta_data.bag.columns import extract_field_columns, extract_stamp, LAMP_PEAKS, stack_points
 from lta_data.bag.reader import Bag
 import numpy as np
 from numpy.typing import NDArray

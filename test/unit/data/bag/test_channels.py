@@ -4,7 +4,7 @@ from lta_bridge.bag.schemas import load_jazzy_types
 from lta_config.topics import load_topic_table
 from lta_data.bag import open_flight
 from lta_data.bag.channels import read_all_channels
-from lta_data.bag.units import find_unit
+from lta_data.bag.table import find_unit
 import numpy as np
 import pytest
 

@@ -16,11 +16,12 @@ from lta_data.compare.frame_alignment import fit_frame_transform
 from lta_data.compare.sampling import (
     align_signals,
     break_at_gaps,
+    compute_spectra,
+    find_correlation_peak,
     interpolate_signal,
     SampledSignal,
     wrap_angle,
 )
-from lta_data.compare.spectra import compute_spectra, find_correlation_peak
 import numpy as np
 import pytest
 from scipy import signal

@@ -4,8 +4,7 @@ from dataclasses import replace
 
 from lta_config.files import find_file, load_yaml
 from lta_data.bag.channels import SignalChannel
-from lta_data.data_quality.finding import Severity
-from lta_data.data_quality.recording import ChannelRecording
+from lta_data.data_quality.recording import ChannelRecording, Severity
 from lta_data.data_quality.registry import run_checks
 import numpy as np
 import pytest

@@ -2,9 +2,9 @@
 
 from lta_data.bag.channels import SignalChannel
 from lta_data.data_quality.checks.units import find_unit_by_size
-from lta_data.data_quality.motion_scales import quaternions_of, shrink_angles
 from lta_data.data_quality.recording import ChannelRecording
 from lta_data.data_quality.registry import run_checks
+from lta_data.interpretation.attitude_readings import shrink_angles
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -141,8 +141,8 @@ def test_markers_away_from_the_axis_of_a_swing_are_not_upside_down(above):
 def test_angles_that_turned_many_times_are_followed():
     t = np.arange(0.0, 20.0, 0.01)
     angles = np.stack([0.3 * t, 0.15 * np.sin(t), 0.1 * np.sin(1.7 * t + 0.3)], axis=1)
-    read = Rotation.from_euler('ZYX', angles * DEG).as_quat()
-    found = Rotation.from_quat(quaternions_of(shrink_angles(read)))
+    read = Rotation.from_euler('ZYX', angles * DEG)
+    found = Rotation.from_euler('ZYX', shrink_angles(read))
     truth = Rotation.from_euler('ZYX', angles)
     # The start has whole turns of 57.3 times the angle: compare the changes
     turned = (found[0].inv() * found[-1]).magnitude()

@@ -1,10 +1,9 @@
 """Jumps of a tracker are told from motion and from gaps."""
 
 from lta_data.bag.channels import SignalChannel
-from lta_data.data_quality.finding import QualityFinding
-from lta_data.data_quality.recording import ChannelRecording
+from lta_data.data_quality.motion import find_tracker_jumps
+from lta_data.data_quality.recording import ChannelRecording, QualityFinding
 from lta_data.data_quality.registry import run_checks
-from lta_data.data_quality.tracker_jumps import find_tracker_jumps
 import numpy as np
 from numpy.typing import NDArray
 import pytest

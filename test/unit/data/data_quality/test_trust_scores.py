@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from campaigns import ROOT, trust_corruptions, trust_flights
 from lta_data.data_quality.duplicate_runs import find_duplicate_runs
-from lta_data.data_quality.finding import Severity
+from lta_data.data_quality.recording import Severity
 from lta_data.data_quality.registry import CHECKS, run_checks
 from lta_data.data_quality.roles import vector_name
 import numpy as np

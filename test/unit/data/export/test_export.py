@@ -245,7 +245,7 @@ def test_a_topic_that_cannot_be_decoded_is_left_out_and_named(record, types, tmp
 
 
 def test_a_topic_larger_than_a_matlab_file_is_refused(flight_bag, tmp_path, monkeypatch):
-    monkeypatch.setattr('lta_data.export.mat_file.LARGEST', 1000)
+    monkeypatch.setattr('lta_data.export.run.LARGEST', 1000)
     with pytest.raises(BadInput, match=r"'odom' is larger than the 2 GB .*--format parquet"):
         files(flight_bag, 'mat', tmp_path / 'out', topics=('odom',))
 

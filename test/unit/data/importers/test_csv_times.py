@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.errors import BadInput
-from lta_data.importers.readers.row_times import parse_exact_times
+from lta_data.importers.readers.column_log import parse_exact_times
 import pytest
 
 from .csv_texts import ODOM, POSE, text

@@ -3,8 +3,7 @@
 from lta_bridge.bag.schemas import load_jazzy_types
 from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table
-from lta_data.importers.cdr_template import CdrTemplate
-from lta_data.importers.entry_plan import EXTRA, find_target, list_targets, SHAPES
+from lta_data.importers.entry_plan import CdrTemplate, EXTRA, find_target, list_targets, SHAPES
 import numpy as np
 import pytest
 

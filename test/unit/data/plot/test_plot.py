@@ -6,12 +6,13 @@ import re
 from lta_config.errors import BadInput
 from lta_data.bag import open_flight
 from lta_data.bag.channels import SignalChannel
-from lta_data.plot.report import build_report, plot_channels
-from lta_data.plot.terminal import (
+from lta_data.plot.report import (
     build_channel_listing,
+    build_report,
     crop_channel,
     draw_curves,
     group_by_unit,
+    plot_channels,
     select_channels,
     unwrap_to_degrees,
 )

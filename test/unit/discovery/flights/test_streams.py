@@ -4,7 +4,7 @@ from typing import Final
 
 from lta_config.errors import BadInput
 from lta_data.bag.channels import SignalChannel
-from lta_data.tracked_motion import find_tracker_prefix, has_newton_commands
+from lta_data.scene import find_tracker_prefix, has_newton_commands
 from lta_discovery.flights.measured_flight import FlightStreams, Stream
 from lta_discovery.flights.streams import build_streams, convert_to_duties
 from lta_discovery.model.nominal import NominalVehicle

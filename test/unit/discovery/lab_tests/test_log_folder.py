@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from lta_config.errors import BadInput
-from lta_data.importers.draft.source_tables import measure_size
+from lta_data.importers.draft.draft_mapping import measure_size
 from lta_discovery.lab_tests.log_folder import LabLogs, open_lab_folder
 import numpy as np
 import pytest

@@ -11,14 +11,15 @@ from lta_config.errors import BadInput
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.channels import read_all_channels
 from lta_data.bag.recorded_flight import open_flight, RecordedFlight
-from lta_data.plot.report import build_report, write_png
-from lta_data.plot.terminal import (
+from lta_data.plot.report import (
     build_channel_listing,
+    build_report,
     crop_channel,
     group_by_unit,
     print_channels,
     select_channels,
     unwrap_to_degrees,
+    write_png,
 )
 from lta_report.report_page import render_report
 from lta_report.results_folder import write_file

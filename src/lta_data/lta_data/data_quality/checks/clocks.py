@@ -1,216 +1,298 @@
 """
 Detect clocks that disagree: one motion at two times, or with a drifting lag.
 
-The lag is where two sources of a motion correlate best. Its uncertainty is the spread of the lags
-of separate parts of the flight.
+The lag is estimated as that of two flights that are compared (`lta_data.compare.coarse_lag`), here
+between a sensor and what the pose implies for it.
 """
 
-from collections.abc import Iterator
-from typing import final, NamedTuple
+from collections.abc import Iterator, Sequence
+from typing import Any, Final, final, NamedTuple
 
+from lta_data.bag.channels import SignalChannel
+from lta_data.compare.coarse_lag import estimate_coarse_lag, SharedQuantity, STEPS
+from lta_data.compare.sampling import SampledSignal
 from lta_data.data_quality import limits
-from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
-from lta_data.data_quality.motion_pairs import (
-    estimate_lag,
-    high_pass_pair,
-    MotionPair,
-    PairSimilarity,
+from lta_data.data_quality.motion import MeasuredVector, MOVING, PoseMotion
+from lta_data.data_quality.recording import CheckContext, CheckVerdict, QualityFinding, Severity
+from lta_data.even_grid import (
+    find_runs,
+    hann_kernel,
+    is_grid_allowed,
+    median_period,
+    smooth_columns,
+    TOGETHER,
 )
-from lta_data.data_quality.recording import CheckContext
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-KIND = 'clock'
-PART = 5.0  # target length of the parts of a flight [s]
-PARTS = (3, 12)  # least and largest number of parts
-INDEPENDENT = 4.0  # independent values per second after a kernel of 0.25 s
-EVEN = 1.0  # weight of a part's length relative to its motion
-SHORTEST = 1.0  # shortest part whose lag is used [s]
-# Trial drifts over the whole flight [s], for drifts that the parts' lags cannot follow
-DRIFTS = tuple(size * sign for size in (0.2, 0.35, 0.5, 0.65, 0.8, 1.0) for sign in (1.0, -1.0))
-NEAR = 0.6  # largest deviation of a part's lag from the total lag [s]
-NORMAL = 1.4826  # standard deviation over median absolute deviation
-MEDIAN = 1.2533  # standard error of a median over that of a mean
-
-
-@final
-class PairLag(NamedTuple):
-    """
-    A lag and its standard error, and its drift over the flight with standard error. [s]
-
-    `line` is the lag in the middle of the flight [s] and its slope [s/s].
-    """
-
-    lag: float
-    error: float
-    drift: float
-    drift_error: float
-    line: tuple[float, float]
+KIND: Final = 'clock'
+AMBIGUOUS: Final = 0.9  # height of a second peak, as of a pure oscillation, over the first
+INDEPENDENT: Final = 4.0  # independent values per second after a kernel of 0.25 s
+# Trial drifts over the flight [s]
+DRIFTS: Final = tuple(size * sign for size in (0.2, 0.35, 0.5, 0.65, 0.8, 1.0) for sign in (1, -1))
 
 
 def find_clock_errors(evidence: CheckContext) -> CheckVerdict:
     """Find channels that are late or early relative to others."""
     findings: list[QualityFinding] = []
     unjudged: list[str] = []
-    turning = {
-        pair.sensor.split('/')[0] for pair, _ in evidence.pair_similarities if pair.what == 'rates'
-    }
-    for pair, alike in evidence.pair_similarities:
-        if pair.what == 'force' and pair.sensor.split('/')[0] in turning:
-            continue  # the rates of this sensor are more precise
-        if alike is None:
-            unjudged.append(
-                f"The clock of '{pair.sensor}' cannot be judged: '{pair.reference}' shows too "
-                'little motion to compare it with.'
-            )
-        else:
-            findings += find_lag(pair, alike)
+    for motion in evidence.motions:
+        turning = {vector.name.split('/')[0] for vector in motion.list_vectors('rates')}
+        for vector in motion.vectors:
+            if vector.kind == 'force' and vector.name.split('/')[0] in turning:
+                continue  # the rates of this sensor are more precise
+            shared = share_axes(motion, vector)
+            if not shared:
+                unjudged.append(
+                    f"The clock of '{vector.name}' cannot be judged: "
+                    f"'{motion.name_reference(vector.kind)}' shows too little motion to compare "
+                    'it with.'
+                )
+                continue
+            lag = estimate_lag(shared)
+            if lag is not None:
+                findings += find_lag(motion, vector, lag)
     return CheckVerdict(tuple(findings), tuple(unjudged))
 
 
-def find_lag(pair: MotionPair, alike: PairSimilarity) -> Iterator[QualityFinding]:
-    """Yield the lag of a pair, or its drift, if significant."""
-    if not alike.quick_at_lag.any():
-        return
-    estimate = estimate_pair_lag(pair, alike)
-    begin, end = pair.span
-    steady, drifting = (
-        drift_corrected_correlation(pair, estimate.lag, 0.0),
-        drift_corrected_correlation(pair, *estimate.line),
-    )
-    wanders = (
-        abs(estimate.drift) > limits.CLOCK_OFFSET + limits.CLOCK_SIGMAS * estimate.drift_error
-    )
-    if wanders and drifting > limits.AGREE and is_clear_gain(steady, drifting):
-        yield QualityFinding(
-            KIND, pair.sensor, begin, end,
-            f'The time stamps drift by {estimate.drift:.3f} s +- {estimate.drift_error:.3f} s '
-            f"relative to '{pair.reference}' from start to end: without this drift the two would "
-            f'have a correlation of {drifting:.2f} instead of {steady:.2f}.',
-            Severity.SUSPICIOUS, {'drift': estimate.drift, 'error': estimate.drift_error},
-        )  # fmt: skip
-        return
-    # A large drift blurs the total correlation, so the lag above may be meaningless
-    if steady < limits.AGREE:
-        drift, drifting = search_clock_drift(pair)
-        if drifting > limits.WANDER_AGREE and is_clear_gain(max(steady, 0.0), drifting):
-            yield QualityFinding(
-                KIND, pair.sensor, begin, end,
-                f'The time stamps drift by about {drift:.1f} s relative to '
-                f"'{pair.reference}' from "
-                f'start to end (correlation {steady:.2f} as recorded, {drifting:.2f} after '
-                'correction).',
-                Severity.SUSPICIOUS, {'drift': drift},
-            )  # fmt: skip
-            return
-    own, zero = np.abs(alike.quick_at_lag), np.abs(alike.quick_at_zero)
-    best = own >= min(limits.AGREE, float(own.max()))  # ignore axes with poor correlation
-    peak = float(own[best].mean())
-    clear = abs(estimate.lag) > limits.CLOCK_OFFSET + limits.CLOCK_SIGMAS * estimate.error
-    # Swapped axes would give a meaningless lag.
-    if clear and alike.axes_agree and peak > limits.AGREE and is_clear_gain(
-        float(zero[best].mean()), peak
-    ):  # fmt: skip
-        word = 'late' if estimate.lag > 0 else 'early'
-        yield QualityFinding(
-            KIND, pair.sensor, begin, end,
-            f'The data are {abs(estimate.lag):.3f} s +- {estimate.error:.3f} s {word} relative to '
-            f"'{pair.reference}' (correlation {zero[best].mean():.2f} as recorded, {peak:.2f} "
-            'after correction).',
-            Severity.SUSPICIOUS, {'lag': estimate.lag, 'error': estimate.error},
-        )  # fmt: skip
+def share_axes(motion: PoseMotion, vector: MeasuredVector) -> list[SharedQuantity]:
+    """Return the axes of a vector that move, derived from the pose and measured, of one size."""
+    seconds = motion.seconds
+    if not is_grid_allowed(float(seconds[-1] - seconds[0]), STEPS[0], len(seconds)):
+        return []  # a clock that was set by hours or years, which `stamps` reports
+    weights = hann_kernel(limits.KERNEL, median_period(seconds))
+    derived = smooth_columns(motion.derive(vector.kind), weights)
+    measured = smooth_columns(vector.values, weights)
+    shared = []
+    for axis in range(3):
+        sides = [side[:, axis] - np.nanmean(side[:, axis]) for side in (derived, measured)]
+        sizes = [float(np.nanstd(side)) for side in sides]
+        if sizes[0] > MOVING[vector.kind] and sizes[1] > 0.0:
+            one, other = (
+                SampledSignal(seconds, side / size)
+                for side, size in zip(sides, sizes, strict=True)
+            )
+            shared.append(SharedQuantity('xyz'[axis], one, other))
+    return shared
 
 
-def search_clock_drift(pair: MotionPair) -> tuple[float, float]:
-    """Return the drift over the flight with the best correlation [s], and that correlation."""
-    left, right, _, _ = high_pass_pair(pair)
-    length = float(np.ptp(pair.grid))
-    best = 0.0, 0.0
-    for drift in DRIFTS:
-        # Half of the drift before and half after the middle, so that the mean lag is unchanged
-        at = pair.grid + drift * ((pair.grid - pair.grid[0]) / length - 0.5)
-        moved = np.stack([np.interp(at, pair.grid, column) for column in left.T], axis=1)
-        lag = estimate_lag(moved, right, pair.step, limits.CLOCK_SEARCH)
-        score = drift_corrected_correlation(pair, lag, drift / length)
-        best = max(best, (drift, score), key=lambda way: way[1])
-    return best
+@final
+class DriftingLag(NamedTuple):
+    """A lag in the middle of the flight, its standard error and its drift. [s]"""
+
+    lag: float
+    error: float
+    drift: float  # from start to end
+    before: float  # correlation as recorded
+    after: float  # correlation without lag and drift
 
 
-def is_clear_gain(before: float, after: float) -> bool:
-    """Return whether an improved correlation clearly reduces the mismatch."""
-    return 1.0 - before > limits.CLOCK_GAIN * (1.0 - after)
+def estimate_lag(shared: Sequence[SharedQuantity]) -> DriftingLag | None:
+    """Return lag and drift at which a vector correlates best; None if nothing tells them."""
+    ways = []
+    for drift in (0.0, *DRIFTS):
+        moved = [each._replace(b=_move(each, 0.0, drift)) for each in shared]
+        coarse = estimate_coarse_lag(moved, limits.CLOCK_SEARCH)
+        if coarse is not None and coarse.rival < AMBIGUOUS:
+            ways.append((correlate_moved(shared, coarse.lag, drift), coarse.lag, drift))
+    if not ways:
+        return None
+    after, lag, drift = max(ways)
+    steady = next((way for way in ways if way[2] == 0.0), (0.0, 0.0, 0.0))
+    # A drift must explain clearly more than a lag alone
+    if 1.0 - steady[0] < limits.CLOCK_GAIN * (1.0 - after):
+        after, lag, drift = steady
+    return DriftingLag(lag, _estimate_error(shared, after), drift, correlate_moved(shared), after)
 
 
-def drift_corrected_correlation(pair: MotionPair, lag: float, slope: float) -> float:
-    """Return the correlation of the fast motion of all axes after removing a drifting lag. [1]"""
-    left, right, left_size, right_size = high_pass_pair(pair)
-    at = pair.grid + lag + slope * (pair.grid - pair.grid.mean())
-    moved = np.stack([np.interp(at, pair.grid, column) for column in left.T], axis=1)
-    # Restore the units that the filter normalised, so that strong motion counts most
-    left, right = moved * left_size, right * right_size
-    size = float(np.linalg.norm(left) * np.linalg.norm(right))
-    return float((left * right).sum()) / size if size > 0.0 else 0.0
-
-
-def estimate_pair_lag(pair: MotionPair, alike: PairSimilarity) -> PairLag:
-    """Estimate the lag of a pair from parts of the flight with equal motion."""
-    left, right, _, _ = high_pass_pair(pair)
-    # Axes that correlate well determine the lag.
-    weight = np.abs(alike.quick_at_lag) ** 2
-    left, right = left * weight, right * weight
-    step, moved = pair.step, round(alike.lag / pair.step)
-    # Remove the total lag first; the parts then estimate only the remainder
-    left = np.roll(left, -moved, axis=0)
-    energy = (right**2).sum(axis=1)
-    # Cut where the accumulated motion is equal, so that each part determines a lag.
-    gone = np.cumsum(energy + EVEN * energy.mean())
-    count = int(np.clip(len(left) * step / PART, *PARTS))
-    cuts = np.searchsorted(gone, gone[-1] * np.arange(1, count) / count)
-    rows, times = [], []
-    for part in np.split(np.arange(len(left)), cuts):
-        if len(part) * step < SHORTEST:
-            continue
-        near = estimate_lag(left[part], right[part], step, NEAR)
-        rows.append(moved * step + near)
-        # The lag belongs to the time of most motion; 1e-12 avoids weights of zero
-        times.append(float(np.average(pair.grid[part], weights=energy[part] + 1e-12)))
-    if len(rows) < PARTS[0]:
-        return PairLag(alike.lag, lag_standard_error(right, energy, alike, step), 0.0, np.inf,
-                   (alike.lag, 0.0))  # fmt: skip
-    return fit_lag_drift(np.array(rows), np.array(times), step, float(pair.grid.mean()))
-
-
-def lag_standard_error(right: Array, energy: Array, alike: PairSimilarity, step: float) -> float:
+def _estimate_error(shared: Sequence[SharedQuantity], correlation: float) -> float:
     """
-    Return the standard error of a lag estimated from one short stretch of motion. [s]
+    Return the standard error of a lag by the correlation there. [s]
 
-    Twice the bound of Knapp and Carter (1976, doi:10.1109/TASSP.1976.1162830) for the given
-    correlation, with the number of independent values that the kernel leaves in the stretch.
+    Twice the bound of Knapp and Carter (1976, doi:10.1109/TASSP.1976.1162830), with the number of
+    independent values that the kernel leaves in the flight.
     """
-    alike_at = float(np.abs(alike.quick_at_lag).max())
-    lasting = float(energy.sum() ** 2 / (energy**2).sum()) * step
-    turning = float(np.sqrt((np.gradient(right, step, axis=0) ** 2).sum() / (right**2).sum()))
-    values = max(1.0, lasting * INDEPENDENT)
-    unlike = max(1e-4, 1.0 - alike_at**2)
-    return 2.0 * float(np.sqrt(unlike / values)) / alike_at / turning
+    time, table = shared[0].a.time, np.array([each.a.values for each in shared])
+    pace = np.nanstd(np.gradient(table, time, axis=1)) / np.nanstd(table)
+    unlike = max(1e-4, 1.0 - correlation**2)
+    return 2.0 * float(np.sqrt(unlike / max(1.0, np.ptp(time) * INDEPENDENT)) / pace)
 
 
-def fit_lag_drift(parts: Array, times: Array, step: float, center: float) -> PairLag:
-    """Fit lag [s] and drift [1] to the lags of the parts."""
-    middle = float(np.median(parts))
-    # A tenth of a grid step is the least error of an interpolated peak
-    spread = NORMAL * float(np.median(np.abs(parts - middle))) + 0.1 * step
-    error = MEDIAN * spread / np.sqrt(len(parts))
-    if len(parts) < PARTS[0] + 1:
-        return PairLag(middle, error, 0.0, np.inf, (middle, 0.0))
-    first, second = np.triu_indices(len(parts), 1)
-    apart = times[second] - times[first]
-    # The median of the slopes of all pairs (Theil 1950, Sen 1968) tolerates outliers.
-    slope = float(np.median((parts[second] - parts[first]) / np.maximum(apart, 1e-3)))
-    at_middle = float(np.median(parts - slope * (times - center)))
-    left = parts - at_middle - slope * (times - center)
-    rest = NORMAL * float(np.median(np.abs(left))) + 0.1 * step
-    length = float(np.ptp(times))
-    drift_error = rest / float(np.linalg.norm(times - times.mean())) * length
-    return PairLag(middle, error, slope * length, drift_error, (at_middle, slope))
+def find_lag(
+    motion: PoseMotion, vector: MeasuredVector, estimate: DriftingLag
+) -> Iterator[QualityFinding]:
+    """Yield the lag of a vector, or its drift, if significant."""
+    lag, error, drift, before, after = estimate
+    small = abs(lag) < limits.CLOCK_OFFSET + limits.CLOCK_SIGMAS * error
+    # An improved correlation must clearly reduce the mismatch
+    gained = 1.0 - before > limits.CLOCK_GAIN * (1.0 - after)
+    if (small and not drift) or after < limits.WANDER_AGREE or not gained:
+        return
+    gain = f'(correlation {before:.2f} as recorded, {after:.2f} after correction)'
+    reference = motion.name_reference(vector.kind)
+    if drift:
+        text = (
+            f"The time stamps drift by about {drift:.1f} s relative to '{reference}' from start "
+            f'to end {gain}.'
+        )
+        values = {'drift': drift, 'error': error}
+    else:
+        word = 'late' if lag > 0 else 'early'
+        text = (
+            f'The data are {abs(lag):.3f} s +- {error:.3f} s {word} relative to '
+            f"'{reference}' {gain}."
+        )
+        values = {'lag': lag, 'error': error}
+    yield QualityFinding(KIND, vector.name, *motion.span, text, Severity.SUSPICIOUS, values)
+
+
+def _move(each: SharedQuantity, lag: float, drift: float) -> SampledSignal:
+    """Return the measured signal without a lag and a drift over the flight. [s]"""
+    time, values = each.b
+    share = (each.a.time - each.a.time[0]) / np.ptp(each.a.time) - 0.5
+    finite = np.isfinite(values)
+    moved = np.interp(each.a.time + lag + drift * share, time[finite], values[finite])
+    return SampledSignal(each.a.time, moved)
+
+
+def correlate_moved(
+    shared: Sequence[SharedQuantity], lag: float = 0.0, drift: float = 0.0
+) -> float:
+    """Return the correlation of all axes after removing a lag and a drift over the flight. [s]"""
+    left = np.concatenate([np.nan_to_num(each.a.values) for each in shared])
+    right = np.concatenate([_move(each, lag, drift).values for each in shared])
+    return float((left * right).sum() / (np.linalg.norm(left) * np.linalg.norm(right)))
+
+
+STAMPS: Final = 'stamps'
+TWICE: Final = 0.001  # share of repeated stamps from which they are reported
+IN_A_ROW: Final = 3  # messages that a network may deliver late together
+LATE: Final = 0.05  # share of late messages beyond which the time stamps are wrong
+REGULAR: Final = 0.3  # relative standard deviation of a period, at most
+LONG: Final = 98.0  # percentile of irregular periods that a gap exceeds
+SHOWN: Final = 5  # findings of one kind per topic, at most
+
+
+def find_stamp_errors(evidence: CheckContext) -> CheckVerdict:
+    """Find errors in the times of each topic."""
+    findings: list[QualityFinding] = []
+    first: dict[str, SignalChannel] = {}
+    for channel in evidence.recording.channels.values():
+        # All channels of a topic have the same times, so check one of them
+        first.setdefault(channel.topic, channel)
+    for topic, channel in first.items():
+        if len(channel.time) >= limits.LEAST_SAMPLES:
+            findings += find_backward_stamps(topic, channel.time)
+            findings += find_gaps(topic, channel.time)
+        arrived = evidence.recording.arrivals.get(topic)
+        if arrived is not None and len(arrived) == len(channel.time) > 1:
+            findings += find_stamp_jumps(topic, channel.time, arrived)
+    return CheckVerdict(tuple(findings))
+
+
+def find_backward_stamps(topic: str, time: Array) -> Iterator[QualityFinding]:
+    """Yield where time runs backwards or repeats."""
+    late = find_late_messages(time)
+    if late.any():
+        at = np.flatnonzero(late)
+        behind = float((np.maximum.accumulate(time) - time)[late].max())
+        yield QualityFinding(
+            STAMPS, topic, float(time[at[0]]), float(time[at[-1]]),
+            f'{len(at)} of {len(time)} messages were recorded after later ones, by up to '
+            f'{behind:.3f} s; their time stamps put them in order.',
+            Severity.WARNING, {'late': float(len(at))},
+        )  # fmt: skip
+    step = np.diff(time[~late])
+    time = time[~late]
+    back = np.flatnonzero(step < 0.0)
+    for index in back[:SHOWN].tolist():
+        begin, end = float(time[index + 1]), float(time[index])
+        yield QualityFinding(
+            STAMPS, topic, begin, end,
+            f'The time stamps go back by {end - begin:.3f} s at {end:.3f} s ({len(back)} such '
+            'steps).',
+            Severity.ERROR, {'back': end - begin, 'steps': float(len(back))},
+        )  # fmt: skip
+    twice = np.flatnonzero(step == 0.0)
+    if len(twice) > TWICE * len(time):
+        yield QualityFinding(
+            STAMPS, topic, float(time[twice[0]]), float(time[twice[-1]]),
+            f'{len(twice)} of {len(time)} messages repeat the previous time stamp.',
+            Severity.SUSPICIOUS, {'messages': float(len(twice))},
+        )  # fmt: skip
+
+
+def find_late_messages(time: Array) -> Any:  # noqa: ANN401 - an array of bool
+    """
+    Return which messages arrived after later ones, as on a network without order.
+
+    Where a clock is set back, all messages are behind until it has caught up; here, a few are.
+    """
+    behind = time < np.maximum.accumulate(time)
+    late = np.zeros(len(time), dtype=bool)
+    for begin, end in find_runs(behind).tolist():
+        late[begin:end] = end - begin <= IN_A_ROW
+    return late if late.mean() <= LATE else np.zeros(len(time), dtype=bool)
+
+
+def find_gaps(topic: str, time: Array) -> Iterator[QualityFinding]:
+    """Yield gaps, and the share of lost messages of a regular topic."""
+    step = np.diff(time)
+    step = step[step > 0.0]
+    if len(step) < limits.LEAST_SAMPLES // 2:
+        return
+    usual = float(np.median(step))
+    regular = is_regular(time)
+    # On irregular stamps, a gap is longer than nearly all other steps
+    longest = usual if regular else float(np.percentile(step, LONG))
+    gaps = np.flatnonzero(np.diff(time) > max(limits.GAP_PERIODS * longest, limits.GAP_TIME))
+    for index in gaps[:SHOWN].tolist():
+        begin, end = float(time[index]), float(time[index + 1])
+        yield QualityFinding(
+            STAMPS, topic, begin, end,
+            f'No message for {end - begin:.2f} s; the usual period is {usual:.3f} s '
+            f'({len(gaps)} such {"gap" if len(gaps) == 1 else "gaps"}).',
+            Severity.SUSPICIOUS, {'gap': end - begin, 'gaps': float(len(gaps))},
+        )  # fmt: skip
+    if not regular:
+        return
+    # n periods over some messages lack the rest; one that is late lacks none. Gaps are above
+    whole = np.diff(time)
+    whole[gaps] = usual
+    lost = np.round(np.diff(np.cumsum(whole)[::TOGETHER]) / usual) - TOGETHER
+    missing = float(lost[lost > 0.0].sum())
+    if missing > limits.DROPOUT_SHARE * (len(time) + missing):
+        at = np.flatnonzero(lost > 0.0) * TOGETHER
+        yield QualityFinding(
+            STAMPS, topic, float(time[at[0]]), float(time[at[-1] + TOGETHER]),
+            f'{missing:.0f} of {len(time) + missing:.0f} messages are missing in small gaps.',
+            Severity.WARNING, {'missing': missing},
+        )  # fmt: skip
+
+
+def is_regular(time: Array) -> bool:
+    """Return whether messages follow at a period, so that lost ones can be counted."""
+    step = np.diff(time)
+    step = step[step > 0.0]
+    if not len(step):
+        return True
+    usual = float(np.median(step))
+    together = usual < REGULAR * median_period(time)
+    # 1.4826: standard deviation from the median absolute deviation
+    return not together and 1.4826 * float(np.median(np.abs(step - usual))) <= REGULAR * usual
+
+
+def find_stamp_jumps(topic: str, time: Array, arrived: Array) -> Iterator[QualityFinding]:
+    """Yield where stamps jump relative to the log times."""
+    # A constant offset between both clocks is legitimate; only its changes count
+    ahead = (time - time[0]) - (arrived - arrived[0])
+    jumped = np.abs(np.diff(ahead)) > limits.LOG_JUMP
+    for begin, _ in find_runs(jumped)[:SHOWN].tolist():
+        size = float(ahead[begin + 1] - ahead[begin])
+        low, high = sorted((float(time[begin]), float(time[begin + 1])))
+        yield QualityFinding(
+            STAMPS, topic, low, high,
+            f'The time stamps jump by {size:.3f} s relative to the log time.',
+            Severity.SUSPICIOUS, {'jump': size},
+        )  # fmt: skip

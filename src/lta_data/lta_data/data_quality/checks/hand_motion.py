@@ -13,19 +13,24 @@ from typing import final, NamedTuple
 
 from lta_config.limits import GRID
 from lta_data.data_quality import limits, roles
-from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
-from lta_data.data_quality.motion import VectorSeries
-from lta_data.data_quality.recording import ChannelRecording, CheckContext
-from lta_data.data_quality.smoothing import (
+from lta_data.data_quality.motion import find_tracker_jumps, VectorSeries
+from lta_data.data_quality.recording import (
+    ChannelRecording,
+    CheckContext,
+    CheckVerdict,
+    QualityFinding,
+    Severity,
+)
+from lta_data.even_grid import (
+    build_uniform_time_grid,
     find_runs,
+    FINEST,
     hann_kernel,
     interpolate_on_grid,
     median_period,
     merge_runs,
     smooth_columns,
 )
-from lta_data.data_quality.tracker_jumps import find_tracker_jumps
-from lta_data.even_grid import build_uniform_time_grid, FINEST
 import numpy as np
 from numpy.typing import NDArray
 

@@ -14,9 +14,8 @@ import math
 
 from lta_data.bag.channels import SignalChannel
 from lta_data.data_quality import limits, roles
-from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
-from lta_data.data_quality.recording import CheckContext
-from lta_data.data_quality.smoothing import find_coarse_unit, find_runs, median_period
+from lta_data.data_quality.recording import CheckContext, CheckVerdict, QualityFinding, Severity
+from lta_data.even_grid import find_coarse_unit, find_runs, median_period
 import numpy as np
 from numpy.typing import NDArray
 

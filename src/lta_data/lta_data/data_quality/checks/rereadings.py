@@ -12,37 +12,36 @@ from typing import Final
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_data.data_quality import limits
-from lta_data.data_quality.finding import QualityFinding, Severity
-from lta_data.data_quality.motion import PoseSeries, VectorSeries
-from lta_data.data_quality.motion_scales import (
-    ALIKE,
-    covers_place,
+from lta_data.data_quality.motion import PoseMotion, PoseSeries, VectorSeries
+from lta_data.data_quality.recording import CheckContext, QualityFinding, Severity
+from lta_data.even_grid import hann_kernel, median_period, smooth_columns
+from lta_data.interpretation.attitude_readings import (
     DEGREES,
-    fit_lever,
-    fit_rates,
-    fit_speed,
-    fit_tilt,
-    fit_velocity,
-    is_inverted,
-    is_near,
-    largest_angle,
     magnify_angles,
     measure_turn,
     OFFSETS,
-    quaternions_of,
     shrink_angles,
-    TILT,
-    tumbling_pace,
     TURN,
-    upright_share,
-    VectorFit,
 )
-from lta_data.data_quality.recording import CheckContext
-from lta_data.data_quality.smoothing import hann_kernel, median_period, smooth_columns
+from lta_data.interpretation.kinematics import (
+    differentiate,
+    fit_lever,
+    fit_scale,
+    fit_tilt,
+    is_inverted,
+    is_near,
+    LATEST,
+    NO_FIT,
+    ScaleFit,
+    TILT,
+    upright_share,
+)
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 Array = NDArray[np.float64]
+ALIKE: Final = 0.85  # cosine of two vectors of one motion
 RIGID: Final = 0.01  # range of angles that is too small for any flight [rad]
 STIFF: Final = 0.03  # the same, of a vehicle that accelerates too much for its lean [rad]
 LEANLESS: Final = 5.0  # acceleration by lean that is too much, by gravity
@@ -56,34 +55,38 @@ NUMERIC: Final = 1e-5  # what a velocity without noise disagrees by, as it is in
 UNEXPLAINED: Final = 0.6  # of what a velocity disagrees by, left with larger angles
 
 
-def find_wrong_angle_unit(pose: PoseSeries, rates: list[VectorSeries]) -> tuple[str, float] | None:
+def find_wrong_angle_unit(motion: PoseMotion) -> tuple[str, float] | None:
     """
     Return why the attitude is in the wrong unit, and the factor that corrects its angles.
 
-    None if it is not. `rates`: all that were recorded, of the pose and of inertial sensors.
+    None if it is not.
     """
-    attitude = pose.attitude
-    if attitude is None or len(attitude.time) < 100:
+    turn = motion.turn
+    if len(turn) < 100:
         return None
-    small = magnify_angles(attitude.values)
-    if reason := _explain_small_angles(pose, small):
+    small = magnify_angles(turn)
+    if reason := _explain_small_angles(motion, small):
         return _describe_small_angles(reason), DEGREES
-    if _agrees_as_recorded(pose, rates):
+    if _agrees_as_recorded(motion):
         return None
-    pace = tumbling_pace(attitude)
-    if pace > TUMBLING and upright_share(attitude.values) < 0.9:
+    pace = float(np.nanmedian(np.linalg.norm(motion.derive('rates'), axis=1)))
+    if pace > TUMBLING and upright_share(turn) < 0.9:
         why = f'read as radians, the vehicle would tumble at {pace:.3g} rad/s'
         return _describe_large_angles(why), 1.0 / DEGREES
-    if largest_angle(attitude.values) < TINY and _explains(pose, rates, small, 1.0 / DEGREES):
-        why = f'with larger ones {_name_agreement(pose, rates)} agrees'
-        return _describe_small_angles(why), DEGREES
-    calm = upright_share(attitude.values) > 0.5 or is_inverted(attitude.values)
-    if pace < TURNING and calm:
+    largest = float(np.max(np.abs(turn.as_euler('ZYX'))))
+    if largest < TINY and _explains(motion, small, 1.0 / DEGREES):
+        return _describe_small_angles(
+            f'with larger ones {_name_agreement(motion)} agrees'
+        ), DEGREES
+    if pace < TURNING and (upright_share(turn) > 0.5 or is_inverted(turn)):
         return None
-    angles = shrink_angles(attitude.values)
-    for yaw in np.arange(OFFSETS) * (TURN / DEGREES) if pose.velocity is not None else (0.0,):
-        if _explains(pose, rates, quaternions_of(angles, float(yaw)), DEGREES):
-            why = f'with smaller angles {_name_agreement(pose, rates)} agrees'
+    angles = shrink_angles(turn)
+    for yaw in (
+        np.arange(OFFSETS) * (TURN / DEGREES) if motion.pose.velocity is not None else (0.0,)
+    ):
+        other = Rotation.from_euler('ZYX', angles + np.array([yaw, 0.0, 0.0]))
+        if _explains(motion, other, DEGREES):
+            why = f'with smaller angles {_name_agreement(motion)} agrees'
             return _describe_large_angles(why), 1.0 / DEGREES
     return None
 
@@ -99,23 +102,45 @@ def _describe_large_angles(why: str) -> str:
     )
 
 
-def _explain_small_angles(pose: PoseSeries, small: Array) -> str:
+def _fit_velocity(motion: PoseMotion, turn: Rotation | None = None) -> ScaleFit:
+    """Compare the velocity of a pose's topic with the derivative of its place."""
+    velocity = motion.pose.velocity
+    if velocity is None or motion.place is None:
+        return NO_FIT
+    measured = velocity.interpolate(motion.seconds)
+    return fit_scale(measured, motion.derive('velocity', turn), motion.seconds, LATEST)
+
+
+def _fit_lean(motion: PoseMotion, turn: Rotation | None = None) -> ScaleFit:
+    if motion.place is None:
+        return NO_FIT
+    return fit_tilt(motion.turn if turn is None else turn, motion.place, motion.seconds)
+
+
+def _fit_rates(motion: PoseMotion, turn: Rotation | None = None) -> list[ScaleFit]:
+    """Compare all rates that were recorded with the derivative of the attitude."""
+    derived = motion.derive('rates', turn)
+    return [fit_scale(one.values, derived, motion.seconds, LATEST)
+            for one in motion.list_vectors('rates')]  # fmt: skip
+
+
+def _explain_small_angles(motion: PoseMotion, small: Rotation) -> str:
     """
     Return why the angles are too small, whatever the rates say; empty if they need not be.
 
     `small`: the attitude with angles 57.3 times as large. Rates in the wrong unit agree with it.
     """
-    assert pose.attitude is not None
-    before, after = fit_velocity(pose).cosine, fit_velocity(pose, small).cosine
+    pose = motion.pose
+    before, after = (_fit_velocity(motion, turn).cosine for turn in (None, small))
     left = 1.0 - before
     if after > FOLLOWED and left > NUMERIC and 1.0 - after < UNEXPLAINED * left:
         assert pose.velocity is not None
         return f"with larger ones '{pose.velocity.name}' agrees"
-    turn = measure_turn(pose.attitude)
-    if pose.position is None or not (pose.tracked and covers_place(pose) and turn < STIFF):
+    turn = measure_turn(motion.turn, motion.seconds)
+    if pose.position is None or not (pose.tracked and turn < STIFF):
         return ''
-    lean = fit_tilt(pose)
-    leans = abs(lean.cosine) > TILT and lean.factor > LEANLESS * STANDARD_GRAVITY
+    lean = _fit_lean(motion)
+    leans = abs(lean.cosine) > TILT and lean.ratio > LEANLESS * STANDARD_GRAVITY
     extent = float(np.max(np.ptp(pose.position.values, axis=0)))
     # An attitude that does not change at all is another finding
     if extent < TRAVEL or not RIGID / DEGREES < turn < (STIFF if leans else RIGID):
@@ -128,54 +153,50 @@ def _explain_small_angles(pose: PoseSeries, small: Array) -> str:
     )
 
 
-def _agrees_as_recorded(pose: PoseSeries, rates: list[VectorSeries]) -> bool:
+def _agrees_as_recorded(motion: PoseMotion) -> bool:
     """Return whether all that can be compared agrees, so that no other reading is needed."""
-    assert pose.attitude is not None
-    speed, lean = fit_velocity(pose), fit_tilt(pose)
-    turns = [fit_rates(pose, one) for one in rates]
+    speed, lean = _fit_velocity(motion), _fit_lean(motion)
     return (
-        upright_share(pose.attitude.values) > 0.9
-        and (pose.velocity is None or speed.cosine > ALIKE)
-        and all(fit.cosine > ALIKE and is_near(fit.factor, 1.0) for fit in turns)
-        and (lean.cosine < TILT or abs(np.log(lean.factor / STANDARD_GRAVITY)) < 1.0)
+        upright_share(motion.turn) > 0.9
+        and (motion.pose.velocity is None or speed.cosine > ALIKE)
+        and all(fit.cosine > ALIKE and is_near(fit.ratio, 1.0) for fit in _fit_rates(motion))
+        and (lean.cosine < TILT or abs(np.log(lean.ratio / STANDARD_GRAVITY)) < 1.0)
     )
 
 
-def _name_agreement(pose: PoseSeries, rates: list[VectorSeries]) -> str:
-    names = [vector.name for vector in rates[:1]]
-    names += [pose.velocity.name] if pose.velocity is not None else []
+def _name_agreement(motion: PoseMotion) -> str:
+    names = [vector.name for vector in motion.list_vectors('rates')[:1]]
+    names += [motion.pose.velocity.name] if motion.pose.velocity is not None else []
     return f"'{names[0]}'" if names else 'an upright vehicle'
 
 
-def _explains(pose: PoseSeries, rates: list[VectorSeries], turn: Array, excess: float) -> bool:
+def _explains(motion: PoseMotion, turn: Rotation, excess: float) -> bool:
     """
     Return whether another reading of the attitude is right and the recorded one is not.
 
     `excess` is by how much the recorded angles are too large.
     """
-    assert pose.attitude is not None
     if upright_share(turn) < 0.9:
         return False
     votes = []
-    before, after = fit_velocity(pose), fit_velocity(pose, turn)
+    before, after = _fit_velocity(motion), _fit_velocity(motion, turn)
     if max(before.cosine, after.cosine) > ALIKE and abs(after.cosine - before.cosine) > MORE:
         votes.append(after.cosine > before.cosine)
-    lean = fit_tilt(pose), fit_tilt(pose, turn)
+    lean = _fit_lean(motion), _fit_lean(motion, turn)
     if max(lean[0].cosine, lean[1].cosine) > TILT:
-        sizes = [abs(np.log(one.factor / STANDARD_GRAVITY)) if one.cosine > TILT else 9.0
+        sizes = [abs(np.log(one.ratio / STANDARD_GRAVITY)) if one.cosine > TILT else 9.0
                  for one in lean]  # fmt: skip
         votes.append(sizes[1] < 1.0 < sizes[0])
-    recorded = [fit_rates(pose, one) for one in rates]
-    reread = [fit_rates(pose, one, turn) for one in rates]
+    recorded, reread = _fit_rates(motion), _fit_rates(motion, turn)
     matched = [fit for fit in reread if fit.cosine > ALIKE]
-    if upright_share(pose.attitude.values) < 0.5 and excess > 1.0:
-        return bool(matched) or not rates or after.cosine > ALIKE
+    if upright_share(motion.turn) < 0.5 and excess > 1.0:
+        return bool(matched) or not reread or after.cosine > ALIKE
     # Rates that agree with the recorded angles are wrong too, or right
     for old, new in zip(recorded, reread, strict=True):
-        if old.cosine > ALIKE and is_near(old.factor, 1.0) and not votes:
+        if old.cosine > ALIKE and is_near(old.ratio, 1.0) and not votes:
             return False
-        if new.cosine > ALIKE and is_near(new.factor, 1.0) and not is_near(old.factor, 1.0):
-            votes.append(True) if len(rates) > 1 or not votes else None
+        if new.cosine > ALIKE and is_near(new.ratio, 1.0) and not is_near(old.ratio, 1.0):
+            votes.append(True) if len(reread) > 1 or not votes else None
     return bool(votes) and all(votes)
 
 
@@ -194,28 +215,38 @@ LEVER: Final = 0.6  # largest distance of markers from the axis of a swing [m]
 
 def find_rereadings(evidence: CheckContext) -> list[QualityFinding]:
     """Return findings of wrong units of time, length and angle, and of z upside down."""
-    findings = [*_find_wrong_times(evidence)]
     # Nothing else can be judged with wrong times
-    if findings:
-        return findings
+    if wrong := [*_find_wrong_times(evidence)]:
+        return wrong
+    findings: list[QualityFinding] = []
+    motions = {motion.pose.topic: motion for motion in evidence.motions}
     for pose in evidence.poses:
-        lengths = [*_find_wrong_length(pose)]
-        findings += lengths or [*_find_wrong_angles(pose, evidence)]
-        if not lengths:
-            findings += _find_wrong_vertical(pose, evidence)
+        motion = motions.get(pose.topic)
+        if length := _explain_length(pose, motion):
+            findings += _build_finding(pose.position, 'unit', length)
+            continue
+        if motion is not None:
+            findings += _build_finding(pose.attitude, 'unit', find_wrong_angle_unit(motion))
+        if motion is not None and is_inverted(motion.turn):
+            words = (
+                'The vehicle is upside down throughout: z of the map or of the body points down '
+                '(NED or FRD read as ENU or FLU).'
+            )
+            findings += _build_finding(pose.attitude, 'axes', (words, -1.0))
+        else:
+            findings += _build_finding(pose.position, 'axes', _explain_vertical(pose, motion))
     return findings
 
 
 def _build_finding(
-    vector: VectorSeries, kind: str, sentence: str, figure: float
-) -> QualityFinding:
-    return QualityFinding(
-        kind, vector.name, float(vector.time[0]), float(vector.time[-1]), sentence,
-        Severity.SUSPICIOUS, {REREAD: figure},
-    )  # fmt: skip
-
-
-# Time
+    vector: VectorSeries | None, kind: str, reason: tuple[str, float] | None
+) -> Iterator[QualityFinding]:
+    """Yield the finding of a vector, by a sentence and its figure, if there is one."""
+    if vector is not None and reason is not None:
+        yield QualityFinding(
+            kind, vector.name, float(vector.time[0]), float(vector.time[-1]), reason[0],
+            Severity.SUSPICIOUS, {REREAD: reason[1]},
+        )  # fmt: skip
 
 
 def _find_wrong_times(evidence: CheckContext) -> Iterator[QualityFinding]:
@@ -227,60 +258,56 @@ def _find_wrong_times(evidence: CheckContext) -> Iterator[QualityFinding]:
         return
     quickest = min(vectors, key=lambda vector: median_period(vector.time))
     rate = 1.0 / median_period(quickest.time)
-    long = float(quickest.time[-1] - quickest.time[0])
-    if rate > FASTEST:
-        yield _build_finding(
-            quickest, 'unit',
-            f'The unit of the time looks wrong: {rate:.4g} messages per second over '
-            f'{long:.3g} s. The times are 1000 times too short (seconds read as milliseconds).',
-            rate,
-        )  # fmt: skip
-    elif rate < SLOWEST:
-        yield _build_finding(
-            quickest, 'unit',
-            f'The unit of the time looks wrong: a message every {1.0 / rate:.4g} s over '
-            f'{long:.4g} s. The times are 1000 times too long (milliseconds read as seconds).',
-            rate,
-        )  # fmt: skip
-
-
-# Length
-
-
-def _find_wrong_length(pose: PoseSeries) -> Iterator[QualityFinding]:
-    """Yield a position 1000 times too large or too small."""
-    if pose.position is None or len(pose.position.time) < 100 or not covers_place(pose):
+    if SLOWEST <= rate <= FASTEST:
         return
-    fits = [fit_velocity(pose), fit_speed(pose)]
+    wrong = 'short (seconds read as milliseconds)'
+    words = f'{rate:.4g} messages per second'
+    if rate < SLOWEST:
+        wrong, words = 'long (milliseconds read as seconds)', f'a message every {1.0 / rate:.4g} s'
+    text = (
+        f'The unit of the time looks wrong: {words} over {np.ptp(quickest.time):.4g} s. The times '
+        f'are 1000 times too {wrong}.'
+    )
+    yield from _build_finding(quickest, 'unit', (text, rate))
+
+
+def _explain_length(pose: PoseSeries, motion: PoseMotion | None) -> tuple[str, float] | None:
+    """Return why a position is 1000 times too large or too small, and the figure."""
+    place = pose.position
+    if place is None or len(place.time) < 100:
+        return None
+    fits = [NO_FIT if motion is None else _fit_velocity(motion), _fit_speed(pose)]
     best = max(fits, key=lambda fit: fit.cosine)
-    place, speed, pull = pose.position, *_measure_motion(pose.position)
-    if best.cosine > ALIKE and pose.tracked:
-        wrong = [*_judge_against_velocity(pose, place, best, speed)]
-        yield from wrong
-        if wrong:
-            return
+    speed, pull = _measure_motion(place)
+    large, small = '1000 times too large', '1000 times too small (metres read as millimetres)'
+    if best.cosine > ALIKE and pose.tracked and pose.velocity is not None:
+        why = f"'{pose.velocity.name}' is {best.ratio:.4g} times its derivative"
+        if is_near(best.ratio, 1e-3):
+            return f'The unit looks like mm: {why}; the values are {large}.', best.ratio
+        if is_near(best.ratio, 1e3) and best.ratio * speed < FAST:
+            return f'{why}: the values of the position are {small}.', best.ratio
     if (speed > FAST or pull > QUICK) and pose.tracked:
-        yield _build_finding(
-            place, 'unit',
-            f'The unit looks like mm: if it were m, the position would move at {speed:.3g} m/s '
-            f'and accelerate by {pull:.3g} m/s2; the values are 1000 times too large.',
-            speed,
-        )  # fmt: skip
-        return
-    extent = float(np.max(np.ptp(place.values, axis=0)))
+        why = f'the position would move at {speed:.3g} m/s and accelerate by {pull:.3g} m/s2'
+        return f'The unit looks like mm: if it were m, {why}; the values are {large}.', speed
+    extents = np.ptp(place.values, axis=0)
     # A position that does not change at all is another finding
-    if not float(np.min(np.ptp(place.values, axis=0))) > 0.0:
-        return
-    if pose.attitude is not None and speed < SLOW:
-        turn = measure_turn(pose.attitude)
-        if turn > TURNED and extent < REACH * min(turn, 1.0):
-            yield _build_finding(
-                place, 'unit',
-                f'The position stays within {1e3 * extent:.3g} mm and moves at {1e3 * speed:.3g} '
-                f'mm/s, while the vehicle turns by {turn:.2g} rad: the values are 1000 times too '
-                'small (metres read as millimetres).',
-                extent,
-            )  # fmt: skip
+    if motion is None or speed >= SLOW or not extents.min() > 0.0:
+        return None
+    extent, turn = float(extents.max()), measure_turn(motion.turn, motion.seconds)
+    if turn <= TURNED or extent >= REACH * min(turn, 1.0):
+        return None
+    why = f'stays within {1e3 * extent:.3g} mm and moves at {1e3 * speed:.3g} mm/s, while the'
+    return f'The position {why} vehicle turns by {turn:.2g} rad: the values are {small}.', extent
+
+
+def _fit_speed(pose: PoseSeries) -> ScaleFit:
+    """Compare the sizes of velocity and of the derivative of the position, without an attitude."""
+    if pose.position is None or pose.velocity is None:
+        return NO_FIT
+    time = pose.position.time
+    speed = np.linalg.norm(differentiate(pose.position.values, time), axis=1, keepdims=True)
+    logged = np.linalg.norm(pose.velocity.interpolate(time), axis=1, keepdims=True)
+    return fit_scale(logged, speed, time, LATEST)
 
 
 def _measure_motion(place: VectorSeries) -> tuple[float, float]:
@@ -295,87 +322,34 @@ def _measure_motion(place: VectorSeries) -> tuple[float, float]:
     )
 
 
-def _judge_against_velocity(
-    pose: PoseSeries, place: VectorSeries, fit: VectorFit, speed: float
-) -> Iterator[QualityFinding]:
-    """Yield the position that is off by 1000 against the velocity in the same topic."""
-    assert pose.velocity is not None
-    if is_near(fit.factor, 1e-3):
-        yield _build_finding(
-            place, 'unit',
-            f"The unit looks like mm: '{pose.velocity.name}' is {fit.factor:.4g} times its "
-            'derivative; the values are 1000 times too large.',
-            fit.factor,
-        )  # fmt: skip
-    elif is_near(fit.factor, 1e3) and fit.factor * speed < FAST:
-        yield _build_finding(
-            place, 'unit',
-            f"'{pose.velocity.name}' is {fit.factor:.4g} times its derivative: the values of the "
-            'position are 1000 times too small (metres read as millimetres).',
-            fit.factor,
-        )  # fmt: skip
-
-
-# Angle
-
-
-def _find_wrong_angles(pose: PoseSeries, evidence: CheckContext) -> Iterator[QualityFinding]:
-    """Yield an attitude in the wrong unit, if another reading agrees with all the rest."""
-    rates = [pose.turning] if pose.turning is not None else []
-    rates += [sensor.rates for sensor in evidence.inertials if sensor.rates is not None]
-    wrong = find_wrong_angle_unit(pose, rates)
-    if wrong is not None:
-        assert pose.attitude is not None
-        yield _build_finding(pose.attitude, 'unit', *wrong)
-
-
-# Vertical
-
-
-def _find_wrong_vertical(pose: PoseSeries, evidence: CheckContext) -> Iterator[QualityFinding]:
-    """Yield a pose whose z axes point down."""
-    place, attitude = pose.position, pose.attitude
-    enough = limits.LEAST_SAMPLES
-    if attitude is not None and len(attitude.time) >= enough and is_inverted(attitude.values):
-        yield _build_finding(
-            attitude, 'axes',
-            'The vehicle is upside down throughout: z of the map or of the body points down '
-            '(NED or FRD read as ENU or FLU).', -1.0,
-        )  # fmt: skip
-        return
-    if place is None or not pose.tracked or len(place.time) < enough:
-        return
+def _explain_vertical(pose: PoseSeries, motion: PoseMotion | None) -> tuple[str, float] | None:
+    """Return why the z axes of a pose point down, and its median height. [m]"""
+    place = pose.position
+    if place is None or not pose.tracked or len(place.time) < limits.LEAST_SAMPLES:
+        return None
     # A whole pose with z down agrees with itself; one wrong vector does not
-    turns = [fit_rates(pose, pose.turning)] if pose.turning is not None else []
-    turns += [fit_velocity(pose)] if pose.velocity is not None else []
-    if any(fit.cosine < CONTRADICTION for fit in turns if np.isfinite(fit.factor)):
-        return
-    lean = fit_tilt(pose)
-    least, low, high = np.percentile(place.values[:, 2], [2.0, 50.0, 98.0])
-    below = bool(low < BELOW and high < 0.0)
+    turns = [] if motion is None else [*_fit_rates(motion), _fit_velocity(motion)]
+    if any(fit.cosine < CONTRADICTION for fit in turns if np.isfinite(fit.ratio)):
+        return None
+    lean = NO_FIT if motion is None else _fit_lean(motion)
+    least, low, high = (float(one) for one in np.percentile(place.values[:, 2], [2.0, 50.0, 98.0]))
+    reasons = []
+    if low < BELOW and high < 0.0:
+        reasons.append(f'z is below zero throughout (median {low:.3g} m)')
     # With z down, heights that are all above zero would be below the floor
-    against = (
-        lean.cosine < -TILT
-        and least < 0.0
-        and is_near(lean.factor / STANDARD_GRAVITY, 1.0)
-        and not _swings_with_body(pose)
-    )
-    if below or against:
-        reasons = [f'z is below zero throughout (median {low:.3g} m)'] if below else []
-        if against:
-            reasons.append(
-                f'the vehicle accelerates against its lean (correlation {lean.cosine:.2f})'
-            )
-        yield _build_finding(
-            place, 'axes',
-            f'The z axis points down (NED read as ENU): {" and ".join(reasons)}.', float(low),
-        )  # fmt: skip
+    tilted = lean.cosine < -TILT and is_near(lean.ratio / STANDARD_GRAVITY, 1.0)
+    if tilted and least < 0.0 and not _swings_with_body(motion):
+        reasons.append(f'the vehicle accelerates against its lean (correlation {lean.cosine:.2f})')
+    text = f'The z axis points down (NED read as ENU): {" and ".join(reasons)}.'
+    return (text, low) if reasons else None
 
 
-def _swings_with_body(pose: PoseSeries) -> bool:
+def _swings_with_body(motion: PoseMotion | None) -> bool:
     """Return whether the tracked point moves as one above the axis of a swinging body does."""
-    lever = fit_lever(pose)
-    return lever.cosine > TILT and 0.0 < lever.factor < LEVER
+    if motion is None or motion.place is None:
+        return False
+    lever = fit_lever(motion.turn, motion.place, motion.seconds)
+    return lever.cosine > TILT and 0.0 < lever.ratio < LEVER
 
 
 def remove_explained_findings(findings: list[QualityFinding]) -> list[QualityFinding]:

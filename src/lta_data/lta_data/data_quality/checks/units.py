@@ -11,35 +11,29 @@ from typing import Final, NamedTuple
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_data.bag.channels import SignalChannel
-from lta_data.data_quality import limits
-from lta_data.data_quality.finding import (
+from lta_data.data_quality import limits, roles
+from lta_data.data_quality.checks.readings import (
+    CORRELATED,
+    FACTORS,
+    find_units_by_motion,
+    name_factor,
+    UNIT,
+)
+from lta_data.data_quality.motion import PoseSeries, VectorSeries
+from lta_data.data_quality.recording import (
+    CheckContext,
     CheckVerdict,
     QualityFinding,
     select_first_findings,
     Severity,
 )
-from lta_data.data_quality.motion_pairs import MotionPair, PairSimilarity
-from lta_data.data_quality.recording import CheckContext
+from lta_data.even_grid import sort_samples
+from lta_data.interpretation.kinematics import fit_scale
 import numpy as np
 from numpy.typing import NDArray
 
-KIND = 'unit'
-DEGREES: Final = 180.0 / np.pi
-# Ratio of measured to derived values -> unit of the sensor.
-FACTORS: Final[dict[str, dict[float, str]]] = {
-    'rates': {DEGREES: 'deg/s', 1000.0: 'mrad/s'},
-    'velocity': {1000.0: 'mm/s', 100.0: 'cm/s', 3.6: 'km/h'},
-    'force': {1.0 / STANDARD_GRAVITY: 'g', 1000.0: 'mm/s2', 1000.0 / STANDARD_GRAVITY: 'mg'},
-    'range': {1000.0: 'mm', 100.0: 'cm'},
-    'pressure': {0.01: 'hPa', 0.001: 'kPa'},
-}
-# The same ratio -> unit of the pose, if that is wrong.
-TURNED: Final[dict[str, dict[float, str]]] = {
-    'velocity': {0.001: 'mm', 0.01: 'cm'},
-    'range': {0.001: 'mm', 0.01: 'cm'},
-    'pressure': {0.001: 'mm'},
-    'rates': {1.0 / DEGREES: 'deg'},
-}
+KIND = UNIT
+AIR: Final = 1.2 * STANDARD_GRAVITY  # pressure drop per metre of height, at 1.2 kg/m3 [Pa/m]
 
 
 class UnitSizeRule(NamedTuple):
@@ -82,10 +76,14 @@ SIZES: Final = (
 def find_wrong_units(evidence: CheckContext) -> CheckVerdict:
     """Find channels in a wrong unit."""
     findings: list[QualityFinding] = []
-    for pair, likeness in evidence.pair_similarities:
-        if likeness is not None:
-            findings += find_unit_by_pair(pair, likeness)
+    for motion in evidence.motions:
+        findings += find_units_by_motion(motion)
+    # An estimate may be computed from these very sensors; prefer a tracker
+    any_tracked = any(pose.tracked for pose in evidence.poses)
     for channel in evidence.recording.channels.values():
+        for pose in evidence.poses:
+            if pose.tracked or not any_tracked:
+                findings += find_unit_by_height(pose, channel)
         findings += find_unit_by_size(channel)
     for sensor in evidence.inertials:
         if sensor.force is not None:
@@ -97,9 +95,7 @@ def find_wrong_units(evidence: CheckContext) -> CheckVerdict:
 
 def describe_unpaired_rates(evidence: CheckContext) -> tuple[str, ...]:
     """Return a remark for rates that have no counterpart."""
-    compared = {
-        pair.sensor for pair, likeness in evidence.pair_similarities if likeness is not None
-    }
+    compared = {vector.name for motion in evidence.motions for vector in motion.vectors}
     return tuple(
         f"The unit and axes of '{sensor.rates.name}' cannot be judged: no changing attitude to "
         'compare with.'
@@ -108,29 +104,23 @@ def describe_unpaired_rates(evidence: CheckContext) -> tuple[str, ...]:
     )
 
 
-def find_unit_by_pair(pair: MotionPair, likeness: PairSimilarity) -> Iterator[QualityFinding]:
-    """Yield the factor between the sides of a pair if it is that of a unit."""
-    # All axes against all: swapped axes do not hide a wrong unit
-    alike = np.abs(likeness.correlation) * likeness.moving[None, :]
-    rows, columns = np.nonzero(alike >= limits.AGREE)
-    if len(rows) == 0:
+def find_unit_by_height(pose: PoseSeries, channel: SignalChannel) -> Iterator[QualityFinding]:
+    """Yield a downward range or an air pressure whose size follows the height in another unit."""
+    is_range = channel.field == 'range'
+    if pose.position is None or not (is_range or roles.PRESSURE.match(channel.field)):
         return
-    # A wrong unit has the same factor on all axes
-    ratio = float(np.median(likeness.ratio[rows, columns]))
-    for table, name in ((FACTORS, pair.sensor), (TURNED, pair.reference)):
-        for factor, unit in table.get(pair.what, {}).items():
-            if abs(ratio / factor - 1.0) <= limits.FACTOR_SPREAD:
-                other = pair.reference if name == pair.sensor else pair.sensor
-                begin, end = pair.span
-                yield QualityFinding(
-                    KIND, name, begin, end,
-                    f'The unit looks like {unit}: the motion is {ratio:.4g} times that '
-                    f"expected from '{other}'."
-                    if name == pair.sensor
-                    else f"The unit looks like {unit}: '{other}' moves {ratio:.4g} times as much.",
-                    Severity.SUSPICIOUS, {'factor': ratio},
-                )  # fmt: skip
-                return
+    time, values = sort_samples(channel.time, channel.values[:, None])
+    if len(time) < limits.LEAST_SAMPLES or len(pose.position.time) < limits.LEAST_SAMPLES:
+        return
+    # Pressure falls with height
+    measured = VectorSeries('', time, values if is_range else -values / AIR)
+    at = pose.position.time
+    left, right = measured.interpolate(at), pose.position.values[:, 2:]
+    fit = fit_scale(left - np.nanmean(left), right - np.nanmean(right), at)
+    if np.std(right) > limits.HEIGHT_MOTION and fit.share > CORRELATED:
+        kind = 'range' if is_range else 'pressure'
+        span = float(at[0]), float(at[-1])
+        yield from name_factor(kind, channel.name, pose.position.name, fit.ratio, span)
 
 
 def find_unit_by_size(channel: SignalChannel) -> Iterator[QualityFinding]:

@@ -8,11 +8,11 @@ from typing import Any, Final, final, NamedTuple
 from lta_config.errors import BadInput
 from lta_config.schema.import_file import FIELD_AXES
 from lta_data.importers.axes import signed_permutation
-from lta_data.importers.draft.array_commands import ask_for_columns
 from lta_data.importers.draft.bodies import choose_bag_body, choose_moving, read_tables
 from lta_data.importers.draft.choices import BODY_AXES, DraftChoices
 from lta_data.importers.draft.clock_alignment import TimedTable
 from lta_data.importers.draft.column_groups import ColumnGroup
+from lta_data.importers.draft.command_motion import ask_for_columns
 from lta_data.importers.draft.motion_draft import draft_motion, MotionDraft
 from lta_data.importers.draft.name_hints import (
     ACTUATORS,

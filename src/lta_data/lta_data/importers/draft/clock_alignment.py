@@ -7,13 +7,13 @@ from typing import Any, Final, final, NamedTuple
 from lta_config.errors import BadInput
 from lta_config.quantity import Quantity
 from lta_config.schema.import_file import FIELD_AXES
-from lta_data.data_quality.smoothing import hann_kernel, smooth_columns
+from lta_data.even_grid import hann_kernel, smooth_columns
 from lta_data.importers.axes import signed_permutation
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.column_groups import Columns
-from lta_data.importers.draft.kinematics import body_rates_of, differentiate
 from lta_data.importers.draft.table_draft import list_columns, TableDraft
 from lta_data.importers.protocol import Numbers
+from lta_data.interpretation.kinematics import body_rates_of, differentiate
 import numpy as np
 from pydantic import ValidationError
 from scipy.spatial.transform import Rotation

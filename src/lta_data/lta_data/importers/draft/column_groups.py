@@ -5,9 +5,10 @@ import re
 from typing import Final, final, NamedTuple
 
 from lta_data.importers.axes import LocalMap
-from lta_data.importers.draft.axis_commands import find_named_axes
+from lta_data.importers.draft.generic_commands import find_named_axes
 from lta_data.importers.draft.name_hints import (
     ACTIONS,
+    ANGLE_AXES,
     ANGLES,
     ColumnName,
     COMMANDS,
@@ -18,6 +19,7 @@ from lta_data.importers.draft.name_hints import (
     LONGITUDES,
     match_kind,
     match_role,
+    needs_translation,
     parse_column_name,
     UNIT_WORDS,
 )
@@ -32,7 +34,6 @@ KIND_OF_UNIT: Final = {
     'rad/s': 'rates', 'deg/s': 'rates', 'm/s2': 'acceleration', 'rad': 'euler', 'deg': 'euler',
     'm': 'position', 'mm': 'position', 'cm': 'position',
 }  # fmt: skip
-ANGLE_AXES: Final = {'roll': 'x', 'pitch': 'y', 'yaw': 'z'}
 FOURS: Final = (('0', '1', '2', '3'), ('1', '2', '3', '4'))
 ATTITUDES: Final = ('quaternion', 'matrix', 'euler')  # kinds of groups
 # An element of a matrix, by one number or by row and column: Rot[0], R11, r_1_1
@@ -369,19 +370,6 @@ def _group_wrench(names: Sequence[ColumnName]) -> Iterator[ColumnGroup]:
             first = by_axis[order[0]]
             why = f'the name {"_".join(first.stem)}'
             yield _build(kind, match_role(first.words), by_axis, order, first.unit, why)
-
-
-def needs_translation(names: Sequence[ColumnName]) -> bool:
-    """Return whether tx, ty, tz are the only place beside an attitude, as in TUM's files."""
-    places = [
-        name for name in names
-        if name.axis in ('x', 'n')
-        and (match_kind(name.words) == 'position' or not name.stem)
-        and 't' not in name.words
-    ]  # fmt: skip
-    turned = any(match_kind(name.words) == 'quaternion' or name.axis in ANGLE_AXES
-                 for name in names if not name.words & KINDS['torque'])  # fmt: skip
-    return turned and not places
 
 
 def _build(

@@ -4,16 +4,12 @@ from collections.abc import Mapping
 from typing import Any, Final, final, NamedTuple
 
 from lta_config.constants import STANDARD_GRAVITY
-from lta_data.importers.draft.attitude_readings import (
-    choose_reading,
-    CLEARLY,
-    FORWARD,
-    LONGEST,
-    typical_difference,
-)
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.column_groups import ColumnGroup, FIX_SCALES
-from lta_data.importers.draft.kinematics import (
+from lta_data.importers.draft.name_hints import UNIT_WORDS
+from lta_data.importers.draft.vertical import choose_reading, CLEARLY, FORWARD, typical_difference
+from lta_data.importers.protocol import Numbers
+from lta_data.interpretation.kinematics import (
     AGREE,
     body_rates_of,
     differentiate,
@@ -23,11 +19,10 @@ from lta_data.importers.draft.kinematics import (
     measure_forwardness,
     MotionEvidence,
 )
-from lta_data.importers.draft.name_hints import UNIT_WORDS
-from lta_data.importers.protocol import Numbers
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+LONGEST: Final = 20_000  # rows that are looked at
 NORTH_EAST_DOWN: Final = ('n', 'e', 'd')
 EAST_NORTH_DOWN: Final = ('e', 'n', 'd')
 LENGTHS: Final = {'m': 1.0, 'cm': 0.01, 'mm': 0.001}

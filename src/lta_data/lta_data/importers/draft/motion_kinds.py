@@ -12,9 +12,7 @@ import re
 from typing import Final
 
 from lta_config.constants import STANDARD_GRAVITY
-from lta_data.importers.draft.attitude_readings import AttitudeReading, list_readings
 from lta_data.importers.draft.column_groups import ATTITUDES, ColumnGroup, Columns, has_unit_length
-from lta_data.importers.draft.kinematics import body_rates_of, differentiate, fit_scale
 from lta_data.importers.draft.name_hints import (
     ACTUATORS,
     COMMANDS,
@@ -23,6 +21,8 @@ from lta_data.importers.draft.name_hints import (
     parse_column_name,
 )
 from lta_data.importers.protocol import Numbers
+from lta_data.interpretation.attitude_readings import AttitudeReading, list_readings
+from lta_data.interpretation.kinematics import body_rates_of, differentiate, fit_scale
 import numpy as np
 from scipy.spatial.transform import Rotation
 

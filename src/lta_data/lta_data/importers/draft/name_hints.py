@@ -59,6 +59,7 @@ ANGLES: Final = {
     'phi': 'roll', 'theta': 'pitch', 'psi': 'yaw', 'th': 'pitch',
     'hdg': 'yaw', 'compass': 'yaw', 'azimuth': 'yaw',
 }  # fmt: skip
+ANGLE_AXES: Final = {'roll': 'x', 'pitch': 'y', 'yaw': 'z'}
 COMPASS: Final = {'north': 'n', 'east': 'e', 'down': 'd'}
 HEADINGS: Final = frozenset(['heading', 'hdg', 'compass', 'azimuth'])  # clockwise from north
 LATITUDES: Final = frozenset(['lat', 'latitude'])
@@ -289,3 +290,16 @@ def match_role(words: Iterable[str]) -> str:
     if 'state' in there and 'estimate' in there:
         return 'estimate'
     return next((role for role, role_words in ROLES.items() if there & role_words), '')
+
+
+def needs_translation(names: Sequence[ColumnName]) -> bool:
+    """Return whether tx, ty, tz are the only place beside an attitude, as in TUM's files."""
+    places = [
+        name for name in names
+        if name.axis in ('x', 'n')
+        and (match_kind(name.words) == 'position' or not name.stem)
+        and 't' not in name.words
+    ]  # fmt: skip
+    turned = any(match_kind(name.words) == 'quaternion' or name.axis in ANGLE_AXES
+                 for name in names if not name.words & KINDS['torque'])  # fmt: skip
+    return turned and not places

@@ -5,9 +5,9 @@ import re
 from typing import Any, Final
 
 from lta_config.errors import BadInput, unknown_name_error
-from lta_data.importers.draft.axis_commands import draft_axis_commands, find_axis_commands
 from lta_data.importers.draft.choices import BODY_AXES, DraftChoices
 from lta_data.importers.draft.column_groups import Columns
+from lta_data.importers.draft.generic_commands import draft_axis_commands, find_axis_commands
 from lta_data.importers.draft.name_hints import (
     ACTUATORS,
     ColumnName,

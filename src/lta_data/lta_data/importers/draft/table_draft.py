@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from typing import Any, Final, final, NamedTuple
 
-from lta_data.importers.draft.axis_commands import explain_lacking, LINEAR
 from lta_data.importers.draft.bodies import choose_body, HELD
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.column_groups import (
@@ -13,8 +12,12 @@ from lta_data.importers.draft.column_groups import (
     group_columns,
     measure_length,
 )
-from lta_data.importers.draft.generic_commands import ask_for_meanings, list_generic_commands
-from lta_data.importers.draft.kinematics import find_sensor_axes, MotionEvidence, SENSOR_AXES
+from lta_data.importers.draft.generic_commands import (
+    ask_for_meanings,
+    explain_lacking,
+    LINEAR,
+    list_generic_commands,
+)
 from lta_data.importers.draft.motion_draft import draft_motion, MotionDraft
 from lta_data.importers.draft.motion_kinds import find_state_vectors, settle_kinds
 from lta_data.importers.draft.name_hints import match_role, parse_column_name, UNIT_WORDS
@@ -22,6 +25,7 @@ from lta_data.importers.draft.scalar_draft import draft_scalars
 from lta_data.importers.draft.time_base import find_time_base, TimeBase
 from lta_data.importers.draft.vertical import find_axes, name_axes, spread_axes, VerticalAxes
 from lta_data.importers.protocol import Numbers
+from lta_data.interpretation.kinematics import find_sensor_axes, MotionEvidence, SENSOR_AXES
 import numpy as np
 
 TOPICS: Final = {'truth': 'ground_truth/odom', 'estimate': 'odom', 'setpoint': 'setpoint/pose'}

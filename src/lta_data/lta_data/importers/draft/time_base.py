@@ -8,7 +8,7 @@ from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.column_groups import ColumnGroup, Columns
 from lta_data.importers.draft.name_hints import parse_column_name, TIMES, UNIT_WORDS
 from lta_data.importers.protocol import Numbers
-from lta_data.importers.readers.row_times import parse_date, split_date
+from lta_data.importers.readers.column_log import parse_date, split_date
 import numpy as np
 
 RATES: Final = (0.5, 3000.0)  # of samples that a flight log has [Hz]

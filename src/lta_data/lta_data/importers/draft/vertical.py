@@ -1,14 +1,30 @@
 """Find which way is up: gravity, the tilt of a rotorcraft, names, heights."""
 
+from collections.abc import Sequence
 from typing import Final, final, NamedTuple
 
 from lta_config.schema.import_file import FIELD_AXES
-from lta_data.data_quality.motion import PoseSeries, VectorSeries
-from lta_data.data_quality.motion_scales import fit_tilt, TILT
 from lta_data.importers.axes import signed_permutation
 from lta_data.importers.draft.choices import DraftChoices
-from lta_data.importers.draft.kinematics import differentiate, fit_scale, MotionEvidence
+from lta_data.importers.draft.column_groups import ColumnGroup
+from lta_data.importers.draft.name_hints import parse_column_name
 from lta_data.importers.protocol import Numbers
+from lta_data.interpretation.attitude_readings import (
+    AttitudeReading,
+    is_compass,
+    is_crazyflie,
+    list_readings,
+    UNCLEAR,
+)
+from lta_data.interpretation.kinematics import (
+    differentiate,
+    fit_scale,
+    fit_tilt,
+    measure_forwardness,
+    MotionEvidence,
+    score_attitude,
+    TILT,
+)
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -233,14 +249,8 @@ def _judge_tilt(evidence: MotionEvidence, turn: Rotation, same: bool) -> tuple[i
     """Return which way is up if a rotorcraft accelerates where its rotors push it."""
     if evidence.position is None:
         return 0, 0.0
-    good = np.asarray(np.isfinite(evidence.position).all(axis=1))
     count = min(len(turn), len(evidence.seconds))
-    later = np.diff(evidence.seconds, prepend=-np.inf) > 0.0
-    rows = np.flatnonzero(good[:count] & later[:count])
-    time = evidence.seconds[rows]
-    pose = PoseSeries('', True, VectorSeries('', time, evidence.position[rows]),
-                      VectorSeries('', time, turn[rows].as_quat()), None, None)  # fmt: skip
-    fit = fit_tilt(pose)
+    fit = fit_tilt(turn[:count], evidence.position[:count], evidence.seconds[:count])
     if abs(fit.cosine) < TILT:
         return 0, 0.0
     body_up = 1 if fit.cosine > 0.0 else -1
@@ -283,3 +293,105 @@ def _can_be_y_up(position: Numbers, sign: int) -> bool:
     spread = np.ptp(np.nanpercentile(position, [2.0, 98.0], axis=0), axis=0)
     above = _judge_heights(position, 1)[0] > 0
     return above and (sign <= 0 or bool(spread[2] > FLATTER * spread[1]))
+
+
+CLEAR: Final = 0.05  # advantage of a reading that decides
+SAME: Final = 3.0  # readings that differ by less are the same in this flight [deg]
+ALIKE: Final = 0.02  # scores of readings that agree equally well
+FORWARD: Final = 0.85  # of the way is along one direction of the body of an airship
+AHEAD: Final = 0.3  # weight of a motion along x, which tells a compass heading from a yaw
+CLEARLY: Final = 0.15  # by which another reading must keep to its direction less
+
+
+def typical_difference(one: Rotation, other: Rotation) -> float:
+    """Return the 90th percentile of the angle between two attitudes. [deg]"""
+    return float(np.percentile(np.degrees((one.inv() * other).magnitude()), 90.0))
+
+
+def choose_reading(
+    topic: str,
+    group: ColumnGroup,
+    numbers: Numbers,
+    evidence: MotionEvidence,
+    choices: DraftChoices,
+) -> AttitudeReading:
+    """Return the reading that agrees best with the rest, or the answer of the user."""
+    readings = list(list_readings(group, numbers, choices.settled))
+    key = f'{topic}.orientation'
+    answer = choices.override(key, '')
+    labels = {reading.label: reading for reading in readings}
+    scored = [score_attitude(reading.turn, evidence) for reading in readings]
+    scored = [(score - one.cost, why) for (score, why), one in zip(scored, readings, strict=True)]
+    # At a similar score, the conventional reading is the first
+    most = max(score for score, _ in scored)
+    best = next(i for i, (score, _) in enumerate(scored) if score > most - ALIKE)
+    first = readings[best]
+    rivals = [
+        reading for i, reading in enumerate(readings)
+        if scored[best][0] - scored[i][0] < CLEAR and not reading.cost
+        and typical_difference(first.turn, reading.turn) > SAME
+    ]  # fmt: skip
+    if answer:
+        first = labels[choices.decide(key, [(label, '') for label in labels], '')]
+        why = 'as you decided'
+    elif scored[best][1]:
+        why = '; '.join(scored[best][1])
+        rivals = [rival for rival in rivals if _differs_in_sense(first, rival)]
+        if rivals and scored[best][0] > 0.3:
+            options = [(one.label, 'agrees equally well') for one in (first, *rivals[:3])]
+            first = labels[choices.decide(key, options, f'Several readings fit: {why}.')]
+    elif not group.unit and _is_unclear_heading(readings, numbers):
+        units = {one.entry['unit']: one.label for one in reversed(readings)}
+        options = [(units[unit], '') for unit in ('rad', 'deg')]
+        first = labels[choices.decide(key, options, 'Nothing tells the unit of the heading.')]
+        why = choices.explain(key)
+    else:
+        upright = [abs(float(np.mean(r.turn.as_matrix()[:, 2, 2]))) for r in readings]
+        level = [i for i, up in enumerate(upright) if up > 0.7] or [0]
+        first = readings[level[0]]
+        why = 'the convention; no rates, velocity or acceleration to check it with'
+        if 'sequence' in choices.settled:
+            why = 'the sequence that the file states'
+        elif is_crazyflie(group):
+            why = "the convention of Crazyflie's firmware, whose pitch is positive nose up"
+        elif level[0]:
+            why = 'the first order that keeps the vehicle upright'
+        ways = [measure_forwardness(reading.turn, evidence) for reading in readings]
+        forward = [steady + AHEAD * ahead for steady, ahead in ways]
+        best = int(np.argmax(forward))
+        if ways[best][0] > FORWARD and forward[best] - forward[level[0]] > CLEARLY:
+            first = readings[best]
+            why = f'the vehicle moves where it points ({100 * ways[best][0]:.0f} % of the way)'
+        elif len(group.columns) == 3 and not _are_named(group):
+            senses = [one for one in readings if one.entry.get('signs') == [1, -1, 1]]
+            options = [(one.label, '') for one in (first, *senses[:1])]
+            question = 'Nothing tells the sign of the pitch; that of a Crazyflie is inverted.'
+            first = labels[choices.decide(key, options, question)]
+            why = choices.explain(key)
+        elif ways[best][0] < FORWARD and is_compass(group, numbers):
+            senses = [one for one in (readings[best], *readings) if 'offsets' in one.entry]
+            options = [(one.label, '') for one in (first, *senses[:1])]
+            question = 'A heading can be a yaw, or clockwise from north.'
+            first = labels[choices.decide(key, options, question)]
+            why = choices.explain(key)
+    choices.add_reason(f'{topic}: orientation', group.columns, first.label, why)
+    return first
+
+
+def _are_named(group: ColumnGroup) -> bool:
+    """Return whether three angles have names, and are not numbers of an array."""
+    are_numbered = all(column.rstrip('])')[-1:].isdigit() for column in group.columns)
+    axes = {parse_column_name(column).axis for column in group.columns}
+    return group.kind != 'euler' or not are_numbered or bool(axes & {*group.axes})
+
+
+def _is_unclear_heading(readings: Sequence[AttitudeReading], numbers: Numbers) -> bool:
+    """Return whether a heading can be several turns in radians, or a few degrees."""
+    size = float(np.nanpercentile(np.abs(numbers[:, -1]), 99.0))
+    units = {reading.entry.get('unit') for reading in readings if 'euler' in reading.entry}
+    return len(units) > 1 and size > UNCLEAR[0]
+
+
+def _differs_in_sense(first: AttitudeReading, rival: AttitudeReading) -> bool:
+    """Return whether a rival is no mere other sequence of nearly the same small angles."""
+    return 'euler' not in rival.entry or rival.entry['unit'] != first.entry['unit']

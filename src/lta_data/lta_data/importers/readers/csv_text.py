@@ -17,7 +17,6 @@ from lta_config.limits import check_column_count, check_log_size, LINE_BYTES, LO
 from lta_config.schema.import_file import TextFormat
 from lta_data.importers.protocol import Numbers
 from lta_data.importers.readers.line_stream import decompress_stream, NAMED, open_text_lines
-from lta_data.importers.readers.row_times import shorten_cell
 import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.csv as pacsv
@@ -233,6 +232,11 @@ def read_header(path: Path) -> list[str]:
     # The most frequent separator of the header line.
     delimiter = max(',;\t', key=line.count)
     return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter), [])]
+
+
+def shorten_cell(cell: str) -> str:
+    """Shorten a cell to one line for an error message."""
+    return ' '.join(cell[:40].split())
 
 
 def decode_cell(cell: bytes | None) -> str:

@@ -9,30 +9,36 @@ from collections.abc import Iterator
 from itertools import permutations, product
 from typing import Final, final, NamedTuple
 
-from lta_data.data_quality.smoothing import hann_kernel, smooth_columns
+from lta_config.constants import STANDARD_GRAVITY
+from lta_data.even_grid import hann_kernel, smooth_columns
 from lta_data.importers.protocol import Numbers
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 KERNEL: Final = 0.25  # that smooths both sides of a comparison [s]
+DELAYS: Final = 7  # that are tried
 LATEST: Final = 0.3  # that a derived velocity is late: labs filter it [s]
 SMOOTHED: Final = 9  # rows over which a speed is averaged
 UNUSUAL: Final = (
     0.1  # of a score, that FRD instead of FLU must gain; other axes half as much again
 )
+TILT: Final = 0.5  # cosine of lean and acceleration that tells up from down
 AGREE: Final = 0.6  # explained share of a motion that counts as agreement
-# All ways in which the axes of a sensor can be turned against those of a body; first none
-SENSOR_AXES: Final = tuple(sorted(
+# All signed orders of three axes, as matrices; first none, mirrored ones included
+SIGNED_AXES: Final = tuple(sorted(
     (
         np.diag(signs)[list(order)]
         for order in permutations(range(3))
         for signs in product((1.0, -1.0), repeat=3)
-        if np.linalg.det(np.diag(signs)[list(order)]) > 0.0
     ),
     key=lambda axes: -np.trace(axes),
 ))  # fmt: skip
+# Those in which a sensor can be turned against a body
+SENSOR_AXES: Final = tuple(axes for axes in SIGNED_AXES if np.linalg.det(axes) > 0.0)
 FLIP: Final = np.diag([1.0, -1.0, -1.0])  # FRD instead of FLU
+ALL: Final = slice(None)
+TINY: Final = 1e-300  # instead of zero
 
 
 @final
@@ -54,40 +60,66 @@ class ScaleFit(NamedTuple):
     Least-squares factor of a measured on a derived vector, and the share it explains.
 
     `axes` is the mean share of the single axes, so that a turning vehicle's yaw does not hide the
-    sign of its pitch.
+    sign of its pitch; `worst` is the least of them.
     """
 
     factor: float
     share: float
     axes: float = 0.0
+    worst: float = 0.0
 
     @property
     def score(self) -> float:
         """How well both agree, from -1 to 1."""
         return 0.5 * (self.share + self.axes)
 
+    @property
+    def cosine(self) -> float:
+        """Cosine between both, over all samples; 1 for the same motion."""
+        return float(np.copysign(np.sqrt(abs(self.share)), self.share))
+
+    @property
+    def ratio(self) -> float:
+        """Size of the measured vector over that of the derived one."""
+        return self.factor * abs(self.cosine)
+
+
+NO_FIT: Final = ScaleFit(float('nan'), 0.0)
+NEAR: Final = 0.3  # tolerance of a factor, as a logarithm
+
+
+def is_near(factor: float, other: float) -> bool:
+    """Return whether two factors are alike: positive, and within 35 % of each other."""
+    return factor > 0.0 and abs(np.log(factor / other)) < NEAR
+
 
 @final
-class _Moments(NamedTuple):
+class VectorMoments(NamedTuple):
     """Sums over the rows of two vectors: of their products, and of their squares."""
 
     products: Numbers  # derived by measured, shape (3, 3)
     measured: Numbers
     derived: Numbers
+    rows: int
 
     def fit(self, axes: Numbers) -> ScaleFit:
         """Fit the measured vector, turned by `axes`, to the derived one."""
-        turned = np.abs(axes) @ self.measured
-        total, power = float(turned.sum()), float(self.derived.sum())
-        if power <= 0.0 or total <= 0.0:
-            return ScaleFit(float('nan'), 0.0)
-        alike = (self.products * axes).sum(axis=1)
-        whole = float(alike.sum())
-        # The squared cosine between both, with the sign of the factor
-        share = whole * abs(whole) / (power * total)
-        powers = np.maximum(turned * self.derived, 1e-300)
-        single = float(np.mean(alike * np.abs(alike) / powers))
-        return ScaleFit(total / whole if share > 0.0 else float('nan'), share, single)
+        return self.fit_orders(axes[None])[0]
+
+    def fit_orders(
+        self, orders: Numbers, moving: NDArray[np.bool_] | slice = ALL
+    ) -> list[ScaleFit]:
+        """Fit the measured vector, turned by each of `orders`, shape (m, 3, 3)."""
+        turned, derived = (np.abs(orders) @ self.measured)[:, moving], self.derived[moving]
+        total, power = turned.sum(axis=1), derived.sum()
+        alike = (self.products * orders).sum(axis=2)[:, moving]
+        whole = alike.sum(axis=1)
+        # The squared cosine between both, with its sign
+        share = whole * np.abs(whole) / np.maximum(power * total, TINY)
+        singles = alike * np.abs(alike) / np.maximum(turned * derived, TINY)
+        factor = total / np.maximum(np.abs(whole), TINY)
+        rows = zip(factor, share, singles.mean(axis=1), singles.min(axis=1), strict=True)
+        return [ScaleFit(*map(float, row)) if row[1] else NO_FIT for row in rows]
 
 
 def fit_scale(
@@ -98,8 +130,9 @@ def fit_scale(
 
     `latest`: the measured vector may be as late as this, by a filter. [s]
     """
-    fits = [one.fit(np.eye(3)) for one in _iterate_moments(measured, derived, seconds, latest)]
-    return max(fits, key=lambda fit: fit.share, default=ScaleFit(float('nan'), 0.0))
+    axes = np.eye(measured.shape[1])
+    fits = [one.fit(axes) for one in iterate_moments(measured, derived, seconds, latest)]
+    return max(fits, key=lambda fit: fit.share, default=NO_FIT)
 
 
 def find_sensor_axes(
@@ -113,12 +146,12 @@ def find_sensor_axes(
     count = min(len(seconds), len(turn), len(rates))
     derived = body_rates_of(turn[:count], seconds[:count])
     fits = [
-        (axes, one.fit(axes))
-        for one in _iterate_moments(rates[:count], derived, seconds[:count], LATEST)
-        for axes in SENSOR_AXES
+        way
+        for one in iterate_moments(rates[:count], derived, seconds[:count], LATEST)
+        for way in zip(SENSOR_AXES, one.fit_orders(np.array(SENSOR_AXES)), strict=True)
     ]
     if not fits:
-        return np.eye(3), ScaleFit(float('nan'), 0.0)
+        return np.eye(3), NO_FIT
     return max(fits, key=lambda fit: fit[1].score - weigh_axes(fit[0]))
 
 
@@ -129,10 +162,14 @@ def weigh_axes(axes: Numbers) -> float:
     return UNUSUAL * (1.0 if (axes == FLIP).all() else 1.5)
 
 
-def _iterate_moments(
-    measured: Numbers, derived: Numbers, seconds: Numbers, latest: float
-) -> Iterator[_Moments]:
-    """Yield the moments of two vectors for each delay of the measured one."""
+def iterate_moments(
+    measured: Numbers,
+    derived: Numbers,
+    seconds: Numbers,
+    latest: float,
+    earliest: float = 0.0,
+) -> Iterator[VectorMoments]:
+    """Yield the moments of two vectors for each delay of the measured one, from `earliest`. [s]"""
     step = float(np.median(np.diff(seconds))) if len(seconds) > 1 else 0.0
     good: NDArray[np.bool_] = np.asarray(
         np.isfinite(measured).all(axis=1) & np.isfinite(derived).all(axis=1)
@@ -141,11 +178,16 @@ def _iterate_moments(
         return
     weights = hann_kernel(KERNEL, step)
     left, right = (_smooth_finite(side, good, weights) for side in (measured, derived))
-    most = min(round(latest / step), int(good.sum()) // 2)
-    for late in sorted({int(late) for late in np.linspace(0, most, 7)}):
-        both: NDArray[np.bool_] = np.asarray(good[late:] & good[: len(good) - late])
-        late_left, early_right = left[late:][both], right[: len(good) - late][both]
-        yield _Moments(early_right.T @ late_left, (late_left**2).sum(0), (early_right**2).sum(0))
+    first, last = (min(round(one / step), int(good.sum()) // 2) for one in (-earliest, latest))
+    delays = np.concatenate([-np.linspace(0, first, DELAYS), np.linspace(0, last, DELAYS)])
+    for late in sorted({int(delay) for delay in delays}, key=abs):
+        of_left, of_right = (
+            slice(max(0, late), len(good) + min(0, late)),
+            slice(max(0, -late), len(good) - max(0, late)),
+        )
+        both = good[of_left] & good[of_right]
+        one, other = left[of_left][both], right[of_right][both]
+        yield VectorMoments(other.T @ one, (one**2).sum(0), (other**2).sum(0), len(one))
 
 
 def _smooth_finite(side: Numbers, good: NDArray[np.bool_], weights: Numbers) -> Numbers:
@@ -252,8 +294,68 @@ def _explain_tilt(
     power = float((moved * moved).sum())
     scale = max(0.0, float(((measured - tilted) * moved).sum()) / power) if power > 0.0 else 0.0
     left = ((measured - tilted - scale * moved) ** 2).sum(axis=0)
-    total = np.maximum((measured**2).sum(axis=0), 1e-300)
+    total = np.maximum((measured**2).sum(axis=0), TINY)
     return float(np.mean(np.clip(1.0 - left / total, -1.0, 1.0)))
+
+
+def fit_tilt(turn: Rotation, position: Numbers, seconds: Numbers) -> ScaleFit:
+    """
+    Compare the horizontal acceleration with the lean of the body's z axis.
+
+    A rotorcraft accelerates by g times its lean; a negative cosine means that z points down.
+    """
+    pull, lean = _smooth_acceleration(position, seconds), turn.as_matrix()[:, :, 2]
+    return fit_scale(_level(pull), _level(lean), seconds)
+
+
+def fit_lever(turn: Rotation, position: Numbers, seconds: Numbers) -> ScaleFit:
+    """
+    Compare the horizontal velocity with the rate of the lean of the body's z axis.
+
+    A point above the axis about which a vehicle swings moves by its lever arm [m], the factor.
+    """
+    lean = differentiate(turn.as_matrix()[:, :, 2], seconds)
+    return fit_scale(_level(differentiate(position, seconds)), _level(lean), seconds)
+
+
+def _smooth_acceleration(position: Numbers, seconds: Numbers) -> Numbers:
+    """Return the second derivative of a place, smoothed before, as noise is amplified twice."""
+    step = float(np.median(np.diff(seconds)))
+    place = smooth_columns(position, hann_kernel(KERNEL, step)) if step > 0.0 else position
+    return differentiate(differentiate(place, seconds), seconds)
+
+
+def upright_share(turn: Rotation) -> float:
+    """Return the share of the time with the body's z axis within 60 degrees of the map's."""
+    return float(np.mean(turn.as_matrix()[:, 2, 2] > 0.5))
+
+
+def is_inverted(turn: Rotation) -> bool:
+    """Return whether the body's z axis points down nearly all the time."""
+    return float(np.percentile(turn.as_matrix()[:, 2, 2], 90.0)) < -0.5
+
+
+def _level(rows: Numbers) -> Numbers:
+    """Return the horizontal parts of vectors, without their means."""
+    return np.asarray((rows - np.nanmean(rows, axis=0)) * [1.0, 1.0, 0.0])
+
+
+def derive_vector(
+    kind: str, turn: Rotation, position: Numbers | None, seconds: Numbers
+) -> Numbers:
+    """
+    Return what rates, velocity or specific force in the body a pose implies, shape (n, 3).
+
+    `kind`: 'rates', 'velocity' or 'force'; only rates need no position. [rad/s, m/s, m/s2]
+    """
+    if kind == 'rates':
+        return body_rates_of(turn, seconds)
+    assert position is not None
+    if kind == 'velocity':
+        return turn.inv().apply(differentiate(position, seconds))
+    # An accelerometer at rest feels +g along z (up)
+    gravity = np.array([0.0, 0.0, STANDARD_GRAVITY])
+    return turn.inv().apply(_smooth_acceleration(position, seconds) + gravity)
 
 
 def measure_forwardness(turn: Rotation, evidence: MotionEvidence) -> tuple[float, float]:

@@ -1,27 +1,24 @@
-"""Try the readings of an attitude: order, direction, sequence, unit; physics or users decide."""
+"""
+List the ways to read an attitude: order, direction, sequence, signs, unit.
 
-from collections.abc import Iterator, Mapping, Sequence
+The draft of an import reads columns in each of them, and the check of a bag the attitude that was
+recorded; kinematics decide, see `kinematics`.
+"""
+
+from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 from typing import Any, Final, final, NamedTuple
 
-from lta_data.importers.draft.choices import DraftChoices
+from lta_data.even_grid import hann_kernel, median_period, smooth_columns
 from lta_data.importers.draft.column_groups import ColumnGroup, find_turn, measure_length
-from lta_data.importers.draft.kinematics import measure_forwardness, MotionEvidence, score_attitude
 from lta_data.importers.draft.name_hints import HEADINGS, parse_column_name, WORDS
 from lta_data.importers.protocol import Numbers
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-LONGEST: Final = 20_000  # rows that are looked at
 UNCLEAR: Final = (7.0, 40.0)  # a larger heading is unlikely in radians, and is in degrees
 UPRIGHT: Final = (3.3, 1.65)  # a larger roll or pitch is in degrees
 STILL: Final = 1.0  # a vehicle in flight turns by more, in degrees
-CLEAR: Final = 0.05  # advantage of a reading that decides
-SAME: Final = 3.0  # readings that differ by less are the same in this flight [deg]
-ALIKE: Final = 0.02  # scores of readings that agree equally well
-FORWARD: Final = 0.85  # of the way is along one direction of the body of an airship
-AHEAD: Final = 0.3  # weight of a motion along x, which tells a compass heading from a yaw
-CLEARLY: Final = 0.15  # by which another reading must keep to its direction less
 RARE: Final = 0.1  # of a score, that a rare reading must gain
 # Signs of yaw, pitch and roll that are tried after the usual ones
 RARE_SENSES: Final = (
@@ -217,95 +214,42 @@ def _fill_rows(rows: Numbers, instead: list[float]) -> Numbers:
     return filled
 
 
-def typical_difference(one: Rotation, other: Rotation) -> float:
-    """Return the 90th percentile of the angle between two attitudes. [deg]"""
-    return float(np.percentile(np.degrees((one.inv() * other).magnitude()), 90.0))
+DEGREES: Final = 180.0 / np.pi
+TURN: Final = 2.0 * np.pi
+OFFSETS: Final = 58  # whole turns of degrees in a turn of radians
 
 
-def choose_reading(
-    topic: str,
-    group: ColumnGroup,
-    numbers: Numbers,
-    evidence: MotionEvidence,
-    choices: DraftChoices,
-) -> AttitudeReading:
-    """Return the reading that agrees best with the rest, or the answer of the user."""
-    readings = list(list_readings(group, numbers, choices.settled))
-    key = f'{topic}.orientation'
-    answer = choices.override(key, '')
-    labels = {reading.label: reading for reading in readings}
-    scored = [score_attitude(reading.turn, evidence) for reading in readings]
-    scored = [(score - one.cost, why) for (score, why), one in zip(scored, readings, strict=True)]
-    # At a similar score, the conventional reading is the first
-    most = max(score for score, _ in scored)
-    best = next(i for i, (score, _) in enumerate(scored) if score > most - ALIKE)
-    first = readings[best]
-    rivals = [
-        reading for i, reading in enumerate(readings)
-        if scored[best][0] - scored[i][0] < CLEAR and not reading.cost
-        and typical_difference(first.turn, reading.turn) > SAME
-    ]  # fmt: skip
-    if answer:
-        first = labels[choices.decide(key, [(label, '') for label in labels], '')]
-        why = 'as you decided'
-    elif scored[best][1]:
-        why = '; '.join(scored[best][1])
-        rivals = [rival for rival in rivals if _differs_in_sense(first, rival)]
-        if rivals and scored[best][0] > 0.3:
-            options = [(one.label, 'agrees equally well') for one in (first, *rivals[:3])]
-            first = labels[choices.decide(key, options, f'Several readings fit: {why}.')]
-    elif not group.unit and _is_unclear_heading(readings, numbers):
-        units = {one.entry['unit']: one.label for one in reversed(readings)}
-        options = [(units[unit], '') for unit in ('rad', 'deg')]
-        first = labels[choices.decide(key, options, 'Nothing tells the unit of the heading.')]
-        why = choices.explain(key)
-    else:
-        upright = [abs(float(np.mean(r.turn.as_matrix()[:, 2, 2]))) for r in readings]
-        level = [i for i, up in enumerate(upright) if up > 0.7] or [0]
-        first = readings[level[0]]
-        why = 'the convention; no rates, velocity or acceleration to check it with'
-        if 'sequence' in choices.settled:
-            why = 'the sequence that the file states'
-        elif is_crazyflie(group):
-            why = "the convention of Crazyflie's firmware, whose pitch is positive nose up"
-        elif level[0]:
-            why = 'the first order that keeps the vehicle upright'
-        ways = [measure_forwardness(reading.turn, evidence) for reading in readings]
-        forward = [steady + AHEAD * ahead for steady, ahead in ways]
-        best = int(np.argmax(forward))
-        if ways[best][0] > FORWARD and forward[best] - forward[level[0]] > CLEARLY:
-            first = readings[best]
-            why = f'the vehicle moves where it points ({100 * ways[best][0]:.0f} % of the way)'
-        elif len(group.columns) == 3 and not _are_named(group):
-            senses = [one for one in readings if one.entry.get('signs') == [1, -1, 1]]
-            options = [(one.label, '') for one in (first, *senses[:1])]
-            question = 'Nothing tells the sign of the pitch; that of a Crazyflie is inverted.'
-            first = labels[choices.decide(key, options, question)]
-            why = choices.explain(key)
-        elif ways[best][0] < FORWARD and is_compass(group, numbers):
-            senses = [one for one in (readings[best], *readings) if 'offsets' in one.entry]
-            options = [(one.label, '') for one in (first, *senses[:1])]
-            question = 'A heading can be a yaw, or clockwise from north.'
-            first = labels[choices.decide(key, options, question)]
-            why = choices.explain(key)
-    choices.add_reason(f'{topic}: orientation', group.columns, first.label, why)
-    return first
+def measure_turn(turn: Rotation, seconds: Numbers) -> float:
+    """Return the largest range of yaw, pitch or roll, smoothed over half a second. [rad]"""
+    angles = np.unwrap(turn.as_euler('ZYX'), axis=0)
+    calm = smooth_columns(angles, hann_kernel(0.5, median_period(seconds)))
+    return float(np.max(np.ptp(calm, axis=0)))
 
 
-def _are_named(group: ColumnGroup) -> bool:
-    """Return whether three angles have names, and are not numbers of an array."""
-    are_numbered = all(column.rstrip('])')[-1:].isdigit() for column in group.columns)
-    axes = {parse_column_name(column).axis for column in group.columns}
-    return group.kind != 'euler' or not are_numbered or bool(axes & {*group.axes})
+def magnify_angles(turn: Rotation) -> Rotation:
+    """Return the attitudes whose Euler angles are 57.3 times as large."""
+    angles = np.unwrap(turn.as_euler('ZYX'), axis=0)
+    return Rotation.from_euler('ZYX', angles * DEGREES)
 
 
-def _is_unclear_heading(readings: Sequence[AttitudeReading], numbers: Numbers) -> bool:
-    """Return whether a heading can be several turns in radians, or a few degrees."""
-    size = float(np.nanpercentile(np.abs(numbers[:, -1]), 99.0))
-    units = {reading.entry.get('unit') for reading in readings if 'euler' in reading.entry}
-    return len(units) > 1 and size > UNCLEAR[0]
+def shrink_angles(turn: Rotation) -> Numbers:
+    """
+    Return yaw, pitch and roll that are 1/57.3 of continuous Euler angles, shape (n, 3).
 
-
-def _differs_in_sense(first: AttitudeReading, rival: AttitudeReading) -> bool:
-    """Return whether a rival is no mere other sequence of nearly the same small angles."""
-    return 'euler' not in rival.entry or rival.entry['unit'] != first.entry['unit']
+    Angles in degrees that were read as radians turn over many times; of the two sets of angles
+    of each attitude, the one next to the extrapolated last one is taken. Yaw lacks a constant.
+    """
+    base = turn.as_euler('ZYX')
+    other = np.stack([base[:, 0] + np.pi, np.pi - base[:, 1], base[:, 2] + np.pi], axis=1)
+    sets = np.stack([base, other], axis=1)
+    angles = np.empty((len(base), 3))
+    angles[0] = base[0]
+    pace = np.zeros(3)
+    for row in range(1, len(base)):
+        expected = angles[row - 1] + pace
+        moved = sets[row] - expected
+        near = sets[row] - TURN * np.round(moved / TURN)
+        best = near[int(np.argmin(np.abs(near - expected).sum(axis=1)))]
+        pace = best - angles[row - 1]
+        angles[row] = best
+    return angles / DEGREES
