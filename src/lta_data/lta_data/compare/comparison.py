@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Final, final
+from typing import Final, final, NamedTuple
 
 from lta_config.errors import BadInput
 from lta_data.bag.channels import find_airspeed_topic
@@ -19,20 +19,30 @@ from lta_data.compare.channel_comparison import (
 )
 from lta_data.compare.compared_flight import (
     ComparedFlight,
-    find_topic_faults,
     has_equal_messages,
     read_compared_flight,
-    SLOWER,
-    TopicFaults,
 )
 from lta_data.compare.frame_alignment import align_frames, FrameAlignment, Frames
 from lta_data.compare.sampling import Array, mask_absurd_values
 from lta_data.compare.time_alignment import Align, align_times, TimeAlignment
+from lta_data.data_quality.checks.clocks import find_backward_stamps, find_gaps
 from lta_data.scene import describe_exceeded_region_of_bag
+from lta_report.formatting import format_count
 import numpy as np
 
 # Rank of the verdicts in tables, largest difference first
 ORDER: Final = {'parted': 0, 'apart at times': 1, 'together': 2, 'identical': 3, 'unknown': 4}
+
+
+SLOWER: Final = 1.02  # ratio of two periods from which rates count as different
+
+
+@final
+class TopicFaults(NamedTuple):
+    """The rate of a topic of one flight, and what is wrong with its times and values."""
+
+    period: float | None  # median period; None for fewer than two messages [s]
+    sentences: tuple[str, ...]  # by the rules of `lta bag check`
 
 
 @final
@@ -275,7 +285,19 @@ def find_flight_faults(side: ComparedFlight) -> dict[str, TopicFaults]:
             for each in own
             if len(each.values)
         }
-        # By ROS convention NaN marks an unmeasured field: a channel of NaN only is no fault.
-        partly = {name: share for name, share in shares.items() if share < 1.0}
-        faults[name] = find_topic_faults(topic.time, partly, topic.repeated)
+        # By ROS convention NaN marks an unmeasured field: a channel of NaN only is no fault
+        partly = [share for share in shares.values() if 0.0 < share < 1.0]
+        sentences = [
+            finding.evidence
+            for rule in (find_backward_stamps, find_gaps)
+            for finding in rule(name, topic.time)
+        ]
+        if partly:
+            sentences.append(
+                f'{format_count(len(partly), "channel")} with NaN in up to '
+                f'{100 * max(partly):.1f} % of the messages.'
+            )
+        rising = np.diff(np.unique(topic.time))
+        period = float(np.median(rising)) if len(rising) else None
+        faults[name] = TopicFaults(period, tuple(sentences))
     return faults

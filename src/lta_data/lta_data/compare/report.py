@@ -24,7 +24,6 @@ from lta_data.compare.sentences import (
     BASIS,
     comparison_to_dict,
     describe_comparison,
-    describe_faults,
     describe_frames,
     describe_timing,
     find_earliest_divergence,
@@ -52,7 +51,7 @@ LEGEND: Final = (
     "Times are on A's clock. NRMSE is the RMS difference divided by the standard deviation of A "
     'at the same times.'
 )
-NO_FAULTS: Final = 'No gaps, duplicates, missing values or backward steps of time.'
+NO_FAULTS: Final = 'No gaps, missing values, or time stamps that repeat or go back.'
 
 
 def build_ranking(comparison: ComparisonResult) -> TextTable:
@@ -99,10 +98,10 @@ def build_channel_table(comparison: ComparisonResult) -> TextTable:
 def list_faults(comparison: ComparisonResult) -> list[tuple[str, str, str, str]]:
     """Return flight, topic, rate and fault of all topics with faults."""
     return [
-        (label, topic, format_rate(each), describe_faults(each))
+        (label, topic, format_rate(each), ' '.join(each.sentences))
         for label, faults in (('A', comparison.faults_a), ('B', comparison.faults_b))
         for topic, each in faults.items()
-        if not each.is_clean
+        if each.sentences
     ]
 
 
@@ -126,7 +125,7 @@ def list_alignment_lines(comparison: ComparisonResult) -> list[str]:
             lines.append(f'Topics only in {label}: {", ".join(only)}.')
     if comparison.identical_topics and not comparison.is_identical:
         lines.append(f'Topics identical in every value: {", ".join(comparison.identical_topics)}.')
-    lines += [f'{label}, {topic}: {fault}.' for label, topic, _, fault in list_faults(comparison)]
+    lines += [f'{label}, {topic}: {fault}' for label, topic, _, fault in list_faults(comparison)]
     rates = [
         f'{name} ({format_rate(a)} and {format_rate(b)})'
         for name, a, b in find_rate_differences(comparison)
@@ -253,7 +252,7 @@ def build_tiles(comparison: ComparisonResult) -> list[Tile]:
         if each.parting.at is not None
     ] or parted
     wrong = sum(
-        not each.is_clean
+        bool(each.sentences)
         for side in (comparison.faults_a, comparison.faults_b)
         for each in side.values()
     )

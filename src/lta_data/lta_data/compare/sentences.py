@@ -13,8 +13,8 @@ from lta_data.compare.channel_roles import (
     format_direction,
     select_headline_channels,
 )
-from lta_data.compare.compared_flight import ComparedFlight, TopicFaults
-from lta_data.compare.comparison import ComparisonResult
+from lta_data.compare.compared_flight import ComparedFlight
+from lta_data.compare.comparison import ComparisonResult, TopicFaults
 from lta_data.compare.frame_alignment import FrameAlignment, FrameTransform
 from lta_data.compare.sampling import average_log_bands, ChannelSpectra
 from lta_data.compare.time_alignment import TimeAlignment
@@ -239,38 +239,6 @@ def describe_frame_transform(fit: FrameTransform) -> str:
     )
 
 
-def describe_faults(faults: TopicFaults) -> str:
-    """Describe the faults of a topic; empty if there are none."""
-    parts = []
-    if faults.gap_count:
-        longest = max(faults.gaps, key=lambda gap: gap.end - gap.begin)
-        parts.append(
-            f'{format_count(faults.gap_count, "gap")}, {faults.missing:.2f} s in total, the '
-            f'longest from {longest.begin:.2f} to {longest.end:.2f} s'
-        )
-    if faults.same_stamp:
-        again = f', {faults.repeated} of them identical byte for byte' if faults.repeated else ''
-        parts.append(
-            f'{format_count(faults.same_stamp, "message")} with the time stamp of another message'
-            f'{again}'
-        )
-    if faults.backwards_count:
-        first = faults.backwards[0]
-        parts.append(
-            f'time stamps go back {format_count(faults.backwards_count, "time")}, first from '
-            f'{first.begin:.3f} to {first.end:.3f} s'
-        )
-    if faults.unknown:
-        worst = max(faults.unknown.values())
-        parts.append(
-            f'{format_count(len(faults.unknown), "channel")} with NaN in up to '
-            f'{100 * worst:.1f} % of the messages'
-        )
-    if not faults.rhythm:
-        parts.append('messages at irregular intervals, so gaps cannot be found')
-    return '; '.join(parts)
-
-
 def format_rate(faults: TopicFaults) -> str:
     """Format the rate of a topic."""
     return MISSING if not faults.period else f'{1.0 / faults.period:.4g} Hz'
@@ -280,7 +248,7 @@ UNITS = {
     'offset': 's', 'sigma': 's', 'lead': 's', 'drift': '1', 'drift_sigma': '1', 'middle': 's',
     'span': 's', 'yaw': 'rad', 'x': 'm', 'y': 'm', 'z': 'm', 'before': 'm', 'after': 'm',
     'periods': 's', 'at': 's', 'first': 's', 'greatest_at': 's', 'lag': 's', 'frequency': 'Hz',
-    'gaps': 's', 'missing': 's', 'backwards': 's', 'start': 'ns', 'nrmse': '1', 'coherence': '1',
+    'start': 'ns', 'nrmse': '1', 'coherence': '1',
     'outside': '1', 'score': '1', 'bias, rms, rms_low, rms_high, greatest, spread, band': 'unit',
     'a, b, difference (spectra)': 'unit2/Hz',
 }  # fmt: skip
@@ -316,7 +284,7 @@ def flight_to_dict(
         'start': side.start,
         'span': side.span,
         'topics_only_here': only,
-        'faults': {name: asdict(each) for name, each in faults.items() if not each.is_clean},
+        'faults': {name: each.sentences for name, each in faults.items() if each.sentences},
         'periods': {name: each.period for name, each in faults.items()},
     }
 

@@ -4,7 +4,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from lta_data.bag.channels import SignalChannel
 from lta_data.compare.channel_comparison import ChannelPair, compare_channels
-from lta_data.compare.compared_flight import FaultInterval, find_topic_faults
 from lta_data.compare.divergence import (
     find_divergence,
     measure_difference,
@@ -173,22 +172,6 @@ def test_of_a_hover_the_headings_tell_the_turn():
     assert found.by_heading
     assert found.yaw == pytest.approx(0.4)
     assert (found.x, found.y) == pytest.approx((1.0, 2.0), abs=0.01)
-
-
-def test_faults_are_named_with_their_intervals():
-    time = np.array([0.0, 0.1, 0.2, 0.2, 0.3, 0.8, 0.9, 0.85, 1.0])
-    found = find_topic_faults(time, {'odom/x': 0.25, 'odom/y': 0.0}, repeated=1)
-    assert found.period == pytest.approx(0.1)
-    assert [tuple(gap) for gap in found.gaps] == [pytest.approx((0.3, 0.8))]
-    assert found.missing == pytest.approx(0.5)
-    assert (found.same_stamp, found.repeated) == (1, 1)
-    assert found.backwards == (FaultInterval(0.9, 0.85),)
-    assert found.unknown == {'odom/x': 0.25}
-    assert not found.is_clean
-    assert find_topic_faults(np.arange(10.0)).is_clean
-    uneven = find_topic_faults(np.cumsum(np.random.default_rng(0).exponential(size=100)))
-    assert not uneven.rhythm
-    assert uneven.gap_count == 0
 
 
 # --- laws --------------------------------------------------------------------------------------
