@@ -84,6 +84,25 @@ class ScaleFit(NamedTuple):
         return self.factor * abs(self.cosine)
 
 
+# Units of what a log states, by how many of them are one of SI
+UNITS: Final[dict[str, dict[str, float]]] = {
+    'rates': {'rad/s': 1.0, 'deg/s': 180.0 / np.pi, 'mrad/s': 1e3},
+    'velocity': {'m/s': 1.0, 'mm/s': 1e3, 'cm/s': 100.0, 'km/h': 3.6},
+    'force': {
+        'm/s2': 1.0, 'g': 1.0 / STANDARD_GRAVITY, 'mg': 1e3 / STANDARD_GRAVITY, 'mm/s2': 1e3,
+    },
+}  # fmt: skip
+
+
+def find_gravity_unit(felt: float, tolerance: float = 0.3) -> str:
+    """Return the unit in which a usual length of a specific force is gravity; '' if in none."""
+    # 30 %: a slow airship accelerates little compared with gravity
+    for unit, factor in UNITS['force'].items():
+        if abs(felt / (STANDARD_GRAVITY * factor) - 1.0) < tolerance:
+            return unit
+    return ''
+
+
 NO_FIT: Final = ScaleFit(float('nan'), 0.0)
 NEAR: Final = 0.3  # tolerance of a factor, as a logarithm
 

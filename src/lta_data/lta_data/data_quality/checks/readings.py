@@ -9,7 +9,6 @@ not, so that noise or a poor sensor does not cause one.
 from collections.abc import Iterator, Sequence
 from typing import Final, final, NamedTuple
 
-from lta_config.constants import STANDARD_GRAVITY
 from lta_data.data_quality import limits
 from lta_data.data_quality.motion import (
     MeasuredVector,
@@ -32,6 +31,7 @@ from lta_data.interpretation.kinematics import (
     LATEST,
     ScaleFit,
     SIGNED_AXES,
+    UNITS,
 )
 import numpy as np
 from numpy.typing import NDArray
@@ -48,13 +48,11 @@ OTHER: Final = 0.05  # of a score, that an attitude must gain more than a sensor
 CHANGE: Final = 0.01  # of a score, that each changed axis must gain
 CORRELATED: Final = limits.AGREE**2  # share from which the factor is that of a unit
 DEGREES: Final = 180.0 / np.pi
+HEIGHTS: Final = {'range': {'mm': 1e3, 'cm': 100.0}, 'pressure': {'hPa': 0.01, 'kPa': 1e-3}}
 # Ratio of measured to derived values -> unit of the sensor
 FACTORS: Final[dict[str, dict[float, str]]] = {
-    'rates': {DEGREES: 'deg/s', 1000.0: 'mrad/s'},
-    'velocity': {1000.0: 'mm/s', 100.0: 'cm/s', 3.6: 'km/h'},
-    'force': {1.0 / STANDARD_GRAVITY: 'g', 1000.0: 'mm/s2', 1000.0 / STANDARD_GRAVITY: 'mg'},
-    'range': {1000.0: 'mm', 100.0: 'cm'},
-    'pressure': {0.01: 'hPa', 0.001: 'kPa'},
+    kind: {factor: unit for unit, factor in units.items() if factor != 1.0}
+    for kind, units in (UNITS | HEIGHTS).items()
 }
 # The same ratio -> unit of the pose, if that is wrong
 TURNED: Final[dict[str, dict[float, str]]] = {

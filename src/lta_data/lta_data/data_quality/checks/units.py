@@ -14,7 +14,6 @@ from lta_data.bag.channels import SignalChannel
 from lta_data.data_quality import limits, roles
 from lta_data.data_quality.checks.readings import (
     CORRELATED,
-    FACTORS,
     find_units_by_motion,
     name_factor,
     UNIT,
@@ -28,7 +27,7 @@ from lta_data.data_quality.recording import (
     Severity,
 )
 from lta_data.even_grid import sort_samples
-from lta_data.interpretation.kinematics import fit_scale
+from lta_data.interpretation.kinematics import find_gravity_unit, fit_scale
 import numpy as np
 from numpy.typing import NDArray
 
@@ -157,13 +156,10 @@ def find_unit_by_gravity(
 ) -> Iterator[QualityFinding]:
     """Yield an accelerometer that measures gravity in another unit."""
     felt = float(np.median(np.linalg.norm(force, axis=1)))
-    for factor, unit in FACTORS['force'].items():
-        # 30 %: a slow airship accelerates little compared with gravity.
-        if abs(felt / STANDARD_GRAVITY / factor - 1.0) <= 0.3:
-            yield QualityFinding(
-                KIND, name, float(time[0]), float(time[-1]),
-                f'The unit looks like {unit}: the median acceleration with gravity is '
-                f'{felt:.4g}, but in m/s2 it would be about 9.81.',
-                Severity.SUSPICIOUS, {'force': felt},
-            )  # fmt: skip
-            return
+    if (unit := find_gravity_unit(felt)) not in ('', 'm/s2'):
+        yield QualityFinding(
+            KIND, name, float(time[0]), float(time[-1]),
+            f'The unit looks like {unit}: the median acceleration with gravity is '
+            f'{felt:.4g}, but in m/s2 it would be about 9.81.',
+            Severity.SUSPICIOUS, {'force': felt},
+        )  # fmt: skip

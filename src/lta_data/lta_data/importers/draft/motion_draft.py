@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from typing import Any, Final, final, NamedTuple
 
-from lta_config.constants import STANDARD_GRAVITY
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.column_groups import ColumnGroup, FIX_SCALES
 from lta_data.importers.draft.name_hints import UNIT_WORDS
@@ -13,11 +12,13 @@ from lta_data.interpretation.kinematics import (
     AGREE,
     body_rates_of,
     differentiate,
+    find_gravity_unit,
     find_sensor_axes,
     fit_scale,
     LATEST,
     measure_forwardness,
     MotionEvidence,
+    UNITS,
 )
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -27,7 +28,6 @@ NORTH_EAST_DOWN: Final = ('n', 'e', 'd')
 EAST_NORTH_DOWN: Final = ('e', 'n', 'd')
 LENGTHS: Final = {'m': 1.0, 'cm': 0.01, 'mm': 0.001}
 DEGREE: Final = np.pi / 180.0
-RATE_UNITS: Final = {'rad/s': 1.0, 'deg/s': 180.0 / np.pi, 'mrad/s': 1e3}
 NEAR: Final = 0.7  # logarithm of a factor, within which noise can move it
 UNRELATED: Final = 0.3  # explained share of a motion below which two contradict each other
 UNLIKE: Final = 1.3  # times as much unexplained decides between two frames
@@ -135,13 +135,12 @@ def _draft_acceleration(
     if group is None:
         return 0.0
     felt = float(np.nanmedian(np.linalg.norm(rows['acceleration'], axis=1)))
-    scales = {'m/s2': 1.0, 'g': STANDARD_GRAVITY, 'mg': STANDARD_GRAVITY / 1e3, 'mm/s2': 1e-3}
-    for unit, scale in scales.items():
-        if abs(felt * scale / STANDARD_GRAVITY - 1.0) < 0.3:
-            parts['acceleration'] = _build_vector(group, 'm/s2', scale)
-            choices.add_reason(f'{topic}: acceleration', group.columns, unit,
-                               f'its median length {felt:.4g} is gravity in {unit}')  # fmt: skip
-            return scale
+    if unit := find_gravity_unit(felt):
+        scale = float(f'{1.0 / UNITS["force"][unit]:.12g}')
+        parts['acceleration'] = _build_vector(group, 'm/s2', scale)
+        choices.add_reason(f'{topic}: acceleration', group.columns, unit,
+                           f'its median length {felt:.4g} is gravity in {unit}')  # fmt: skip
+        return scale
     choices.add_reason(f'{topic}: acceleration', group.columns, 'left out',
                        f'its median length is {felt:.3g}, so gravity is not in it')  # fmt: skip
     return 0.0
@@ -173,7 +172,7 @@ def _draft_rates(
         fit = fits[frame]
         if fit.share > AGREE:
             why = f'{fit.factor:.3g} times the derivative of the attitude ({frame} axes)'
-            far = {one: abs(np.log(fit.factor / factor)) for one, factor in RATE_UNITS.items()}
+            far = {one: abs(np.log(fit.factor / factor)) for one, factor in UNITS['rates'].items()}
             unit = min(far, key=lambda one: far[one])
             options = [(one, '') for one in sorted(far, key=lambda one: far[one])]
             if named and named[0] != unit:
@@ -195,7 +194,7 @@ def _draft_rates(
                        ('deg/s', f'up to {size:.1f} deg/s')]  # fmt: skip
             unit = choices.decide(key, options, f'The rates reach {size:.3g}.')
     unit = choices.override(key, unit)
-    scale = 1.0 / RATE_UNITS.get(unit, 1.0)
+    scale = 1.0 / UNITS['rates'].get(unit, 1.0)
     if unit == 'mrad/s':  # as stateEstimateZ of a Crazyflie
         parts['rates'] = _build_vector(group, 'rad/s', scale)
     else:
@@ -340,8 +339,9 @@ def _draft_velocity(
         why += ''.join(f'; in {one} axes {100 * other.share:.0f} %' for one, other in
                        fits.items() if one != frame) + ')'  # fmt: skip
         if not named and fit.share > AGREE:
-            factors = (1.0, 100.0, 1000.0, 3.6)
-            scale = 1.0 / min(factors, key=lambda one: abs(np.log(fit.factor / one)))
+            scale = 1.0 / min(
+                UNITS['velocity'].values(), key=lambda one: abs(np.log(fit.factor / one))
+            )
         # By what they leave unexplained: at small angles both explain nearly all
         left = 1.0 - fit.share
         close = [

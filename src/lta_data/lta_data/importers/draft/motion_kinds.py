@@ -11,7 +11,6 @@ from itertools import permutations
 import re
 from typing import Final
 
-from lta_config.constants import STANDARD_GRAVITY
 from lta_data.importers.draft.column_groups import ATTITUDES, ColumnGroup, Columns, has_unit_length
 from lta_data.importers.draft.name_hints import (
     ACTUATORS,
@@ -22,7 +21,12 @@ from lta_data.importers.draft.name_hints import (
 )
 from lta_data.importers.protocol import Numbers
 from lta_data.interpretation.attitude_readings import AttitudeReading, list_readings
-from lta_data.interpretation.kinematics import body_rates_of, differentiate, fit_scale
+from lta_data.interpretation.kinematics import (
+    body_rates_of,
+    differentiate,
+    find_gravity_unit,
+    fit_scale,
+)
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -30,7 +34,6 @@ CLEAR: Final = 0.8  # share of a vector that a derivative explains
 UNRELATED: Final = 0.3  # share below which a name is contradicted
 LOOKED_AT: Final = 4000  # rows
 LEAST: Final = 50  # rows
-GRAVITIES: Final = (1.0, STANDARD_GRAVITY, 1e3, 1e3 * STANDARD_GRAVITY)  # g, m/s2, mg, mm/s2
 # Words for vectors that are neither a place nor derived from one
 NO_PLACES: Final = frozenset([
     'mag', 'magnetic', 'magnetometer', 'wind', 'err', 'error', 'bias', 'cov', 'covariance', 'std',
@@ -194,8 +197,7 @@ def follows_course(rows: Numbers, place: Numbers, seconds: Numbers) -> bool:
 def feels_gravity(rows: Numbers) -> bool:
     """Return whether the length of a vector is that of gravity in a usual unit."""
     low, felt, high = np.nanpercentile(np.linalg.norm(rows, axis=1), [10.0, 50.0, 90.0])
-    fits = any(abs(felt / one - 1.0) < 0.1 for one in GRAVITIES)
-    return bool(fits and high - low < 0.3 * felt)
+    return bool(find_gravity_unit(float(felt), 0.1) and high - low < 0.3 * felt)
 
 
 FEWEST: Final = 6  # numbers of a state vector
