@@ -9,7 +9,7 @@ compares the emulator. Kinds are faults in flight, each on each build: `app/sile
 """
 
 from argparse import ArgumentParser, Namespace
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 import hashlib
 import json
 import os
@@ -24,10 +24,10 @@ from firmware_scenarios import APP, app_files, ARMING, BUILDS, SOLD
 
 from campaigns import ROOT
 from campaigns.fault_kinds import KINDS
-from campaigns.faults import describe_end
+from campaigns.faults import format_times
 from campaigns.firmware_record import DUTIES, record, VOLTAGES
 from campaigns.firmware_trial import fly, IMPOSSIBLE
-from campaigns.harness import Campaign, Case, Row, Rows
+from campaigns.harness import Campaign, Case, count_right, Row, Rows
 from campaigns.linux_crazyflie import build, commit_of, Process
 
 RECORD: Final = ROOT / 'test/golden/crazyflie_firmware.json'
@@ -110,18 +110,17 @@ def list_table(rows: Rows, options: Namespace) -> Iterator[str]:
     """Yield what was recorded of the builds, and the faults in flight."""
     yield from list_record(json.loads(RECORD.read_text()))
     yield ''
-    yield f'| fault | outcome of the flight | {" | ".join(WORDS[name] for name in BUILDS)} |'
-    yield '|---' * (2 + len(BUILDS)) + '|'
+    yield f'| fault | {" | ".join(WORDS[name] for name in BUILDS)} |'
+    yield '|---' * (1 + len(BUILDS)) + '|'
     for name in POSSIBLE:
-        cells = []
-        for each in BUILDS:
-            some = [row for case, row in rows.items() if case.kind == f'{each}/{name}']
-            times = [row['took'] for row in some if row.get('took') is not None]
-            stated = KINDS[name].stated[each != APP]
-            well = sum(not row['wrong'] for row in some)
-            longest = f'{max(times):.2f} s' if times else '-'
-            cells.append(f'{stated:.1f} s; {longest}; {well} of {len(some)}')
-        yield f'| {KINDS[name].about} | {describe_end(KINDS[name])} | {" | ".join(cells)} |'
+        flights = ([row for case, row in rows.items() if case.kind == f'{each}/{name}'] for each in BUILDS)
+        yield f'| {KINDS[name].about} | {" | ".join(format_flights(some) for some in flights)} |'
+
+
+def format_flights(rows: Sequence[Row]) -> str:
+    """Return the longest time until the motors stopped, and how many were as stated, if not all."""
+    longest = format_times(0.0, rows)
+    return longest if all(not row['wrong'] for row in rows) else f'{longest}; {count_right(rows)}'
 
 
 def list_record(kept: dict[str, Any]) -> Iterator[str]:

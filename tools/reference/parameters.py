@@ -27,6 +27,12 @@ accepts those of estimator, demodulator, navigator (`mission`) and energy monito
 vehicle are files in `config/control`. The [launch arguments](#lta-launch-fly) set many of them:
 `./lta launch fly seed:=2`.
 """
+LAUNCH = """
+## lta launch fly
+`./lta launch fly --show-args` says what each argument means, and `./lta launch fleet --show-args`
+and `./lta launch emulated --show-args` list theirs. With the defaults:
+
+"""
 
 
 def render_page() -> str:
@@ -40,9 +46,7 @@ def render_page() -> str:
         format_model_section(f'{package} {node}', model)
         for package, node, model in iterate_settings_models()
     ]
-    about = 'Arguments as `NAME:=VALUE`. `--show-args` lists those of `fleet` and `emulated`.'
-    tables.append(format_model_section('lta launch fly', FLY.arguments, about))
-    return HEAD + ''.join(tables)
+    return HEAD + ''.join(tables) + LAUNCH + format_arguments(FLY.arguments)
 
 
 def iterate_settings_models() -> Iterator[tuple[str, str, type[BaseModel]]]:
@@ -86,6 +90,13 @@ def format_parameter_row(name: str, info: FieldInfo, value: Any) -> str:  # noqa
         filter(None, (f'`{default}` {unit}'.strip() if default else unit, format_bounds(info)))
     )
     return f'- `{name}`{f" ({number})" if number else ""}: {about}{fixed}\n'
+
+
+def format_arguments(model: type[BaseModel]) -> str:
+    """Return the names of launch arguments with their defaults, as on the command line."""
+    leaves = iterate_fields(model())
+    words = [f'`{name}:={format_default(value)}`' for name, _, value in leaves]
+    return ', '.join(words) + '.\n'
 
 
 def format_default(value: object) -> str:

@@ -52,7 +52,8 @@ def _iterate_sections(path: str, model: type[BaseModel]) -> Iterator[str]:
             place = '.'.join(filter(None, (path, key, *steps)))
             below.append((place, inner))
             kind = f'[block](#{place.lower().replace(".", "")})'
-            text = text or inspect.cleandoc(inner.__doc__ or '').splitlines()[0]
+            if not path:  # others stand right above the section that says it
+                text = text or inspect.cleandoc(inner.__doc__ or '').splitlines()[0]
         cell = ', '.join(filter(None, (kind, bounds)))
         rows.append(f'- {label} ({cell}){f": {text}" if text else ""}\n')
     about = inspect.cleandoc(model.__doc__ or '').split('\n\nAttributes\n')[0]

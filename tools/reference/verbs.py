@@ -21,9 +21,14 @@ The verbs are grouped as in `lta --help`; `lta VERB --help` says more about each
 stderr. 130: Ctrl-C. Flights also end with 3: out of time, or 4: the drone left the room.
 
 ## Common options
-Verbs that have them list their names under "Also".
+Verbs that have them list their names under "Also". *Results* are `--out`, `--page`, `--no-page`,
+`--pictures` and `--json`; *workers* are `--workers`, `--scheduler` and `--retry-failed`.
 
 """
+SETS: Final = {
+    '*workers*': ('`--workers`', '`--scheduler`', '`--retry-failed`'),
+    '*results*': ('`--out`', '`--page`, `--no-page`', '`--pictures`', '`--json`'),
+}
 COMMON: Final = 5  # verbs that must have an option, with the same help, to print it once
 
 
@@ -68,7 +73,10 @@ def format_verb_section(title: str, verb: Any, common: Collection[str]) -> str: 
     if own := [row for row in rows if row not in common]:
         text += f'\n{"".join(own)}'
     if shared := [row.split(': ')[0].removeprefix('- ') for row in rows if row in common]:
-        text += f'\nAlso: {", ".join(shared)}.\n'
+        also = ', '.join(shared)
+        for name, options in SETS.items():
+            also = also.replace(', '.join(options), name)
+        text += f'\nAlso: {also}.\n'
     return text
 
 
