@@ -113,12 +113,15 @@ def list_table(rows: Rows, options: Namespace) -> Iterator[str]:
     yield f'| fault | {" | ".join(WORDS[name] for name in BUILDS)} |'
     yield '|---' * (1 + len(BUILDS)) + '|'
     for name in POSSIBLE:
-        flights = ([row for case, row in rows.items() if case.kind == f'{each}/{name}'] for each in BUILDS)
-        yield f'| {KINDS[name].about} | {" | ".join(format_flights(some) for some in flights)} |'
+        cells = []
+        for each in BUILDS:
+            some = [row for case, row in rows.items() if case.kind == f'{each}/{name}']
+            cells.append(format_flights(some))
+        yield f'| {KINDS[name].about} | {" | ".join(cells)} |'
 
 
 def format_flights(rows: Sequence[Row]) -> str:
-    """Return the longest time until the motors stopped, and how many were as stated, if not all."""
+    """Return the longest time until the motors stopped, and how many were right if not all."""
     longest = format_times(0.0, rows)
     return longest if all(not row['wrong'] for row in rows) else f'{longest}; {count_right(rows)}'
 

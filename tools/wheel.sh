@@ -19,4 +19,4 @@ if ! LTA_ROOT=$root "$root/.venv/bin/python" setup.py --quiet bdist_wheel --dist
     echo 'The wheel could not be built; the lines above say why.' >&2
     exit 2
 fi
-ls "$out"/lta_cores-*.whl
+ls "$out"/lta-*.whl

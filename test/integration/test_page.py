@@ -8,6 +8,7 @@ from lta_flight.report import write_page
 from lta_flight.report.panels.registry import PANELS
 from lta_report import screenshots
 from lta_report.browser import Browser
+from lta_report.flight_video import write_video
 from lta_report.screenshots import (
     collect_errors,
     COUNT_PANELS,
@@ -20,7 +21,7 @@ from lta_report.screenshots import (
 )
 import pytest
 
-from ..unit.report_flight import write_flight  # noqa: TID252 - `test` is Python's own
+from ..unit.report_flight import END, write_flight  # noqa: TID252 - `test` is Python's own
 
 NAMES = [panel.name for panel in PANELS]
 TIMED = [panel.name for panel in PANELS if panel.timed]
@@ -100,6 +101,39 @@ def test_pointing_at_one_panel_marks_the_instant_in_the_others(session):
     session.call('Input.dispatchMouseEvent', type='mouseMoved', x=spot[0], y=spot[1])
     session.wait_until(f'Math.abs({CURSORS}[0] - 8) < 0.1')
     assert session.evaluate(CURSORS) == pytest.approx([8.0] * len(TIMED), abs=0.1)
+
+
+def test_a_flight_plays_at_the_speed_that_is_chosen(session):
+    advanced = session.evaluate("""(() => {
+      const own = [requestAnimationFrame, performance.now], frames = [];
+      [window.requestAnimationFrame, performance.now] = [(show) => frames.push(show), () => 0];
+      const pace = document.getElementById('pace');
+      const advanced = ['4', '0.25', '1'].map((choice) => {
+        pace.value = choice;
+        mark(2);
+        setPlaying(true);
+        frames.pop()(1000);  // a frame after one second
+        setPlaying(false);
+        return now - 2;
+      });
+      [window.requestAnimationFrame, performance.now] = own;
+      frames.forEach((show) => show());
+      return advanced;
+    })()""")
+    usual = END / 15.0  # the whole flight in 15 s
+    assert advanced == pytest.approx([4 * usual, usual / 4, usual], abs=1e-3)
+
+
+def test_a_video_has_a_frame_for_each_instant(page, tmp_path, monkeypatch):
+    # In place of ffmpeg: the frames as they come, to the file that is named last
+    program = tmp_path / 'ffmpeg'
+    program.write_text('#!/bin/sh\nfor out; do :; done\ncat >"$out"\n')
+    program.chmod(0o755)
+    monkeypatch.setenv('PATH', f'{tmp_path}:{os.environ["PATH"]}')
+    write_video(page, tmp_path / 'flight.gif')
+    frames = (tmp_path / 'flight.gif').read_bytes().split(b'\xff\xd8\xff')[1:]
+    assert len(frames) == pytest.approx(12.5 * END, abs=1)  # a GIF has 12.5 a second
+    assert len(set(frames)) > 0.9 * len(frames)
 
 
 def test_zooming_one_panel_zooms_all_panels_over_time(session):

@@ -17,6 +17,8 @@ ROOT = Path(os.environ['LTA_ROOT'])
 OF_WORKSPACE = ('ros-', 'colcon-', 'pymavlink', 'setuptools')
 # The message classes, for bags; there are wheels for this platform only
 MESSAGES = "ros-jazzy-common-interfaces; sys_platform == 'linux' and platform_machine == 'x86_64'"
+# As in 'lta-...whl[notebook,video]'
+EXTRAS = ('notebook', 'hardware', 'dask', 'video')
 NOT_INSTALLED = ('package.xml', 'resource')
 
 
@@ -46,7 +48,7 @@ facts = [
 folders = sorted({path.parent for path in facts})
 
 setup(
-    name='lta-cores',
+    name='lta',
     version=runpy.run_path(str(ROOT / 'config/lta_config/version.py'))['VERSION'],
     description='Simulate, record and understand lighter-than-air micro-drones.',
     license='Apache-2.0',
@@ -71,8 +73,7 @@ setup(
         )
     ],
     install_requires=[*read_requirements('requirements.txt'), MESSAGES],
-    # As lta_cores-...whl[cluster]
-    extras_require={'cluster': read_requirements('requirements-dask.txt')},
+    extras_require={name: read_requirements(f'requirements-{name}.txt') for name in EXTRAS},
     entry_points={'console_scripts': ['lta = lta_cli.command:main']},
     zip_safe=False,
 )

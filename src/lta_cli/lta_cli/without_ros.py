@@ -23,7 +23,7 @@ def is_graph_installed() -> bool:
 def is_wheel_without_graph() -> bool:
     """Return whether LTA was installed by pip, beside no ROS 2."""
     try:
-        metadata.distribution('lta-cores')
+        metadata.distribution('lta')
     except metadata.PackageNotFoundError:
         return False
     return not is_graph_installed()

@@ -34,6 +34,7 @@ NO_WEBGL: Final = (
     'This browser has no WebGL, so the 3-D view is left out; '
     'the figures below show the same flight.'
 )
+PACES: Final = (0.25, 0.5, 1, 2, 4)  # speeds of play, by the usual one
 TRACKS: Final = ('position', 'turn', 'thrust', 'bearing', 'wind')
 
 
@@ -145,10 +146,15 @@ def render_time_bar(readout: Mapping[str, tuple[str, str, int, float]], what: st
         f'data-digits="{digits}" data-factor="{factor:g}"></dd></div>'
         for column, (name, unit, digits, factor) in readout.items()
     )
+    paces = ''.join(
+        f'<option value="{pace}"{" selected" if pace == 1 else ""}>\N{MULTIPLICATION SIGN}{pace:g}</option>'
+        for pace in PACES
+    )
     return (
         '<div id="bar" hidden>'
         f'<button id="play" type="button" aria-label="Play the {what}">▶\N{VARIATION SELECTOR-15}'
         f'</button><input id="time" type="range" aria-label="Time of the {what}">'
+        f'<select id="pace" aria-label="Speed of play">{paces}</select>'
         f'<dl id="readout" aria-live="off">{cells}</dl></div>'
     )
 

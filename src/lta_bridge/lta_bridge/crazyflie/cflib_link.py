@@ -114,8 +114,8 @@ class CflibLink:
         if not CFLIB:
             raise BadInput(
                 'The connection to a Crazyflie needs the Python package cflib, which is not '
-                'installed; run ".venv/bin/pip install -c constraints.txt -r '
-                'requirements-hardware.txt".'
+                'installed; run "pip install cflib", in a source tree ".venv/bin/pip install '
+                '-c constraints.txt -r requirements-hardware.txt".'
             )
         _register_drivers()
         self._uri, self._blocks, self._clock = uri, blocks, clock

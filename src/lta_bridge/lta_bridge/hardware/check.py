@@ -35,7 +35,10 @@ from lta_model.vehicle import load_vehicle
 from lta_vlc.demodulation import plan_bins
 from lta_vlc.settings import DemodulationSettings
 
-INSTALL = 'Run ".venv/bin/pip install -c constraints.txt -r requirements-hardware.txt".'
+INSTALL = (
+    'Run "pip install cflib", in a source tree ".venv/bin/pip install -c constraints.txt -r '
+    'requirements-hardware.txt".'
+)
 
 
 def assess_device_access(

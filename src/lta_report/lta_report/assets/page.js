@@ -205,7 +205,8 @@ function setPlaying(wanted) {
   if (!playing) return;
   const last = times[times.length - 1];
   if (now >= last) mark(times[0]);
-  const pace = Math.max(1, (last - times[0]) / 15);
+  // A day takes a quarter of a minute, a flight its own time
+  const pace = Math.max(1, (last - times[0]) / 15) * Number(document.getElementById('pace').value);
   let before = performance.now();
   // Two pictures a second for readers who prefer little motion
   const calm = matchMedia('(prefers-reduced-motion: reduce)').matches;
@@ -234,6 +235,7 @@ async function start() {
     Object.assign(slider, { min: times[0], max: times[times.length - 1], step: 0.05 });
     slider.addEventListener('input', () => { setPlaying(false); mark(Number(slider.value)); });
     play.addEventListener('click', () => setPlaying(!playing));
+    document.getElementById('pace').addEventListener('change', () => { if (playing) { setPlaying(false); setPlaying(true); } });
     document.getElementById('bar').hidden = false;
     document.addEventListener('keydown', stepByKeys);
   }

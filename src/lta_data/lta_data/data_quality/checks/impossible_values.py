@@ -43,7 +43,9 @@ def find_impossible_values(evidence: CheckContext) -> CheckVerdict:
             [c for c in channels.values() if c.topic == topic]
         )
     for pose in collect_poses(channels, evenly=False):
-        findings += find_jumps(pose)
+        # An estimate jumps where a lamp or a tracker corrects it
+        if roles.is_instrument_topic(pose.topic):
+            findings += find_jumps(pose)
     for sensor in evidence.inertials:
         findings += find_missing_gravity(sensor)
     return CheckVerdict(tuple(findings))
