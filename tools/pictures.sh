@@ -41,6 +41,8 @@ compared() {
 }
 
 draw quick flight top ./lta fly --seed 1 --out
+./lta simulate --seed 3 --out "$made/film"
+./lta report "$made/film" --video docs/images/flight.gif
 draw quick compare top compared
 ./lta discover --demo --seed 5 --out "$made/discover"
 cp "$made/discover/picture.svg" docs/images/discover.svg

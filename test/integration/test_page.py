@@ -132,7 +132,7 @@ def test_a_video_has_a_frame_for_each_instant(page, tmp_path, monkeypatch):
     monkeypatch.setenv('PATH', f'{tmp_path}:{os.environ["PATH"]}')
     write_video(page, tmp_path / 'flight.gif')
     frames = (tmp_path / 'flight.gif').read_bytes().split(b'\xff\xd8\xff')[1:]
-    assert len(frames) == pytest.approx(12.5 * END, abs=1)  # a GIF has 12.5 a second
+    assert len(frames) == pytest.approx(10.0 * END, abs=1)  # a GIF has ten a second
     assert len(set(frames)) > 0.9 * len(frames)
 
 

@@ -1,6 +1,6 @@
 """Simulate, import, check and vary flights in a notebook; they return the data themselves."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from itertools import product
 from pathlib import Path
 from typing import Any, TYPE_CHECKING
@@ -55,7 +55,7 @@ def simulate(
 
 
 def fly_grid(
-    values: Mapping[str, Sequence[object]],
+    values: Mapping[str, object],
     seeds: int = 1,
     vehicle: Name = 'gtmab',
     scenario: Name = 'lamp_room',
@@ -69,7 +69,7 @@ def fly_grid(
     Parameters
     ----------
     values : mapping
-        Values by path: {'vehicle.trim.heaviness': ['2 g', '4 g']}.
+        Values by path: {'vehicle.trim.heaviness': ['2 g', '4 g']}; one stands for a list of one.
     seeds : int
         Number of flights of each combination.
 
@@ -82,11 +82,13 @@ def fly_grid(
     from lta_flight.flight_spec import build_loop, load_spec
     from lta_flight.report.results import compute_results
     from lta_flight.simulate import simulate_closed_loop
+    from pandas.api.types import is_list_like
 
     count = build_request(NotebookFlight, {'seeds': seeds}).seeds
     base = load_spec(str(vehicle), str(scenario), str(strategy), '')
     rows = []
-    for chosen in product(*values.values()):
+    lists = [each if is_list_like(each) else [each] for each in values.values()]
+    for chosen in product(*lists):
         row = dict(zip(values, chosen, strict=True))
         spec = base.with_values(build_request(NotebookFlight, {'changes': row}).changes)
         for seed in range(1, count + 1):

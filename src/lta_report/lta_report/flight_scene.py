@@ -147,7 +147,7 @@ def render_time_bar(readout: Mapping[str, tuple[str, str, int, float]], what: st
         for column, (name, unit, digits, factor) in readout.items()
     )
     paces = ''.join(
-        f'<option value="{pace}"{" selected" if pace == 1 else ""}>\N{MULTIPLICATION SIGN}{pace:g}</option>'
+        f'<option value="{pace}"{" selected" if pace == 1 else ""}>&times; {pace:g}</option>'
         for pace in PACES
     )
     return (

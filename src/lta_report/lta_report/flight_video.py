@@ -14,12 +14,15 @@ from lta_report.browser import Browser
 from lta_report.screenshots import open_page, WIDTH
 import numpy as np
 
-SIZE: Final = (854, 480)  # px
+SIZE: Final = (640, 360)  # px
 LONGEST: Final = 60.0  # s of a video; a longer flight is shown faster
 # Frames per second, and what ffmpeg makes of them
 FORMATS: Final = {
     '.mp4': (25.0, ('-c:v', 'libx264', '-crf', '20', '-pix_fmt', 'yuv420p')),
-    '.gif': (12.5, ('-vf', 'split[a][b];[a]palettegen[p];[b][p]paletteuse')),
+    '.gif': (
+        10.0,
+        ('-vf', 'split[a][b];[a]palettegen=max_colors=64[p];[b][p]paletteuse=dither=none'),
+    ),
 }
 MISSING: Final = (
     'A video needs ffmpeg, which is not installed; install it (Debian or Ubuntu: sudo apt install '

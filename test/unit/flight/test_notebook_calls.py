@@ -16,6 +16,7 @@ def test_a_path_and_a_numpy_number_are_as_good_as_a_name_and_an_int():
         scenario=find_file('scenario', 'lamp_room'),
     )
     assert by_path == named
+    assert lta_analysis.fly_grid({'scenario.goal.time_limit': '1 s'}) == named  # not its letters
     assert [row['seed'] for row in named] == [1]
 
 

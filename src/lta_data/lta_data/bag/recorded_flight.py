@@ -117,6 +117,10 @@ class RecordedFlight:
         """Iterate over the topics."""
         return iter(self.topics)
 
+    def _ipython_key_completions_(self) -> list[str]:
+        """Return what a notebook completes after `flight[`."""
+        return self.topics
+
     def __getitem__(self, topic: str) -> Table:
         """Return a topic as a `pandas.DataFrame`; see `lta_data.bag.table`."""
         if topic not in self._tables:

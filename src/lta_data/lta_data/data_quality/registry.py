@@ -83,7 +83,7 @@ def _describe_topic(topic: str, channels: Sequence[SignalChannel]) -> Coverage:
         quantity = roles.match_noisy_quantity(channel)
         if roles.QUATERNION.match(channel.field) or roles.ANGLE.match(channel.field):
             quantity = 'attitude'
-        # An estimate may be constant or smooth, but it cannot jump
+        # An estimate may be constant or smooth, and is a number all the same
         quantity = 'position' if roles.POSITION.match(channel.field) else quantity
         if quantity is None and any(rule.search(channel.name) for rule in RULES):
             quantity = 'range of values'

@@ -8,10 +8,11 @@ from lta_config.constants import STANDARD_GRAVITY
 from lta_discovery.formatting import format_number, join_words
 from lta_discovery.lab_tests.design import Kind, LabTest, rest_duties, step_duties
 from lta_discovery.lab_tests.plan import LabPlan, PlannedTest
+from lta_discovery.lab_tests.plan_sketches import draw_sketches
 from lta_discovery.lab_tests.words import format_amplitude, name_parameters
 from lta_model.vehicle import Vehicle
 from lta_report.formatting import format_count, Tile
-from lta_report.report import Report, TextSection, TextTable
+from lta_report.report import HtmlBlock, Report, TextSection, TextTable
 
 FREE: Final = 2  # free flights: one teaches, one confirms
 SHOWN: Final = 5  # things that a test teaches, as shown
@@ -96,6 +97,7 @@ def build_plan_report(plan: LabPlan, vehicle: Vehicle) -> Report:
         ],
         blocks=(
             _build_test_table(needed, plan, vehicle),
+            HtmlBlock(draw_sketches([one.test for one in needed]), 'Sketches'),
             _build_reason_table(needed, vehicle),
             *sections,
         ),
@@ -137,19 +139,18 @@ def _list_runs(tests: Sequence[PlannedTest]) -> list[tuple[str, PlannedTest]]:
 
 def _build_test_table(tests: Sequence[PlannedTest], plan: LabPlan, vehicle: Vehicle) -> TextTable:
     """Return what to do."""
-    rows = [[f'{BOX} 1', 'weigh', 'on scales, without gas', '', '']]
+    rows = [[f'{BOX} 1 weigh', 'on scales, without gas', '', '']]
     for number, (title, planned) in enumerate(_list_runs(tests), start=2):
         duties = _test_duties(plan, vehicle, planned.test)
         level, height = planned.room
         free = planned.test.kind == 'free_flight'
         rows.append([
-            f'{BOX} {number}',
-            title,
+            f'{BOX} {number} {title}',
             format_amplitude(planned.test, vehicle.rotor_names, duties),
             f'{planned.test.seconds:.0f} s',
             'as the pilot wants' if free else f'{level:.1f} m along, {height:.1f} m up or down',
         ])  # fmt: skip
-    heads = ('', 'test', 'how', 'how long', 'moves')
+    heads = ('test', 'how', 'how long', 'moves')
     note = (
         f'Steps begin at rest. Add the size of the vehicle and {CLEAR:g} m on each side to the '
         'motion; the pilot keeps a free flight within the room.'
