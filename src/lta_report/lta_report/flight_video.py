@@ -97,7 +97,7 @@ def write_video(page: Path, out: Path) -> None:
                 text = f'{time:.1f} s' + (f'   {pace:.1f} x real time' if pace > 1.0 else '')
                 shot = browser.evaluate(FRAME % {'time': time, 'text': json.dumps(text)})
                 frames += base64.b64decode(shot)
-            _, said = encoder.communicate(bytes(frames))
+            _, errors = encoder.communicate(bytes(frames))
         if encoder.returncode:
-            raise BadInput(f'ffmpeg could not write the video: {said.decode().strip()}')
+            raise BadInput(f'ffmpeg could not write the video: {errors.decode().strip()}')
         film.replace(out)
