@@ -1,14 +1,14 @@
-"""A Dask cluster of our commands: it survives a worker, and a sweep survives its scheduler."""
+"""A sweep survives a worker and the scheduler of a Dask cluster."""
 
+from contextlib import ExitStack
 import io
 import json
-import re
-import shutil
-import signal
+from pathlib import Path
 import subprocess
+import sys
 
 from distributed import Client
-import psutil
+from ports import free_port
 from pyarrow import parquet
 import pytest
 from waiting import PATIENCE, wait_until
@@ -32,18 +32,27 @@ def sweep(tmp_path):
     return path
 
 
-def start_cluster(lta, *options):
-    """Start a cluster; return its process and the address that it prints."""
-    cluster = lta.start('cluster', 'up', '--workers', 1, '--port', 0, *options)
-    cluster.said('Add workers')
-    return cluster, re.search(r'at (t\w+://[\d.:]+);', cluster.text)[1]
+@pytest.fixture
+def dask():
+    """Return a function that starts a program of Dask which only this machine reaches."""
+    with ExitStack() as running:
+
+        def start(*words):
+            program = Path(sys.executable).parent / 'dask'
+            command = [program, *map(str, words), '--host', '127.0.0.1', '--no-dashboard']
+            process = running.enter_context(subprocess.Popen(command, stderr=subprocess.DEVNULL))
+            running.callback(process.terminate)
+            return process
+
+        yield start
 
 
-def find_worker(command):
-    """Return the worker process of a command."""
-    (worker,) = (each for each in psutil.Process(command.popen.pid).children(recursive=True)
-                 if 'spawn_main' in ' '.join(each.cmdline()))  # fmt: skip
-    return worker
+def start_worker(dask, address, count):
+    """Start a worker; return it when the scheduler has so many."""
+    process = dask('worker', address, '--nthreads', 1, '--no-nanny')
+    with Client(address, set_as_default=False, timeout=PATIENCE) as client:
+        client.wait_for_workers(count, timeout=PATIENCE)
+    return process
 
 
 def count_stored(folder):
@@ -66,23 +75,18 @@ def read_results(folder):
     return written.getvalue(), head, [{**row, 'wall': 0.0} for row in rows]
 
 
-def test_a_sweep_survives_a_worker_and_the_scheduler(lta, sweep, tmp_path):
-    first, address = start_cluster(lta)
-    second = lta.start('cluster', 'join', address, '--workers', 1)
-    second.said('Joined')
-    for command in (first, second):
-        for process in (psutil.Process(command.popen.pid), find_worker(command)):
-            listening = [each.laddr.ip for each in process.net_connections('tcp')
-                         if each.status == psutil.CONN_LISTEN]  # fmt: skip
-            assert listening, 'scheduler, workers and their guards listen'
-            assert set(listening) == {'127.0.0.1'}, 'and nobody else can connect'
-
-    words = ('sweep', sweep, '--no-page', '--out', tmp_path / 'far', '--scheduler')
-    flying = lta.start(*words, address)
+def test_a_sweep_survives_a_worker_and_the_scheduler(lta, sweep, dask, tmp_path):
+    port = free_port()
+    address = f'tcp://127.0.0.1:{port}'
+    scheduler = dask('scheduler', '--port', port)
+    start_worker(dask, address, 1)
+    second = start_worker(dask, address, 2)
+    words = ('sweep', sweep, '--no-page', '--out', tmp_path / 'far', '--scheduler', address)
+    flying = lta.start(*words)
     await_stored(flying, tmp_path / 'far', MERCY)
-    find_worker(second).kill()
+    second.kill()
     await_stored(flying, tmp_path / 'far', count_stored(tmp_path / 'far') + MERCY)
-    first.popen.kill()
+    scheduler.kill()
     assert flying.end() == 2
     assert (
         f"The Dask cluster at '{address}' has lost its scheduler or all of its workers; finished "
@@ -92,52 +96,13 @@ def test_a_sweep_survives_a_worker_and_the_scheduler(lta, sweep, tmp_path):
     stored = count_stored(tmp_path / 'far')
     assert 2 * MERCY <= stored < COUNT
 
-    third, again = start_cluster(lta, '--port', address.rpartition(':')[2])
-    # The worker whose scheduler was lost finds the new one at the same address
-    with Client(again, set_as_default=False) as client:
-        client.wait_for_workers(2, timeout=PATIENCE)
-    resumed = lta.start(*words, again)
+    scheduler.wait()
+    dask('scheduler', '--port', port)
+    start_worker(dask, address, 1)
+    resumed = lta.start(*words)
     assert resumed.end() == 0, resumed.text
     assert f'{COUNT - stored} flights in' in resumed.text
 
     local = lta.run('sweep', sweep, '--no-page', '--out', tmp_path / 'here', '--workers', 1)
     assert local.returncode == 0, local.stderr
     assert read_results(tmp_path / 'far') == read_results(tmp_path / 'here')
-
-    second.interrupt()
-    assert second.end() == 130
-    third.popen.send_signal(signal.SIGTERM)
-    assert third.end() == 143
-    assert second.text.splitlines()[-1] == third.text.splitlines()[-1] == 'Stopped.'
-    assert lta.left() == []
-
-
-@pytest.mark.long
-@pytest.mark.skipif(shutil.which('openssl') is None, reason='openssl makes the certificate')
-def test_a_sweep_on_an_encrypted_cluster(lta, sweep, tmp_path):
-    key, certificate = tmp_path / 'lta.key', tmp_path / 'lta.pem'
-    making = ('openssl', 'req', '-x509', '-newkey', 'ec', '-pkeyopt', 'ec_paramgen_curve:P-256',
-              '-nodes', '-subj', '/CN=lta', '-keyout', key, '-out', certificate)  # fmt: skip
-    subprocess.run(making, check=True, capture_output=True)
-    files = ('--tls-ca', certificate, '--tls-cert', certificate, '--tls-key', key)
-    cluster, address = start_cluster(lta, *files)
-    assert address.startswith('tls://')
-    joined = lta.start('cluster', 'join', address, '--workers', 1, *files)
-    joined.said('Joined')
-    words = ('sweep', sweep, '--no-page', '--out', tmp_path / 'far', '--scheduler', address)
-    refused = lta.run(*words)
-    assert refused.returncode == 2
-    assert 'needs certificates; set DASK_DISTRIBUTED__COMM__TLS__CA_FILE' in refused.stderr
-    assert len(refused.stderr.splitlines()) == 1
-    (printed,) = (line for line in cluster.text.splitlines() if line.startswith('Fly a sweep:'))
-    settings = re.findall(r'(DASK_\w+)=(\S+)', printed)
-    with pytest.MonkeyPatch.context() as patched:
-        for name, value in settings:
-            patched.setenv(name, value)
-        flown = lta.run(*words)
-    assert flown.returncode == 0, flown.stderr
-    assert count_stored(tmp_path / 'far') == COUNT
-    assert settings[0] == ('DASK_DISTRIBUTED__COMM__TLS__CA_FILE', str(certificate))
-    for command in (joined, cluster):
-        command.interrupt()
-        assert command.end() == 130

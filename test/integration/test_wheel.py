@@ -105,9 +105,8 @@ def fly_on_cluster(venv, lta, folder):
     address = f'tcp://127.0.0.1:{free_port()}'
     clean = {'HOME': str(folder), 'PATH': f'{venv}/bin:/usr/bin:/bin'}
     commands = (
-        ('lta', 'cluster', 'up', '--workers', '1', '--port', address.rpartition(':')[2]),
-        ('lta', 'cluster', 'join', address, '--workers', '1'),
-        ('dask', 'worker', address, '--nthreads', '1', '--no-dashboard'),
+        ('dask', 'scheduler', '--host', '127.0.0.1', '--port', address.rpartition(':')[2]),
+        ('dask', 'worker', address, '--nworkers', '2', '--nthreads', '1', '--no-dashboard'),
     )
     with ExitStack() as running:
         for program, *words in commands:
@@ -116,6 +115,6 @@ def fly_on_cluster(venv, lta, folder):
             ))  # fmt: skip
             running.callback(process.terminate)
         client = running.enter_context(Client(address, timeout=PATIENCE, set_as_default=False))
-        client.wait_for_workers(3, timeout=PATIENCE)
+        client.wait_for_workers(2, timeout=PATIENCE)
         words = ('--out', 'far', '--scheduler', address, '--no-page', '--json')
         return json.loads(lta('sweep', 'two.yaml', *words).stdout)['outcomes']

@@ -161,13 +161,6 @@ CFD: Final = VerbGroup(
         'refit': Verb('cfd.refit', 'refit'),
     },
 )
-CLUSTER: Final = VerbGroup(
-    'Run a Dask cluster on which sweeps fly: on this machine, or on several.',
-    {
-        'up': Verb('cluster.up', 'up'),
-        'join': Verb('cluster.join', 'join'),
-    },
-)
 HARDWARE: Final = VerbGroup(
     'Check connected drones and light boards, test one motor, evaluate turntable recordings, draw '
     'the wiring.',
@@ -220,7 +213,6 @@ FAMILIES: Final[Mapping[str, Mapping[str, Verb | VerbGroup]]] = {
     'Hardware': {'hardware': HARDWARE},
     'Tools': {
         'doctor': Verb('doctor', 'doctor'),
-        'cluster': CLUSTER,
         'reproduce': study('reproduce'),
     },
 }

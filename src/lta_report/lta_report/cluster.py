@@ -11,7 +11,6 @@ from lta_bridge.provenance import read_commit
 from lta_config.errors import BadInput
 from lta_config.version import VERSION
 
-DASK: Final = 'distributed'
 PATIENCE: Final = 10.0  # s to reach the scheduler
 LOGGERS: Final = ('distributed', 'distributed.client', 'tornado.application')
 TLS: Final = 'DASK_DISTRIBUTED__COMM__TLS__'  # Dask's settings, as environment variables
@@ -29,10 +28,7 @@ class ClusterSoftware(NamedTuple):
 
     def matches(self, other: 'ClusterSoftware') -> bool:
         """Return whether both give the same results; what is unknown matches any."""
-        versions = {self.lta, other.lta} - {UNKNOWN}
-        commits = {self.commit, other.commit} - {UNKNOWN}
-        # The rest: Python and Dask
-        return len(versions) < 2 and len(commits) < 2 and self[2:] == other[2:]
+        return all(a == b or UNKNOWN in (a, b) for a, b in zip(self, other, strict=True))
 
     def __str__(self) -> str:
         """Return all versions in one line."""
@@ -48,7 +44,7 @@ def import_dask() -> Any:  # noqa: ANN401 - Dask has no types
     """Return the module dask.distributed, or raise `BadInput` if it is not installed."""
     try:
         # Optional, so most installations do not have it
-        return import_module(DASK)
+        return import_module('distributed')
     except ImportError:
         raise BadInput(
             'A Dask cluster needs the package dask.distributed, which is not installed; run '
@@ -57,16 +53,15 @@ def import_dask() -> Any:  # noqa: ANN401 - Dask has no types
         ) from None
 
 
-def connect_cluster(address: str) -> tuple[Any, Any]:
+def connect_cluster(address: str) -> Any:  # noqa: ANN401 - Dask has no types
     """
-    Return the module dask.distributed, and a client of the scheduler at an address.
+    Return a client of dask.distributed of the scheduler at an address.
 
     `address`: such as tcp://127.0.0.1:8786. Dask's configuration names the certificates for
     tls://. Raise `BadInput` if dask.distributed is not installed, no scheduler with workers
     answers, or the scheduler or a worker has another version of LTA, Python or Dask.
     """
-    dask = import_dask()
-    client = open_client(address, PATIENCE, 'start one with "lta cluster up"')
+    client = open_client(address)
     try:
         # A scheduler without workers would accept jobs and never run them
         client.wait_for_workers(1, timeout=PATIENCE)
@@ -75,13 +70,37 @@ def connect_cluster(address: str) -> tuple[Any, Any]:
         client.close()
         raise BadInput(
             f"The Dask scheduler at '{address}' has no workers ({flatten_error(error)}); start "
-            f'some with "lta cluster join {address}".'
+            f'some with "dask worker {address}".'
         ) from None
     except BadInput:
         client.close()
         raise
     explain_losses(client, address)
-    return dask, client
+    return client
+
+
+def open_client(address: str) -> Any:  # noqa: ANN401 - Dask has no types
+    """Return a client of a scheduler; raise `BadInput` if none answers."""
+    dask = import_dask()
+    # Dask prints the traceback of each lost connection; our errors say it
+    for name in LOGGERS:
+        logging.getLogger(name).setLevel(logging.CRITICAL)
+    try:
+        with warnings.catch_warnings():
+            # Dask's table of versions; `check_software` says it in one sentence
+            warnings.simplefilter('ignore')
+            # Not the default client, which would capture Dask calls of the user's own code
+            return dask.Client(address, timeout=PATIENCE, set_as_default=False)
+    except TypeError:  # Dask's error for tls:// without certificates
+        raise BadInput(
+            f"The Dask scheduler at '{address}' needs certificates; set {TLS}CA_FILE, "
+            f'{TLS}CLIENT__CERT and {TLS}CLIENT__KEY to their files.'
+        ) from None
+    except (OSError, ValueError) as error:
+        raise BadInput(
+            f"No Dask scheduler answers at '{address}' within {PATIENCE:.0f} s "
+            f'({flatten_error(error)}); start one with "dask scheduler --host 127.0.0.1".'
+        ) from None
 
 
 def explain_losses(client: Any, address: str) -> None:  # noqa: ANN401 - Dask has no types
@@ -105,48 +124,6 @@ def explain_losses(client: Any, address: str) -> None:  # noqa: ANN401 - Dask ha
     client.sync = sync_or_explain
 
 
-def open_client(address: str, patience: float, remedy: str, security: object = None) -> Any:  # noqa: ANN401 - Dask has no types
-    """
-    Return a client of a scheduler; raise `BadInput` if none answers.
-
-    Parameters
-    ----------
-    address : str
-        Of the scheduler.
-    patience : float
-        Time to retry. [s]
-    remedy : str
-        What to do if none answers, for the message.
-    security : distributed.Security, optional
-        Certificates; by default those of Dask's configuration.
-
-    """
-    dask = import_dask()
-    silence_logs()
-    try:
-        with warnings.catch_warnings():
-            # Dask's table of versions; `check_software` says it in one sentence
-            warnings.simplefilter('ignore')
-            # Not the default client, which would capture Dask calls of the user's own code
-            return dask.Client(address, timeout=patience, set_as_default=False, security=security)
-    except TypeError:  # Dask's error for tls:// without certificates
-        raise BadInput(
-            f"The Dask scheduler at '{address}' needs certificates; set {TLS}CA_FILE, "
-            f'{TLS}CLIENT__CERT and {TLS}CLIENT__KEY to their files, as "lta cluster up" prints.'
-        ) from None
-    except (OSError, ValueError) as error:
-        raise BadInput(
-            f"No Dask scheduler answers at '{address}' within {patience:.0f} s "
-            f'({flatten_error(error)}); {remedy}.'
-        ) from None
-
-
-def silence_logs() -> None:
-    """Keep Dask from printing the traceback of each lost connection; our errors say it."""
-    for name in LOGGERS:
-        logging.getLogger(name).setLevel(logging.CRITICAL)
-
-
 def flatten_error(error: BaseException) -> str:
     """Return the message of an error in one line."""
     return ' '.join(str(error).split())
@@ -161,7 +138,7 @@ def check_software(client: Any) -> None:  # noqa: ANN401 - Dask has no types
         if not theirs.lta:
             raise BadInput(
                 f'The {name} has no LTA, and this machine has {ours}; install the wheel of LTA '
-                'there, or start it with "lta cluster up" or "lta cluster join".'
+                'there, and start it with the "dask" beside it.'
             )
         raise BadInput(
             f'The {name} has {theirs}, and this machine has {ours}; install the same versions on '
@@ -179,21 +156,20 @@ def read_cluster_software(client: Any) -> dict[str, ClusterSoftware]:  # noqa: A
     """Return the versions of the scheduler and of all workers, by name."""
     # Dask's own request: it does not pickle a function, so it works between different Pythons
     versions = client.get_versions()
+    scheduler = f'scheduler {client.scheduler.address}'
     packages = {
-        f'scheduler {client.scheduler.address}': versions['scheduler']['packages'],
+        scheduler: versions['scheduler']['packages'],
         **{f'worker {name}': each['packages'] for name, each in versions['workers'].items()},
     }
-    pythons = {shorten_python(each['python']) for each in packages.values()}
+    # LTA is not asked for if the Pythons differ, which is reason enough
     installed: dict[str, tuple[str, str]] = {}
+    pythons = {shorten_python(each['python']) for each in packages.values()}
     if pythons == {shorten_python(platform.python_version())}:
         read_lta = build_lta_reader()
-        installed = {
-            f'scheduler {client.scheduler.address}': client.run_on_scheduler(read_lta),
-            **{f'worker {name}': each for name, each in client.run(read_lta).items()},
-        }
+        installed[scheduler] = client.run_on_scheduler(read_lta)
+        installed |= {f'worker {name}': each for name, each in client.run(read_lta).items()}
     return {
         name: ClusterSoftware(
-            # Not asked if the Pythons differ, which is reason enough
             *installed.get(name, (UNKNOWN, UNKNOWN)),
             shorten_python(each['python']),
             each['distributed'],

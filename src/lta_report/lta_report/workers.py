@@ -5,18 +5,19 @@ An error in the function, or the death of its worker, gives an `ItemFailure` and
 other items. Workers exit when the main process is gone.
 """
 
-from collections import deque
 from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
-from dataclasses import dataclass
+from itertools import islice
 from multiprocessing import get_context, parent_process, resource_tracker
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
 import os
 from pickle import PicklingError
+from queue import SimpleQueue
 import signal
-from threading import Thread
+from threading import Lock, Thread
 from typing import Any, Final, final, Generic, NamedTuple, Protocol, Self, TypeVar
 
 from lta_config.errors import BadInput
@@ -120,25 +121,38 @@ def _worker_environment() -> Iterator[None]:
             del os.environ[name]
 
 
-@final
-@dataclass(slots=True)
-class _Task(Generic[Item]):
-    """An item, the number of workers lost over it, and its finished share."""
+def iterate_finished(
+    submit: Callable[[Item], Any], items: Iterable[Item], ahead: int
+) -> Iterator[tuple[Item, Any]]:
+    """
+    Yield items with their finished futures, as they finish.
 
-    item: Item
-    losses: int = 0
-    share: float = 0.0
+    `submit`: returns the future of an item, of `concurrent.futures` or of Dask. `ahead`: items
+    that are submitted at the same time.
+    """
+    pending: dict[Any, Item] = {}
+    done: SimpleQueue[Any] = SimpleQueue()
+    coming = iter(items)
+    while True:
+        for item in islice(coming, ahead - len(pending)):
+            future = submit(item)
+            pending[future] = item
+            future.add_done_callback(done.put)
+        if not pending:
+            return
+        future = done.get()
+        yield pending.pop(future), future
 
 
 @final
 class WorkerProcess(Generic[Item, Result]):
-    """One process and its current task."""
+    """A process that applies a function to one item at a time."""
 
     def __init__(self, function: Callable[[Item], Result]) -> None:
         # Forking a process with threads, as numba and rclpy start, is unsafe
         context = get_context('spawn')
         # Two-way: items go out, results come back
-        self.connection, theirs = context.Pipe()
+        self._connection, theirs = context.Pipe()
         self.process: SpawnProcess = context.Process(
             target=serve_items, args=(theirs, function), daemon=True
         )
@@ -146,20 +160,26 @@ class WorkerProcess(Generic[Item, Result]):
             self.process.start()
         # Otherwise our copy would keep the pipe open after the child has died
         theirs.close()
-        self.task: _Task[Item] | None = None
-        self.finished = 0
+        self.share = 0.0  # finished share of the current item
+        self.finished = 0  # number of its items
 
-    def start_task(self, task: _Task[Item]) -> None:
-        """Send an item; if the process is gone, the next `recv` from it fails."""
-        self.task = task
-        with suppress(OSError):
-            self.connection.send(task.item)
+    def work(self, item: Item, on_share: Callable[[], None] | None) -> Result | ItemFailure:
+        """Return the outcome of an item; raise `EOFError` or `OSError` if the process dies."""
+        self._connection.send(item)
+        while True:
+            share, outcome = self._connection.recv()
+            if share is None:
+                self.share, self.finished = 0.0, self.finished + 1
+                return outcome  # type: ignore[no-any-return]
+            self.share = share
+            if on_share is not None:
+                on_share()
 
     def kill(self) -> str:
         """Kill the process and return how it ended."""
         self.process.kill()
         self.process.join()
-        self.connection.close()
+        self._connection.close()
         # Negative for a signal
         code = self.process.exitcode or 0
         return signal.Signals(-code).name if code < 0 else f'exit status {code}'
@@ -168,10 +188,10 @@ class WorkerProcess(Generic[Item, Result]):
 @final
 class LocalWorkers(Generic[Item, Result]):
     """
-    Worker processes of this machine; one worker is this process itself.
+    Worker processes of this machine, a thread for each; one worker is this process itself.
 
-    If a worker dies, its item is repeated once by another one, and a new worker is started.
-    Within a worker process there is only this process, since its siblings use the other cores.
+    If a worker dies, its item is repeated once by another one. Within a worker process there is
+    only this process, since its siblings use the other cores.
 
     `function`: a function at the top of a module, or a `partial` of one, which can be pickled.
     `size`: number of workers; a process starts when there is an item for it. `on_progress`: called
@@ -188,8 +208,10 @@ class LocalWorkers(Generic[Item, Result]):
         self._function = function
         self._size = 1 if parent_process() is not None else size
         self._on_progress = on_progress
-        self._workers: list[WorkerProcess[Item, Result]] = []
-        self._again: deque[_Task[Item]] = deque()
+        self._lock = Lock()  # of everything below
+        self._idle: list[WorkerProcess[Item, Result]] = []
+        self._busy: list[WorkerProcess[Item, Result]] = []
+        self._stopping = False
         self._stillborn = 0
         self.lost = 0
 
@@ -199,8 +221,8 @@ class LocalWorkers(Generic[Item, Result]):
 
     def __exit__(self, *_: object) -> None:
         """Kill all workers."""
-        while self._workers:
-            self._workers.pop().kill()
+        while self._idle:
+            self._idle.pop().kill()
 
     def run(self, items: Iterable[Item]) -> Iterator[tuple[Item, Result | ItemFailure]]:
         """
@@ -212,21 +234,19 @@ class LocalWorkers(Generic[Item, Result]):
         if self._size == 1:
             yield from self._run_here(items)
             return
-        tasks = map(_Task, items)
-        try:
-            while self._assign_tasks(tasks):
-                workers: dict[object, WorkerProcess[Item, Result]] = {
-                    each.connection: each for each in self._workers
-                }
-                # A closed connection counts as ready, so a death is noticed at once
-                for ready in wait(list(workers)):  # type: ignore[arg-type]
-                    yield from self._receive_message(workers[ready])
-        finally:
-            # Workers that are still busy would send old results to the next run
-            for worker in [each for each in self._workers if each.task is not None]:
-                worker.kill()
-                self._workers.remove(worker)
-            self._again.clear()
+        self._stopping = False
+        with ThreadPoolExecutor(self._size) as threads:
+            try:
+                for item, future in iterate_finished(
+                    lambda item: threads.submit(self._compute, item), items, self._size
+                ):
+                    yield item, future.result()
+            finally:
+                # Workers that are still busy, after Ctrl-C or when a run is left, are of no use
+                with self._lock:
+                    self._stopping = True
+                    for worker in self._busy:
+                        worker.process.kill()
 
     def _run_here(self, items: Iterable[Item]) -> Iterator[tuple[Item, Result | ItemFailure]]:
         for item in items:
@@ -237,45 +257,39 @@ class LocalWorkers(Generic[Item, Result]):
                 _reporter.reset(token)
             yield item, outcome
 
-    def _assign_tasks(self, tasks: Iterator[_Task[Item]]) -> bool:
-        """Give every idle worker a task, and start workers as needed; return False at the end."""
-        while True:
-            idle = next((worker for worker in self._workers if worker.task is None), None)
-            # All workers are busy
-            if idle is None and len(self._workers) >= self._size:
-                return True
-            task = self._again.popleft() if self._again else next(tasks, None)
-            if task is None:
-                return any(worker.task is not None for worker in self._workers)
-            if idle is None:
-                idle = WorkerProcess(self._function)
-                self._workers.append(idle)
-            idle.start_task(task)
+    def _compute(self, item: Item) -> Result | ItemFailure:
+        """Return the outcome of an item from the next idle worker, in a thread."""
+        how = ''
+        for _ in range(CHANCES):
+            with self._lock:
+                if self._stopping:
+                    break
+                worker = self._idle.pop() if self._idle else WorkerProcess(self._function)
+                self._busy.append(worker)
+            try:
+                outcome = worker.work(item, self._on_progress and self._sum_progress)
+            except (EOFError, OSError):
+                with self._lock:
+                    self._busy.remove(worker)
+                    how = worker.kill()
+                    if not self._stopping:
+                        self._count_death(worker, how)
+                continue
+            with self._lock:
+                self._busy.remove(worker)
+                self._idle.append(worker)
+                self._stillborn = 0
+            return outcome
+        return ItemFailure(
+            f'{CHANCES} worker processes ended during this computation, the last by {how}.'
+        )
 
-    def _receive_message(
-        self, worker: WorkerProcess[Item, Result]
-    ) -> Iterator[tuple[Item, Result | ItemFailure]]:
-        try:
-            share, outcome = worker.connection.recv()
-        except (EOFError, OSError):
-            yield from self._remove_dead_worker(worker)
-            return
-        task = worker.task
-        assert task is not None
-        if share is not None:
-            task.share = share
-            if self._on_progress is not None:
-                self._on_progress(sum(each.task.share for each in self._workers if each.task))
-            return
-        worker.task, worker.finished, self._stillborn = None, worker.finished + 1, 0
-        yield task.item, outcome
+    def _sum_progress(self) -> None:
+        assert self._on_progress is not None
+        with self._lock:
+            self._on_progress(sum(worker.share for worker in self._busy))
 
-    def _remove_dead_worker(
-        self, worker: WorkerProcess[Item, Result]
-    ) -> Iterator[tuple[Item, ItemFailure]]:
-        """Remove a dead worker; repeat its task, or yield it as failed."""
-        how = worker.kill()
-        self._workers.remove(worker)
+    def _count_death(self, worker: WorkerProcess[Item, Result], how: str) -> None:
         self.lost += 1
         # A worker that never finished an item points to the machine, not to an item
         self._stillborn += not worker.finished
@@ -284,19 +298,6 @@ class LocalWorkers(Generic[Item, Result]):
                 f'{self._stillborn} worker processes in a row ended before they finished anything '
                 f'(the last with {how}); check whether memory ran out, or use fewer --workers.'
             )
-        if (task := worker.task) is None:
-            return
-        task.losses, task.share = task.losses + 1, 0.0
-        # An item that kills workers again is given up
-        if task.losses < CHANCES:
-            self._again.append(task)
-            return
-        yield (
-            task.item,
-            ItemFailure(
-                f'{task.losses} worker processes ended during this computation, the last by {how}.'
-            ),
-        )
 
 
 @final
@@ -310,7 +311,7 @@ class DaskWorkers(Generic[Item, Result]):
     """
 
     def __init__(self, function: Callable[[Item], Result], address: str) -> None:
-        self._dask, self._client = connect_cluster(address)
+        self._client = connect_cluster(address)
         self._function = function
         self.lost = 0  # items given up; Dask replaces lost workers silently
 
@@ -327,34 +328,17 @@ class DaskWorkers(Generic[Item, Result]):
 
     def run(self, items: Iterable[Item]) -> Iterator[tuple[Item, Result | ItemFailure]]:
         """Yield each item with its result or failure; Dask repeats items of lost workers."""
-        pending: dict[Any, Item] = {}
-        coming = iter(items)
         # At least one, if the workers have just been lost
         threads = sum(self._client.nthreads().values()) or 1
-        running = self._dask.as_completed([], loop=self._client.loop)
-        for _ in range(AHEAD * threads):
-            self._submit_next(coming, pending, running)
-        for future in running:
-            item = pending.pop(future.key)
+        for item, future in iterate_finished(
+            # pure=False: equal arguments must not return an earlier result
+            lambda item: self._client.submit(attempt, self._there, item, pure=False),
+            items,
+            AHEAD * threads,
+        ):
             # Only the cluster fails here; errors of the function are failures already
             error = future.exception()
             yield item, future.result() if error is None else self._describe_loss(error)
-            # Frees the result on the cluster
-            future.release()
-            self._submit_next(coming, pending, running)
-
-    def _submit_next(
-        self,
-        items: Iterator[Item],
-        pending: dict[Any, Item],
-        running: Any,  # noqa: ANN401 - Dask has no types
-    ) -> None:
-        for item in items:
-            # pure=False: equal arguments must not return an earlier result
-            future = self._client.submit(attempt, self._there, item, pure=False)
-            pending[future.key] = item
-            running.add(future)
-            return
 
     def _describe_loss(self, error: BaseException) -> ItemFailure:
         self.lost += 1

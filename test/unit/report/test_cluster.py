@@ -100,6 +100,6 @@ def test_a_scheduler_without_workers_is_one_sentence(monkeypatch):
     options = {'n_workers': 0, 'processes': False, 'protocol': 'tcp', 'dashboard_address': None}
     with (
         distributed.LocalCluster(**options) as empty,
-        pytest.raises(BadInput, match='start some with "lta cluster join tcp:'),
+        pytest.raises(BadInput, match='start some with "dask worker tcp:'),
     ):
         connect_cluster(empty.scheduler_address)

@@ -63,9 +63,3 @@ Pictures = Annotated[
         help='Write each figure as PNG to this folder; needs Chromium.', metavar='FOLDER'
     ),
 ]
-WorkerCount = Annotated[
-    int | None,
-    typer.Option(
-        '--workers', help='Number of worker processes; one per processor by default.', min=1
-    ),
-]

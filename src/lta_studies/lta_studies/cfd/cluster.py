@@ -113,7 +113,7 @@ class DaskFlowSolver:
     def __init__(
         self, address: str, folder: Path | None, tell: Progress, retry_failed: bool = False
     ) -> None:
-        _, self._client = connect_cluster(address)
+        self._client = connect_cluster(address)
         self._where, self._tell = (folder, retry_failed), tell
         self._engines: dict[str, str] = self._client.run(find_worker_openfoam_version)
         if lacking := [worker for worker, engine in self._engines.items() if not engine]:

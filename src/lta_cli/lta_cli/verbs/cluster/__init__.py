@@ -1,1 +1,0 @@
-"""The verbs of `lta cluster`, and the options that they share."""
