@@ -52,7 +52,6 @@ class Picture:
     height: int = 400  # height on the page [px]
     timed: bool = False  # whether x is time: such figures share a cursor and zoom together
     command: str = ''  # the command that draws it, shown below the caption
-    bag: str = ''  # the bag of its flight, relative to the page
 
 
 @final

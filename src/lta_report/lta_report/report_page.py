@@ -88,10 +88,10 @@ def render_block(block: Block) -> str:
     """Return one block as HTML."""
     match block:
         case Picture():
+            command = f'<p class="note"><code>{escape(block.command)}</code></p>'
             return render_section(
-                block.name, block.heading, block.caption, block.figure,
-                timed=block.timed, height=block.height, more=render_picture_origin(block),
-                packed=True,
+                block.name, block.heading, block.caption, block.figure, timed=block.timed,
+                height=block.height, more=command if block.command else '', packed=True,
             )  # fmt: skip
         case TextTable():
             return render_table_section(block)
@@ -117,15 +117,6 @@ def render_panel(heading: str, body: str, kind: str = 'panel') -> str:
     words = escape(heading)
     named = (f' aria-label="{words}"', f'<h2>{words}</h2>') if heading else ('', '')
     return f'<section class="{kind}"{named[0]}>{named[1]}{body}</section>'
-
-
-def render_picture_origin(picture: Picture) -> str:
-    """Return the command of a picture and a link to the bag of its flight."""
-    parts = [f'<code>{escape(picture.command)}</code>'] if picture.command else []
-    if picture.bag:
-        bag = escape(picture.bag)
-        parts.append(f'bag: <a href="{bag}"><code>{bag}</code></a>')
-    return f'<p class="note">{" · ".join(parts)}</p>' if parts else ''
 
 
 def render_table_section(table: TextTable) -> str:

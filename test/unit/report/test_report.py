@@ -14,7 +14,6 @@ from lta_report.report import (
     TextTable,
     transpose_table,
 )
-from lta_report.report_markdown import render_markdown
 from lta_report.report_page import choose_tile_width, is_numeric, render_report, write_report
 from lta_report.report_terminal import merge_groups, print_report, print_table
 from plotly.graph_objects import Figure
@@ -217,9 +216,7 @@ FINDINGS = TextSection(
     '', ('*Mass <m>.* It is `271 g`. **A row is missing.**',), True, marked=True
 )
 FIGURES = [
-    Picture(
-        name, name.capitalize(), f'The {name}.', Figure(), command='lta cfd', bag=f'bags/{name}'
-    )
+    Picture(name, name.capitalize(), f'The {name}.', Figure(), command='lta cfd')
     for name in ('drag', 'lift')
 ]
 SECTION = ReportSection('1. Forces', [CLAIMS, FINDINGS, ReportSection('All 3', [TABLE], True)])
@@ -239,42 +236,8 @@ def test_a_section_is_one_panel_and_its_folded_part_opens_on_a_click():
     assert 'gtmab' not in show(make_report(SECTION), 80, False)
 
 
-def test_a_picture_has_its_command_and_bag():
-    page = render_report(make_report(Grid(FIGURES)))
-    link = '<a href="bags/lift"><code>bags/lift</code></a>'
-    assert f'<p class="note"><code>lta cfd</code> · bag: {link}</p>' in page
-
-
-def test_blocks_as_markdown():
-    first = TextTable('Limits', TABLE.heads, TABLE.rows[:1], 'Static.')
-    blocks = [SECTION, Grid(FIGURES), TextTable('Wrong', ('case',), []), first]
-    assert (
-        render_markdown(blocks, 'images/paper')
-        == """## 1. Forces
-
-| claim | verdict |
-| --- | --- |
-| thrust | agrees |
-| mass | differs |
-
-- *Mass <m>.* It is `271 g`. **A row is missing.**
-
-![Drag](images/paper/drag.png)
-
-*Drag. The drag.*
-
-Commands for its pictures: `lta cfd`.
-
-Bags: `bags/drag`, `bags/lift`.
-
-## Limits
-
-| platform | wind [m/s] | reason |
-| --- | --- | --- |
-| gtmab | 1.09 | it <rises> early |
-
-Static."""
-    )
+def test_a_picture_has_its_command():
+    assert '<p class="note"><code>lta cfd</code></p>' in render_report(make_report(Grid(FIGURES)))
 
 
 def test_a_count_of_one_is_singular():

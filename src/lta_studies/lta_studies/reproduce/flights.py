@@ -4,14 +4,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 import math
-from pathlib import Path
 from typing import Any, final
 
 from lta_config.command_line import format_lta_command
 from lta_config.schema.sweep_file import SweepSeeds
-from lta_flight.flight_run import SilentObserver
 from lta_flight.flight_spec import to_set_args
-from lta_flight.simulate import simulate_once, SimulationRequest
 from lta_flight.sweep.batch_workers import BatchWorkers
 from lta_flight.sweep.job_runner import SweepRow
 from lta_flight.sweep.plan import SweepJob, SweepPlan
@@ -21,14 +18,12 @@ from lta_studies.light.evaluation.flights import (
     build_standalone_job,
     build_sweep_plan,
     fly_standalone_job,
-    PILOT,
     STRATEGY,
 )
-from lta_studies.reproduce.recording import relative_bag_path
 from lta_studies.reproduce.study_result import MeasuredValue, RowStudyRequest
 from plotly.graph_objects import Figure
 
-PAPERS = ('bag', 'dga', 'des')  # strategies of the paper
+PAPERS = ('bag', 'dga', 'des')  # strategies of the paper, the shortest path first
 BATCHED = 100  # draws from which on it pays to compile a batch
 FLIGHTS_A_DRAW = 3  # of which the rate of a draw is that most of them show
 SEEDS_APART = 100_000  # between the flights of one draw, above any number of draws
@@ -172,25 +167,14 @@ def summarize_cell(name: str, cell: EvaluationCell) -> dict[str, MeasuredValue]:
 
 def format_command(group: FlightGroup, cell: EvaluationCell, seed: int) -> str:
     """Return the command that repeats one flight of a cell."""
-    order = build_request(group, cell, seed)
-    sets = [word for each in order.changes for word in ('--set', each)]
-    return format_lta_command(
-        'simulate', '--scenario', order.scenario, '--strategy', order.strategy, '--seed',
-        str(seed), *sets,
-    )  # fmt: skip
-
-
-def build_request(
-    group: FlightGroup, cell: EvaluationCell, seed: int, out: Path | None = None
-) -> SimulationRequest:
-    """Return the simulation request of one flight of a cell."""
     base, row = group.plan.base, cell.rows[seed]
     # The changes of the flight override those of the plan.
     changes = {**base.replaced, **group.plan.build_job(row.index).changes}
     strategy = str(changes.pop(STRATEGY))
-    return SimulationRequest(
-        base.names['vehicle'], base.names['scenario'], strategy, base.names['gains'], seed,
-        tuple(to_set_args(changes)), out,
+    sets = [word for each in to_set_args(changes) for word in ('--set', each)]
+    return format_lta_command(
+        'simulate', '--scenario', base.names['scenario'], '--strategy', strategy, '--seed',
+        str(seed), *sets,
     )  # fmt: skip
 
 
@@ -202,15 +186,3 @@ def thin_annotations(figure: Figure) -> Figure:
     # px to the left, where no track begins
     figure.for_each_annotation(lambda word: word.update(xshift=-24), {'text': 'start'})
     return figure.update_xaxes(dtick=10).update_yaxes(dtick=10)
-
-
-def record_group(
-    group: FlightGroup, cells: Sequence[EvaluationCell], seed: int, folder: Path
-) -> str:
-    """Record a flight of each strategy except the pilot; return the bag path for the page."""
-    for cell in cells:
-        if cell.strategy != PILOT and seed in cell.rows:
-            simulate_once(
-                build_request(group, cell, seed, folder / cell.strategy), SilentObserver()
-            )
-    return relative_bag_path(folder)

@@ -3,7 +3,6 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from pathlib import Path
 from typing import final
 
 from lta_config.schema.comparison_file import ComparisonFile, load_comparison, load_maneuver_file
@@ -11,7 +10,6 @@ from lta_model.scenario import load_scenario
 from lta_studies.platforms.flight import build_entrant, Entrant, fly_maneuver, ManeuverFlight
 from lta_studies.platforms.run import (
     ABLATION,
-    build_loop,
     CONTESTANT,
     fly_job,
     LIMIT,
@@ -24,7 +22,6 @@ from lta_studies.platforms.summary import (
     find_top_speed,
     format_entry_name,
 )
-from lta_studies.reproduce.recording import record_flight, relative_bag_path
 from lta_studies.reproduce.study_result import MeasuredValue, RowStudyRequest
 from plotly.graph_objects import Figure
 
@@ -70,16 +67,6 @@ class ComparisonFlights:
             if row.job.name in titles
         ]
         return draw_tracking(selected, titles, load_maneuver_file(manoeuvre))
-
-    def record_flights(self, manoeuvre: str, names: Iterable[str], folder: Path) -> str:
-        """Record the flight of each entry with seed 1; return the bag path for the page."""
-        until = load_maneuver_file(manoeuvre).until.si
-        for name in names:
-            loop = build_loop(
-                PlatformJob(FILE, entry_kind(self.comparison, name), name, manoeuvre, 1)
-            )
-            record_flight(loop, lambda loop: loop.world.elapsed > until, folder / name)
-        return relative_bag_path(folder)
 
     def entry_title(self, name: str) -> str:
         """Return the title of an entry."""

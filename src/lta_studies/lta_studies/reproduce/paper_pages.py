@@ -6,7 +6,6 @@ from typing import Final
 
 from lta_config.schema.paper_file import PaperRow
 from lta_report.formatting import format_markdown_table, MISSING
-from lta_report.report_markdown import render_markdown
 from lta_studies.reproduce.report import (
     build_defect_table,
     fill_measures_or_blank,
@@ -57,9 +56,9 @@ order of the row's file. A verdict needs Wilson's interval above 95 % of the dra
 ./lta reproduce --markdown docs   # these pages
 ```
 
-The command also writes a page with every picture, table and figure, and records the plotted
-flights. A row is a file in `config/paper`: what the paper says and where, what is measured, and
-the rule for agreement. None of our figures on these pages is typed by hand.
+The command also writes a page with every picture, table and figure, and the commands that repeat
+them. A row is a file in `config/paper`: what the paper says and where, what is measured, and the
+rule for agreement. None of our figures on these pages is typed by hand.
 """
 ROWS_PAGE: Final = """# The paper, row by row
 
@@ -77,6 +76,8 @@ DEFECTS_PAGE: Final = """# The paper's inconsistencies
 Where [the paper](paper.md) contradicts itself or physics, with the arithmetic, and what was done
 here. Written by `./lta reproduce --markdown docs`.
 
+## {heading}
+
 {table}
 """
 
@@ -89,6 +90,7 @@ def write_pages(folder: Path, rows: Sequence[PaperRow], stored_rows: StoredRows)
 
 def build_pages(rows: Sequence[PaperRow], stored_rows: StoredRows) -> dict[str, str]:
     """Return the texts of the pages, by file name."""
+    defects = build_defect_table(rows)
     return {
         'paper.md': FIRST_PAGE.format(
             table=format_markdown_table(
@@ -105,7 +107,7 @@ def build_pages(rows: Sequence[PaperRow], stored_rows: StoredRows) -> dict[str, 
             ),
         ),
         'paper_inconsistencies.md': DEFECTS_PAGE.format(
-            table=render_markdown([build_defect_table(rows)])
+            heading=defects.heading, table=format_markdown_table(defects.heads, defects.rows)
         ),
     }
 

@@ -225,7 +225,7 @@ def build_picture(row: PaperRow, stored: StoredPicture) -> Picture:
     """Return a stored picture."""
     return Picture(
         f'{row.name}-{stored.name}', stored.heading, stored.caption, from_json(stored.figure),
-        height=380, command=stored.command, bag=stored.bag,
+        height=380, command=stored.command,
     )  # fmt: skip
 
 
@@ -315,7 +315,7 @@ def _row_to_json(row: PaperRow, stored: StoredRow) -> dict[str, Any]:
         'draws': replace_nonfinite(stored.draws),
         'pictures': [
             {'name': each.name, 'heading': each.heading, 'caption': each.caption,
-             'command': each.command, 'bag': each.bag}
+             'command': each.command}
             for each in stored.pictures
         ],
     }  # fmt: skip

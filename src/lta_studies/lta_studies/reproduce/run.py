@@ -54,7 +54,7 @@ STUDIES: Final[dict[str, RowStudy]] = {
 }
 
 
-BAGS = 'bags'
+PARTS: Final = 'parts'  # folder of what the studies of rows store
 STORE: Final = StoreFormat(
     LogKind('rows.jsonl', 'paper', 'reproduction', '--out'), TypeAdapter(StoredRow)
 )
@@ -75,10 +75,10 @@ class ReproductionRequest(
 
     Finished rows are stored in the folder of the results, runs/paper (with --quick
     runs/paper-quick) by default, and repeating the command resumes. A change of the code or of a
-    row's file reruns the rows that it affects. With --scheduler, the workers write the bags of
-    the plotted flights into this folder, so all machines must share it.
+    row's file reruns the rows that it affects.
 
-    Writes a page, paper.json (SI units) and bags of the plotted flights.
+    Writes a page, on which each picture has the command that repeats it, and paper.json (SI
+    units).
 
     Exit status 0: done, whatever agrees. 2: bad input. 130: Ctrl-C.
 
@@ -164,10 +164,10 @@ def study_row(quick: bool, folder: Path, draws: int | None, name: str) -> Stored
     row = load_row(name, draws)
     begun = time.monotonic()
     seeds = seed_count(row, quick)
-    bags = folder / BAGS / name
-    shutil.rmtree(bags, ignore_errors=True)  # recorded by an older version of the code
+    parts = folder / PARTS / name
+    shutil.rmtree(parts, ignore_errors=True)  # stored by an older version of the code
     count = row.draws.quick if quick else row.draws.full
-    result = STUDIES[name](RowStudyRequest(seeds, quick, bags, count, row.ranges))
+    result = STUDIES[name](RowStudyRequest(seeds, quick, parts, count, row.ranges))
     undeclared = result.values.keys() - row.measures.keys()
     lacking = row.measures.keys() - result.values.keys()
     # --quick may leave out measures, but no study may add undeclared ones.

@@ -88,14 +88,13 @@ class MeasuredValue(NamedTuple):
 @final
 @dataclass(frozen=True, slots=True)
 class StudyPicture:
-    """A picture, the command that repeats it, and the bag of its flight, if any."""
+    """A picture, and the command that repeats it."""
 
     name: str
     heading: str
     caption: str
     figure: Figure
     command: str
-    bag: str = ''
 
 
 @final
@@ -117,7 +116,7 @@ class RowStudyRequest:
 
     seeds: int  # number of flights or draws of each kind
     quick: bool  # whether to leave out the long parts
-    folder: Path  # folder for the bags of this row
+    folder: Path  # folder for what the row stores
     draws: int = 0  # number of draws
     ranges: Mapping[str, SceneRange] = field(default_factory=dict)  # ranges of the scene, by path
 
@@ -179,7 +178,6 @@ class StoredPicture(NamedTuple):
     caption: str
     figure: str
     command: str
-    bag: str
 
 
 @final
@@ -211,7 +209,7 @@ def build_stored_row(
 ) -> StoredRow:
     """Convert the result of a study to its stored form."""
     pictures = [
-        StoredPicture(p.name, p.heading, p.caption, p.figure.to_json(), p.command, p.bag)
+        StoredPicture(p.name, p.heading, p.caption, p.figure.to_json(), p.command)
         for p in result.pictures
     ]
     draws = summarize_row_draws(row, result.draws)

@@ -22,19 +22,22 @@ from lta_report.request import StudyRun
 from lta_report.study import StudyOptions
 from lta_sim.readings import FlightOutcome
 from lta_sim.termination import OUTCOMES
-from lta_studies.light.evaluation import flights, path_order, report, sets, wind
-from lta_studies.light.evaluation.cells import bootstrap_mean, bootstrap_ratio, EvaluationCell
+from lta_studies.light.evaluation import flights, sets, wind
+from lta_studies.light.evaluation.cells import (
+    bootstrap_mean,
+    bootstrap_ratio,
+    EvaluationCell,
+    ordered_share,
+)
 from lta_studies.light.evaluation.flights import (
     build_sweep_plan,
     count_flights_per_seed,
     iterate_tasks,
     PILOT,
 )
-from lta_studies.light.evaluation.paper import ORDER
-from lta_studies.light.evaluation.report import build_report, format_scores_page
+from lta_studies.light.evaluation.report import build_report
 from lta_studies.light.evaluation.run import EvaluationRequest, run_evaluation
 from lta_studies.light.evaluation.sets import FlightSet, SETS
-from lta_studies.light.evaluation.tables import describe_grounds
 import numpy as np
 import pytest
 from rich.console import Console
@@ -91,41 +94,13 @@ def test_a_cell_is_compared_over_the_seeds_with_which_both_arrived():
     assert cell([5.0], lost=3).reached_share.value == 0.25
 
 
-def test_an_order_is_sure_only_where_chance_would_not_make_it():
-    def case(*starts):
-        names = zip(ORDER, starts, strict=True)
-        return [cell([begin + 0.3 * k for k in range(5)], name) for name, begin in names]
-
-    (found,) = path_order.find_path_orders(case(6.0, 9.0, 12.0))
-    assert (found.holds, found.share, found.is_significant) == (True, 1.0, True)
-    (found,) = path_order.find_path_orders(case(6.0, 6.01, 6.02))
-    assert found.holds
-    assert not found.is_significant
-    few = case(6.0, 9.0, 12.0)
-    (found,) = path_order.find_path_orders([*few[:2], replace(few[2], rows={1: few[2].rows[1]})])
-    assert found.holds
-    assert not found.is_significant  # one arrival has no spread
+def test_the_share_of_draws_in_an_order():
     # Of flights that are 0 or 2 the mean of five draws is below 1 in as many cases as above it.
-    assert path_order.ordered_share([[0.0, 2.0] * 3, [1.0] * 6]) == pytest.approx(
+    assert ordered_share([[0.0, 2.0] * 3, [1.0] * 6]) == pytest.approx(
         0.5 - 0.5 * 20 / 64, abs=0.03
     )
-    assert math.isnan(path_order.ordered_share([[1.0] * 5, []]))
-
-
-def test_the_factor_that_makes_the_order_is_named():
-    def case(name, **starts):
-        return [cell([begin + 0.1 * k for k in range(6)], who, case=name)
-                for who, begin in starts.items()]  # fmt: skip
-
-    here = case('as_flown', bag=6, dga=14, des=8)
-    changed = case('start_heading', bag=6, dga=8, des=12)
-    titles = {'start_heading': 'the start heading'}
-    said = path_order.describe_order([], path_order.find_path_orders([*here, *changed]), titles)
-    assert 'is not significant in our flights (in 0 % of resampled flights)' in said
-    assert said.endswith('one of these factors is changed: the start heading (in 100 % of '
-                         'resampled flights).')  # fmt: skip
-    said = path_order.describe_order([], path_order.find_path_orders(here), titles)
-    assert said.endswith(', and no single factor causes it.')
+    assert ordered_share([[6.0 + 0.3 * k for k in range(5)], [9.0] * 5]) == 1.0
+    assert math.isnan(ordered_share([[1.0] * 5, []]))
 
 
 @pytest.mark.parametrize(
@@ -136,7 +111,7 @@ def test_a_set_is_a_sweep_that_can_be_flown(name):
     plan = build_sweep_plan(name)
     own = SweepPlan(load_sweep(SETS[name].file))
     assert own.file.draws_per_point == 50
-    assert set(ORDER) <= set(own.lists['strategy'])
+    assert {'bag', 'dga', 'des'} <= set(own.lists['strategy'])
     assert len(plan.lists['strategy']) == len(own.lists['strategy']) + SETS[name].piloted
     assert count_flights_per_seed(plan) * 50 == own.count // len(own.lists['strategy']) * len(
         plan.lists['strategy']
@@ -259,7 +234,6 @@ def test_batches_fly_all_strategies_and_leave_the_pilot_alone(done, tmp_path, mo
     # Flights of another kind are not taken for these
     with pytest.raises(BadInput, match='other'):
         run_evaluation(order.replace(device=None), run)
-    assert '--device cpu-batch' in report.format_scores_page(batched)
 
 
 def test_what_was_flown_is_not_flown_again_and_more_seeds_only_add(done, folder, monkeypatch):
@@ -324,9 +298,6 @@ def test_report_figures_and_docs_say_the_same(done):
     path = f'{first["path_length"]["value"]:.1f} ({first["path_length"]["low"]:.1f}'
     tables = {each.heading: each for each in report.blocks if isinstance(each, TextTable)}
     assert tables['Near'].rows[0][4].startswith(path)
-    page = format_scores_page(done)
-    assert path in page
-    assert '--seeds 2' in page
 
 
 def test_failed_flights_count_in_headline_and_status(done):
@@ -340,12 +311,10 @@ def test_failed_flights_count_in_headline_and_status(done):
 
 
 def test_the_command_takes_sets_without_repeating_the_option(done, folder, capsys, monkeypatch):
-    words = ['light', 'evaluate', '--sets', 'indoors', 'ablations', '--seeds', '2', '--markdown']
+    words = ['light', 'evaluate', '--sets', 'indoors', 'ablations', '--seeds', '2']
     monkeypatch.setattr(sys, 'argv', ['lta', *words, '--out', str(folder)])
     assert app.run_command_line() == 0
     said = capsys.readouterr()
-    page = (folder / 'navigation_scores.md').read_text()
-    assert page.startswith('# Scores of navigation')
     assert 'All flights were already stored; nothing was flown.' in ' '.join(said.out.split())
     monkeypatch.setattr(sys, 'argv', ['lta', 'light', 'evaluate', '--sets', 'indoor'])
     assert app.run_command_line() == 2
@@ -358,19 +327,3 @@ def test_a_set_without_strategies_is_refused(tmp_path, monkeypatch):
     monkeypatch.setitem(SETS, 'none', FlightSet(str(path), 'None', 'None.'))
     with pytest.raises(BadInput, match='must list strategies'):
         build_sweep_plan('none')
-
-
-def test_the_ground_over_which_the_papers_wind_is_flown_is_told():
-    def over(place, paths, lost):
-        return replace(cell(paths, lost=lost), place=place)
-
-    cells = [
-        over(0.3, [], 2),
-        over(0.35, [6.0], 1),
-        over(0.4, [6.0, 7.0], 1),
-        over(0.45, [6.0], 0),
-    ]
-    told = describe_grounds(cells)
-    assert told.endswith('of the ground is large enough: BAG over 0.4 m and more.')
-    assert 'BAG over none of these grounds.' in describe_grounds(cells[:2])
-    assert describe_grounds([]) == ''

@@ -24,7 +24,6 @@ def test_a_row_rests_on_its_own_study_on_the_cores_and_on_what_is_configured():
         'studies/energy.py',
         'paper/energy.yaml',
         'energy/course_flight.py',
-        'reproduce/recording.py',
     }
     shared = {'vehicles/gtmab.yaml', 'aero/gtmab.sweep.json', 'lta_control/cascade.py'}
     assert own | shared <= found
@@ -40,7 +39,6 @@ def test_a_row_rests_neither_on_other_rows_nor_on_what_it_does_not_import():
 def test_what_is_imported_is_followed_through_packages_and_functions():
     found = named(trace_imports('lta_studies.reproduce.studies.closed_loop'))
     assert {'reproduce/manoeuvres.py', 'platforms/flight.py', 'lta_flight/closed_loop.py'} <= found
-    assert 'bag/writer.py' in found  # of lta_bridge, by the recorder
 
 
 @pytest.fixture
@@ -109,8 +107,8 @@ def test_what_was_studied_before_a_fault_is_kept_and_the_rest_goes_on(
     assert studied == ['forces', 'cells']
 
 
-def test_bags_of_flights_that_may_fly_otherwise_now_are_taken_away(tmp_path, monkeypatch):
-    old = tmp_path / run.BAGS / 'cells' / 'climb' / 'bag'
+def test_what_an_older_version_stored_is_taken_away(tmp_path, monkeypatch):
+    old = tmp_path / run.PARTS / 'cells' / 'climb'
     old.mkdir(parents=True)
 
     def study(asked):

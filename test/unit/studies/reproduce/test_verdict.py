@@ -262,7 +262,7 @@ def test_each_claim_has_a_row_with_its_verdict():
 
 def test_a_row_is_stored_whole(tmp_path):
     values = {'path': MeasuredValue(7.0, seeds=2), 'first': MeasuredValue('BAG')}
-    picture = study_result.StoredPicture('path', 'Path', 'The path.', '{}', 'lta fly', '')
+    picture = study_result.StoredPicture('path', 'Path', 'The path.', '{}', 'lta fly')
     row = study_result.StoredRow(values, [picture], [TextTable('T', ['a'], [['b']])], 2, 1.5)
     with StudyStore(tmp_path, STORE, 'rows') as store:
         store.add('row', row)
@@ -311,9 +311,7 @@ def test_nothing_is_told_of_a_measure_that_was_left_out():
 
 def test_figures_come_back_from_their_file():
     values = {'path': MeasuredValue(9.0, 8.0, math.inf, 3), 'first': MeasuredValue('DGA')}
-    drawn = study_result.StoredPicture(
-        'way', 'The way', 'From above.', '{}', 'lta simulate', 'bags/way'
-    )
+    drawn = study_result.StoredPicture('way', 'The way', 'From above.', '{}', 'lta simulate')
     draws = {'path': {'path': DrawSummary(200, 0.25, 9.0)}}
     found = {'row': study_result.StoredRow(values, [drawn], [], 3, 2.04, draws)}
     again = kepts_in(to_json([ROW], found))['row']

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 import math
 from typing import Final, final, NamedTuple
 
@@ -18,6 +19,7 @@ import numpy as np
 DRAWS: Final = 4000
 SEED: Final = 7
 ENDS: Final = (2.5, 97.5)  # %
+FEWEST: Final = 5  # values of an order; the bootstrap is overconfident with fewer
 
 
 class BootstrapMean(NamedTuple):
@@ -146,6 +148,20 @@ def build_flight_spec(plan: SweepPlan, row: SweepRow) -> FlightSpec:
         if path != STRATEGY
     }
     return plan.base.with_values(changes)
+
+
+def ordered_share(values: Sequence[Sequence[float]]) -> float:
+    """Return the share of bootstrap draws with ascending means; NaN with too few values."""
+    if min(map(len, values)) < FEWEST:
+        return math.nan
+    chance = np.random.default_rng(SEED)
+    means = [
+        # Strategies are resampled separately: different seeds arrive with each.
+        np.array(own)[chance.integers(len(own), size=(DRAWS, len(own)))].mean(axis=1)
+        for own in values
+    ]
+    rises = np.all([a < b for a, b in pairwise(means)], axis=0)
+    return float(rises.mean())
 
 
 def select_pilot_cells(cells: Iterable[EvaluationCell]) -> dict[str, EvaluationCell]:

@@ -14,7 +14,7 @@ from lta_model.scenario import Scenario
 from lta_report.curves import Array
 from lta_report.drawing import create_figure, TEMPLATE
 from lta_report.palette import ESTIMATE, GOOD, INK, LAMP, PAPER, SOFT, TIME, TRUTH
-from lta_studies.light.evaluation import paper, tables
+from lta_studies.light.evaluation import tables
 from lta_studies.light.evaluation.cells import BootstrapMean, EvaluationCell, select_pilot_cells
 from lta_studies.light.evaluation.flights import build_standalone_job, PILOT, prepare_flight
 from lta_studies.light.evaluation.sets import EvaluationAxis
@@ -27,6 +27,10 @@ COLOURS: Final[Mapping[str, str]] = {
 }  # fmt: skip
 SYMBOLS: Final[Mapping[str, str]] = {
     'bag': 'circle', 'dga': 'square', 'des': 'diamond', 'homing': 'triangle-up', PILOT: 'x',
+}  # fmt: skip
+# Path [m] and time [s] of the indoor flights that the seed paper prints; None if not printed
+PAPER_FLIGHTS: Final[Mapping[str, tuple[float, float | None]]] = {
+    'bag': (7.3, 8.4), 'dga': (8.6, 21.4), 'des': (12.2, None),
 }  # fmt: skip
 Interval = BootstrapMean | ShareInterval
 APART: Final = 0.012  # share of the axis between the markers of two strategies
@@ -90,12 +94,12 @@ def plot_paper_comparison(cells: Sequence[EvaluationCell]) -> Figure:
         for row, value in enumerate(intervals, start=1):
             markers = build_markers(cell.strategy, [name], [value], joined=False, legend=False)
             figure.add_trace(markers, row=row, col=1)
-    strategies = [cell.strategy for cell in cells if cell.strategy in paper.INDOORS]
-    for row, part in enumerate(('path', 'time'), start=1):
+    strategies = [cell.strategy for cell in cells if cell.strategy in PAPER_FLIGHTS]
+    for row in (1, 2):
         figure.add_trace(
             Scatter(
                 x=[tables.label_strategy(name) for name in strategies],
-                y=[getattr(paper.INDOORS[name], part) for name in strategies],
+                y=[PAPER_FLIGHTS[name][row - 1] for name in strategies],
                 mode='markers', name='paper, one flight', showlegend=row == 1,
                 marker={'symbol': 'star', 'size': 11, 'color': PAPER,
                         'line': {'color': INK, 'width': 1.3}},

@@ -5,23 +5,20 @@ from typing import Any, Final
 
 from lta_config.command_line import format_lta_command
 from lta_flight.sweep.statistics import ShareInterval
-from lta_report.formatting import format_count, format_markdown_table, Tile
+from lta_report.formatting import format_count, Tile
 from lta_report.json_value import replace_nonfinite
-from lta_report.report import Block, Grid, Picture, Report, STOPPED, TextSection, TextTable
+from lta_report.report import Block, Grid, Picture, Report, STOPPED, TextSection
 from lta_report.result_table import format_value
-from lta_studies.light.evaluation import paper, pictures, tables
+from lta_studies.light.evaluation import pictures, tables
 from lta_studies.light.evaluation.cells import BootstrapMean, EvaluationCell, select_pilot_cells
 from lta_studies.light.evaluation.flights import PILOT
-from lta_studies.light.evaluation.path_order import describe_order, find_path_orders, PathOrder
 from lta_studies.light.evaluation.run import EvaluationStatus
 from lta_studies.light.evaluation.sets import (
     ABLATIONS,
     find_flight_set,
     INDOORS,
-    ROUGHNESS,
     SETS,
     UNIFORM,
-    WINDS,
 )
 
 FIGURES: Final = {'path_length': 'm', 'search_time': 's', 'flight_time': 's', 'energy': 'J'}
@@ -37,23 +34,21 @@ METHOD: Final = (
 
 def build_report(status: EvaluationStatus, *, with_pictures: bool = True) -> Report:
     """Return the report of an evaluation; its pictures are optional."""
-    ablations = find_ablations(status)
-    statement = describe_paper_order(status, ablations)
     return Report(
         command='light evaluate',
         subject=describe_flights(status),
         headline=format_headline(status),
-        introduction=f'{describe_evaluation(status)} {statement}',
+        introduction=describe_evaluation(status),
         tiles=build_tiles(status),
         blocks=(
             *(build_pictures(status) if with_pictures else ()),
-            *build_tables(status, ablations, statement),
+            *build_tables(status),
             TextSection('Method', (METHOD,)),
         ),
-        data=to_json(status, ablations, statement),
+        data=to_json(status),
         facts=build_provenance_table(status),
         commands=suggest_commands(status),
-        closing=(statement, *describe_run(status)),
+        closing=describe_run(status),
         json_name='evaluation.json',
         status=STOPPED if status.stopped else int(count_failed(status) > 0),
     )
@@ -109,23 +104,6 @@ def describe_evaluation(status: EvaluationStatus) -> str:
         f'Navigation strategies, flown in {format_count(sets, "set")} of scenes with '
         f'{format_count(seeds, "seed")} each, the same seeds for all strategies.'
     )
-
-
-def find_ablations(status: EvaluationStatus) -> list[PathOrder]:
-    """Return the path orders with one factor changed at a time."""
-    return find_path_orders(status.cells.get(ABLATIONS, []))
-
-
-def describe_paper_order(status: EvaluationStatus, ablations: Sequence[PathOrder]) -> str:
-    """Return the sentence on the paper's order of paths and its causes."""
-    indoors = find_path_orders(status.cells.get(INDOORS, []))
-    return describe_order(indoors, ablations, tables.FACTORS)
-
-
-def describe_cautions(status: EvaluationStatus) -> list[str]:
-    """Return remarks on the comparison with the paper."""
-    ground = tables.describe_grounds(status.cells.get(ROUGHNESS, []))
-    return [*([ground] if ground else []), *paper.CAUTIONS]
 
 
 def describe_run(status: EvaluationStatus) -> list[str]:
@@ -207,25 +185,13 @@ def draw_set(name: str, cells: Sequence[EvaluationCell]) -> Picture:
     return Picture(name, part.title, part.about, figure, height=height)
 
 
-def build_tables(
-    status: EvaluationStatus, ablations: Sequence[PathOrder], statement: str
-) -> list[Block]:
-    """Return the tables that have rows, and the remarks on the comparison with the paper."""
-    cells = status.cells
-    compared = [
-        tables.build_order_table(ablations, statement),
-        tables.build_paper_table(cells.get(INDOORS, [])),
-        tables.build_wind_table(cells.get(WINDS, [])),
-    ]
+def build_tables(status: EvaluationStatus) -> list[Block]:
+    """Return the tables that have rows."""
     results = [
-        tables.build_target_table(cells),
-        *(tables.build_set_table(name, own) for name, own in cells.items()),
+        tables.build_target_table(status.cells),
+        *(tables.build_set_table(name, own) for name, own in status.cells.items()),
     ]
-    return [
-        *(each for each in compared if each.rows),
-        TextSection('Remarks on the comparison with the paper', describe_cautions(status)),
-        *(each for each in results if each.rows),
-    ]
+    return [each for each in results if each.rows]
 
 
 def build_provenance_table(status: EvaluationStatus) -> dict[str, str]:
@@ -253,21 +219,14 @@ def suggest_commands(status: EvaluationStatus) -> dict[str, str]:
     return commands
 
 
-def to_json(
-    status: EvaluationStatus, ablations: Sequence[PathOrder], statement: str
-) -> dict[str, Any]:
+def to_json(status: EvaluationStatus) -> dict[str, Any]:
     """Convert the results to JSON, with NaN as null."""
     content: dict[str, Any] = replace_nonfinite(
         {
             'seeds': status.order.seeds,
             'flights': count_flights(status),
             'failed': count_failed(status),
-            'statement': statement,
             'sets': {name: encode_cells(own) for name, own in status.cells.items()},
-            'ablations': [
-                {'case': each.case, 'holds': each.holds, 'share': each.share} for each in ablations
-            ],
-            'paper': {name: figures._asdict() for name, figures in paper.INDOORS.items()},
             'units': {**FIGURES, 'reached': '1', 'ratio': '1', 'wind': '1'},
         }
     )
@@ -291,28 +250,3 @@ def encode_cells(cells: Sequence[EvaluationCell]) -> list[Mapping[str, Any]]:
         }  # fmt: skip
 
     return [encode_cell(cell) for cell in cells]
-
-
-def format_scores_page(status: EvaluationStatus) -> str:
-    """Return the page as Markdown."""
-    sets = status.cells
-    some = '' if len(sets) == len(SETS) else f' --sets {" ".join(sets)}'
-    device = '' if status.order.device is None else f' --device {status.order.device}'
-    command = f'lta light evaluate --seeds {status.order.seeds}{some}{device} --markdown'
-    ablations = find_ablations(status)
-    parts = [
-        '# Scores of navigation',
-        f'Written by `{command}`: {describe_flights(status)}; its page has every figure. What the '
-        'sets are and how to read them: [navigation.md](navigation.md).',
-        '![Path, time and success of each strategy](images/evaluate.png)',
-        format_table(tables.build_paper_table(sets.get(INDOORS, []))),
-        METHOD,
-        *describe_cautions(status),
-        describe_paper_order(status, ablations),
-    ]
-    return '\n\n'.join(parts) + '\n'
-
-
-def format_table(table: TextTable) -> str:
-    """Return a table in Markdown, without its heading."""
-    return format_markdown_table(table.heads, table.rows)

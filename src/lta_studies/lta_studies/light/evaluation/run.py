@@ -32,7 +32,6 @@ from lta_studies.light.evaluation.flights import (
 from lta_studies.light.evaluation.sets import SETS
 
 FLIGHTS = 'flights'  # folder of the logs, one per set
-SCORES_PAGE = 'navigation_scores.md'
 
 
 @final
@@ -46,9 +45,8 @@ class EvaluationRequest(
     fly. All strategies get the same seeds. In the sets with wind, a reference pilot that knows
     lamp and wind gives the best path that the vehicle can fly.
 
-    Shares have Wilson 95 % intervals, means bootstrap intervals. The page shows which single
-    factor explains the paper's ranking of path lengths, and compares the paper's figures with
-    ours.
+    Shares have Wilson 95 % intervals, means bootstrap intervals. "lta reproduce indoors outdoors"
+    compares the flights with the paper's claims.
 
     All sets fly their first seed before any flies its second. Finished flights are stored:
     repeating the command resumes, more seeds are added to the stored ones, and after Ctrl-C the
@@ -73,22 +71,15 @@ class EvaluationRequest(
         'Simulate the flights in batches: on all cores (cpu-batch) or on a GPU (gpu).',
         default=None,
     )
-    markdown: bool = option(
-        'Also write the Markdown page docs/navigation_scores.md into the folder.', default=False
-    )
 
     def run(self, run: StudyRun) -> Report:
         """Return the report of all flights that are stored."""
-        from lta_studies.light.evaluation.report import build_report, format_scores_page
+        from lta_studies.light.evaluation.report import build_report
 
         # No time in the name, so that repeating the command resumes
         run.open_folder(Path('runs') / 'light-evaluate')
         status = run_evaluation(self.replace(sets=self.sets or tuple(SETS)), run)
-        report = build_report(status, with_pictures=self.page)
-        if not self.markdown:
-            return report
-        outputs = {**report.outputs, SCORES_PAGE: format_scores_page(status)}
-        return replace(report, outputs=outputs)
+        return build_report(status, with_pictures=self.page)
 
     def compute_set_hash(self, plan: SweepPlan) -> str:
         """Return the hash of everything that determines the flights of a set."""

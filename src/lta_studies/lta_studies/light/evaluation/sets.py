@@ -111,7 +111,7 @@ SETS: Final[dict[str, FlightSet]] = {
         'From inside a building to a lamp 3 m outside; wind and sunlight change at the door.',
     ),
     ABLATIONS: FlightSet(
-        'light_ablations', 'What causes the order of path lengths',
+        'light_ablations', 'One factor changed at a time',
         'Indoors, one factor changed at a time, with the same seeds.', piloted=False,
     ),
 }  # fmt: skip

@@ -4,37 +4,13 @@ from collections.abc import Mapping, Sequence
 import math
 from typing import Final
 
-from lta_report.formatting import format_number, MISSING
+from lta_report.formatting import MISSING
 from lta_report.report import TextTable
 from lta_report.result_table import format_share, format_value
-from lta_studies.light.evaluation import paper, tables
-from lta_studies.light.evaluation.cells import (
-    EvaluationCell,
-    select_pilot_cells,
-)
+from lta_studies.light.evaluation.cells import EvaluationCell, select_pilot_cells
 from lta_studies.light.evaluation.flights import PILOT
-from lta_studies.light.evaluation.path_order import PathOrder
 from lta_studies.light.evaluation.sets import EvaluationAxis, find_flight_set, INDOORS
 from lta_studies.light.evaluation.wind import ALLOWED
-
-MOST: Final = 0.5  # share of seeds that counts as most flights
-
-
-def describe_grounds(cells: Sequence[EvaluationCell]) -> str:
-    """Return the smallest roughness at which each strategy arrives; '' if none flew."""
-    parts = []
-    for name in dict.fromkeys(cell.strategy for cell in cells if cell.strategy != PILOT):
-        own = [cell for cell in cells if cell.strategy == name]
-        rough = [cell.place for cell in own if cell.reached_share.value > MOST]
-        over = f'over {min(rough):g} m and more' if rough else 'over none of these grounds'
-        parts.append(f'{tables.label_strategy(name)} {over}')
-    if not parts:
-        return ''
-    return (
-        'Against a wind of 8 m/s at 10 m height, most flights reach the lamp if the '
-        f'roughness of the ground is large enough: {", ".join(parts)}.'
-    )
-
 
 STRATEGIES: Final[Mapping[str, str]] = {
     'bag': 'BAG', 'dga': 'DGA', 'des': 'DES', 'homing': 'homing', PILOT: 'pilot',
@@ -80,11 +56,6 @@ def label_case(cell: EvaluationCell, axis: EvaluationAxis | None) -> str:
 SET_HEADS: Final = (
     'case', 'strategy', 'flights', 'reached', 'path [m]', 'time [s]', 'path / pilot',
 )  # fmt: skip
-PAPER_HEADS: Final = ('strategy', 'path here [m]', 'paper', 'time here [s]', 'paper')
-WIND_HEADS: Final = ('wind at 10 m', 'strategy', 'reached here', 'paper')
-ORDER_HEADS: Final = (
-    'changed', *map(label_strategy, paper.ORDER), 'order of the paper', 'draws',
-)  # fmt: skip
 TARGET_HEADS: Final = ('case', 'reached', 'at least', 'path / pilot', 'at most', 'met')
 OURS: Final = 'homing'
 SHARE_WANTED: Final = 0.95
@@ -108,52 +79,6 @@ def build_set_table(name: str, cells: Sequence[EvaluationCell]) -> TextTable:
         for cell in cells
     ]  # fmt: skip
     return TextTable(part.title, SET_HEADS, rows, printed=False)
-
-
-def build_paper_table(cells: Sequence[EvaluationCell]) -> TextTable:
-    """Return the table that compares the indoor flights with the paper's."""
-    own = {cell.strategy: cell for cell in cells}
-    rows = [
-        [
-            label_strategy(name),
-            format_value(own[name].mean('path_length'), 1), f'{figures.path:g}',
-            format_value(own[name].mean('search_time'), 1), format_number(figures.time, 1),
-        ]
-        for name, figures in paper.INDOORS.items()
-        if name in own
-    ]  # fmt: skip
-    return TextTable('Comparison with the paper, indoors', PAPER_HEADS, rows)
-
-
-def build_wind_table(cells: Sequence[EvaluationCell]) -> TextTable:
-    """Return the table that compares success in the paper's winds."""
-    rows = [
-        [
-            f'{cell.place:g} m/s',
-            label_strategy(cell.strategy),
-            format_share(cell.reached_share),
-            'reached' if cell.strategy in paper.OUTDOORS[cell.place] else 'failed',
-        ]
-        for cell in cells
-        # Only the paper's winds and strategies
-        if cell.place in paper.OUTDOORS and cell.strategy in paper.ORDER
-    ]
-    return TextTable("Comparison with the paper, in the paper's winds", WIND_HEADS, rows)
-
-
-def build_order_table(orders: Sequence[PathOrder], statement: str) -> TextTable:
-    """Return the table of the order of paths, with a row for each ablation."""
-    rows = [
-        [
-            label_factor(each.case),
-            *(format_value(each.paths[name], 1) for name in paper.ORDER),
-            'yes' if each.is_significant else 'not significant' if each.holds else 'no',
-            MISSING if math.isnan(each.share) else f'{100 * each.share:.0f} %',
-        ]
-        for each in orders
-    ]
-    heading = "What causes the paper's order"
-    return TextTable(heading, ORDER_HEADS, rows, statement, printed=False)
 
 
 def build_target_table(sets: Mapping[str, Sequence[EvaluationCell]]) -> TextTable:

@@ -68,15 +68,10 @@ def plot_both_platforms(
 ) -> StudyPicture:
     """Plot both platforms in a manoeuvre, and BEAVIS with a linear B if flown."""
     names = BOTH if request.quick or manoeuvre == 'follow' else (*BOTH, 'beavis_by_matrix')
-    bag = (
-        ''
-        if request.quick
-        else flights.record_flights(manoeuvre, names, request.folder / manoeuvre)
-    )
     return StudyPicture(
         manoeuvre, HEADINGS[manoeuvre], CAPTIONS[manoeuvre],
         flights.plot_tracking(manoeuvre, names),
-        format_lta_command('platforms', '--seeds', str(request.seeds)), bag,
+        format_lta_command('platforms', '--seeds', str(request.seeds)),
     )  # fmt: skip
 
 

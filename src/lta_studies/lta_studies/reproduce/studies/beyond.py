@@ -27,7 +27,6 @@ from lta_studies.reproduce.flights import (
     fly_group,
     format_command,
     measure_success_share,
-    record_group,
     summarize_cell,
     thin_annotations,
 )
@@ -82,7 +81,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
         }
     values |= measure_bearings(request.seeds)
     missions, day = study_mission(request.folder / MISSION, request.seeds)
-    pictures += [build_headwind_picture(request, winds), day]
+    pictures += [build_headwind_picture(winds), day]
     return RowStudyResult({**values, **missions}, pictures)
 
 
@@ -98,15 +97,14 @@ def measure_bearings(seeds: int) -> dict[str, MeasuredValue]:
     }
 
 
-def build_headwind_picture(request: RowStudyRequest, winds: FlightGroup) -> StudyPicture:
+def build_headwind_picture(winds: FlightGroup) -> StudyPicture:
     """Plot both strategies in a headwind, from above."""
     cells = list(winds.find_cells('head_90').values())
     seed = select_track_seed(cells)
     tracks, scenario = fly_again(winds.plan, cells, seed)
-    bag = record_group(winds, cells, seed, request.folder / 'wind')
     again = format_command(winds, winds.find_cell('homing', 'head_90'), seed)
     above = thin_annotations(plot_tracks(tracks, scenario, HEIGHT))
-    return StudyPicture('wind', 'In uniform wind', TRACKS, above, again, bag)
+    return StudyPicture('wind', 'In uniform wind', TRACKS, above, again)
 
 
 def study_mission(folder: Path, seeds: int) -> tuple[dict[str, MeasuredValue], StudyPicture]:

@@ -44,9 +44,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
         values[f'{name}_cruise_ripple'] = flights.metric_value(name, 'cruise', 'ripple')
     pictures = [
         StudyPicture(each, HEADINGS[each], CAPTIONS[each], flights.plot_tracking(each, names),
-                     format_lta_command('platforms', '--seeds', str(request.seeds)),
-                     '' if request.quick
-                     else flights.record_flights(each, names, request.folder / each))
+                     format_lta_command('platforms', '--seeds', str(request.seeds)))
         for each in CAPTIONS
     ]  # fmt: skip
     return RowStudyResult(values, pictures, draws=draw_gtmab(request, ('climb', 'cruise')))

@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from functools import partial
 import math
-from pathlib import Path
 from typing import Final
 
 from lta_config.command_line import format_lta_command
@@ -20,25 +19,19 @@ from lta_studies.energy.budget.report import (
     TASKS,
 )
 from lta_studies.energy.budget.run import (
-    END,
     measure_budget,
     PowerBudget,
-    prepare_flight,
     SCENE,
     STRATEGIES,
     TaskPower,
 )
-from lta_studies.energy.course_flight import stop_after
 from lta_studies.energy.hover.report import CAPTION, draw_traces
 from lta_studies.energy.hover.run import (
-    build_hover_spec,
     fly_hover,
     HoverComparison,
     HoverRequest,
-    prepare_hover,
 )
 from lta_studies.reproduce.flights import fly_draws
-from lta_studies.reproduce.recording import record_flight, relative_bag_path
 from lta_studies.reproduce.studies.cells import draw_cell, draw_efficacy
 from lta_studies.reproduce.study_result import (
     collect_draws,
@@ -74,8 +67,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     draws = {**draw_navigation(request), **collect_draws(request, partial(measure_draw, request))}
     pictures = [
         StudyPicture('tasks', 'Power by task', TASKS, draw_task_power(budget),
-                format_lta_command('energy', 'budget', '--seeds', str(request.seeds)),
-                '' if request.quick else record_flights(request.folder / 'tasks'))
+                format_lta_command('energy', 'budget', '--seeds', str(request.seeds)))
     ]  # fmt: skip
     if request.quick:
         return RowStudyResult(
@@ -84,14 +76,9 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     hover = HoverRequest(vehicle=VEHICLE, multirotor=STANDARD)
     comparison = hover.compare([fly_hover(spec, hover.seconds) for spec in hover.build_specs()])
     values |= measure_hover(comparison)
-    place = request.folder / 'voltage'
-    record_flight(
-        prepare_hover(build_hover_spec(VEHICLE)), stop_after(paper.HOVER_TIME), place / VEHICLE
-    )
     pictures.append(
         StudyPicture('voltage', 'Voltage of the cell while hovering', CAPTION,
-                     draw_traces(comparison, 'voltage'), format_lta_command('energy', 'hover'),
-                     relative_bag_path(place))
+                     draw_traces(comparison, 'voltage'), format_lta_command('energy', 'hover'))
     )  # fmt: skip
     tables = [build_task_table(budget), build_cause_table(budget)]
     return RowStudyResult(values, pictures, tables, draws)
@@ -125,13 +112,6 @@ def measure_draw(request: RowStudyRequest, seed: int) -> dict[str, float]:
         for name, lamp in LAMPS.items()
     }
     return measure_charging(body, harvest, PRINTED, lamps)
-
-
-def record_flights(folder: Path) -> str:
-    """Record take-off, hover and straight flight of both drones with seed 1."""
-    for name in (VEHICLE, STANDARD):
-        record_flight(prepare_flight(name, 1), stop_after(END), folder / name)
-    return relative_bag_path(folder)
 
 
 def measure_task_power(power_budget: PowerBudget, seeds: int) -> dict[str, MeasuredValue]:

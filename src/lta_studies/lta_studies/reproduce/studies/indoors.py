@@ -5,9 +5,7 @@ import math
 from typing import Any, Final
 
 from lta_config.command_line import format_lta_command
-from lta_studies.light.evaluation.cells import EvaluationCell
-from lta_studies.light.evaluation.paper import ORDER
-from lta_studies.light.evaluation.path_order import assess_path_order
+from lta_studies.light.evaluation.cells import EvaluationCell, ordered_share
 from lta_studies.light.evaluation.pictures import (
     fly_again,
     plot_paper_comparison,
@@ -22,7 +20,6 @@ from lta_studies.reproduce.flights import (
     fly_group,
     format_command,
     PAPERS,
-    record_group,
     summarize_cell,
     summarize_draws,
 )
@@ -130,7 +127,7 @@ def draw_readings(request: RowStudyRequest) -> dict[str, list[float | str]]:
             dga, bag = figures[figure]['dga'], figures[figure]['bag']
             draws[f'{prefix}dga_by_bag_{short}'] = [a / b for a, b in zip(dga, bag, strict=True)]
         paths, times = (
-            [{name: figures[figure][name][k] for name in ORDER} for k in range(request.draws)]
+            [{name: figures[figure][name][k] for name in PAPERS} for k in range(request.draws)]
             for figure in ('path_length', 'search_time')
         )
         draws[f'{prefix}order'] = list(map(order_paths, paths))
@@ -207,12 +204,16 @@ def rms_misfit(values: Mapping[str, MeasuredValue], prefix: str) -> float:
 
 def rank_strategies(prefix: str, cells: Mapping[str, EvaluationCell]) -> dict[str, MeasuredValue]:
     """Rank the strategies by path; add the bootstrap share that keeps the paper's order."""
-    held = assess_path_order('', {name: cells[name] for name in ORDER})
-    paths = {name: held.paths[name].value for name in ORDER}
-    times = {name: cells[name].mean('search_time').value for name in ORDER}
+    paths, times = (
+        {name: cells[name].mean(figure).value for name in PAPERS}
+        for figure in ('path_length', 'search_time')
+    )
+    # PAPERS is in the order of the paper, the shortest path first
+    lengths = (cells[name].arrival_values('path_length') for name in PAPERS)
+    share = ordered_share([[*each.values()] for each in lengths])
     return {
         f'{prefix}order': MeasuredValue(order_paths(paths)),
-        f'{prefix}order_draws': MeasuredValue(held.share, seeds=len(cells['bag'].rows)),
+        f'{prefix}order_draws': MeasuredValue(share, seeds=len(cells['bag'].rows)),
         f'{prefix}fastest': MeasuredValue(name_fastest(times)),
         f'{prefix}dga_nearer': MeasuredValue(compare_dga_path(paths)),
     }
@@ -241,10 +242,9 @@ def plot_indoor_flights(
         cells = group.cells
         seed = select_track_seed(cells)
         tracks, scenario = fly_again(group.plan, cells, seed)
-        bag = '' if request.quick else record_group(group, cells, seed, request.folder / name)
         first = next(each for each in cells if each.strategy == 'bag')
         again = format_command(group, first, seed)
         pictures.append(
-            StudyPicture(name, heading, TRACKS, plot_tracks(tracks, scenario, 0.5), again, bag)
+            StudyPicture(name, heading, TRACKS, plot_tracks(tracks, scenario, 0.5), again)
         )
     return pictures

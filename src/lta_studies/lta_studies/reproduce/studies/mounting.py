@@ -1,13 +1,11 @@
 """Study panel mounts, and the effect of the height of the centre of gravity."""
 
 import math
-from pathlib import Path
 from typing import Final
 
 from lta_config.command_line import format_lta_command
 from lta_config.files import find_file, load_yaml
 from lta_config.parameter_override import draw_content
-from lta_studies.energy.course_flight import stop_after
 from lta_studies.energy.mounting.report import (
     draw_overturning,
     draw_straight_flights,
@@ -18,13 +16,11 @@ from lta_studies.energy.mounting.report import (
 )
 from lta_studies.energy.mounting.run import (
     compare_mounts,
-    find_gains_name,
     MountingStudy,
     MountVariants,
 )
-from lta_studies.energy.mounting.straight_flight import average_over_seeds, END, prepare_flight
+from lta_studies.energy.mounting.straight_flight import average_over_seeds
 from lta_studies.energy.mounting.tables import build_comparison_tables
-from lta_studies.reproduce.recording import record_flight, relative_bag_path
 from lta_studies.reproduce.study_result import (
     collect_draws,
     MeasuredValue,
@@ -47,9 +43,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     command = format_lta_command('energy', 'mounting', '--seeds', str(request.seeds))
     pictures = [
         StudyPicture('straight', 'Straight flight at 0.1 m/s', STRAIGHT,
-                     draw_straight_flights(comparison), command,
-                     '' if request.quick
-                     else record_flights(comparison, request.folder / 'straight')),
+                     draw_straight_flights(comparison), command),
         StudyPicture('over', 'Centre of gravity below, at and above the hull centre', OVER,
                      draw_overturning(comparison), command),
         StudyPicture('swing', 'Swing after a release', SWUNG, draw_swings(comparison), command),
@@ -64,15 +58,6 @@ def measure_draw(seed: int) -> dict[str, float | str]:
     comparison = compare_mounts(MountVariants(content, MOUNTS, AHEAD, 1, seed))
     values = {**measure_mounts(comparison, 1), **measure_tilt_by_height(comparison)}
     return {name: each.value for name, each in values.items()}
-
-
-def record_flights(comparison: MountingStudy, folder: Path) -> str:
-    """Record the flight of every mount with seed 1, panels in place and misplaced."""
-    for group, all_of in (('in_place', comparison.shared), ('out_of_place', comparison.misplaced)):
-        for name, each in all_of.items():
-            loop = prepare_flight(each.fitted, find_gains_name(each.fitted), 1)
-            record_flight(loop, stop_after(END), folder / f'{name}_{group}')
-    return relative_bag_path(folder)
 
 
 def measure_mounts(comparison: MountingStudy, seeds: int) -> dict[str, MeasuredValue]:

@@ -30,7 +30,6 @@ from lta_studies.reproduce.flights import (
     format_command,
     measure_success_share,
     PAPERS,
-    record_group,
     summarize_cell,
     summarize_draws,
     thin_annotations,
@@ -257,14 +256,13 @@ def plot_outdoor_flights(
         )
     for name, heading, group, cells in views:
         tracks, scenario = fly_again(group.plan, cells, 1)
-        bag = '' if request.quick else record_group(group, cells, 1, request.folder / name)
         again = format_command(group, cells[0], 1)
         above = (
             thin_annotations(plot_tracks(tracks, scenario, HEIGHT))
             .update_xaxes(dtick=10)
             .update_yaxes(dtick=10)
         )
-        pictures.append(StudyPicture(name, heading, TRACKS, above, again, bag))
+        pictures.append(StudyPicture(name, heading, TRACKS, above, again))
         if name == 'wind_8':
             x, y, _ = scenario.goal_lamp.position.vector
             lines = {
@@ -273,7 +271,7 @@ def plot_outdoor_flights(
             pictures.append(
                 StudyPicture('distance', 'Distance to the lamp in a wind of 8 m/s', DISTANCES,
                              plot_distances(lines),
-                             format_lta_command('light', 'evaluate', '--sets', 'winds'), bag)
+                             format_lta_command('light', 'evaluate', '--sets', 'winds'))
             )  # fmt: skip
     return pictures
 

@@ -89,8 +89,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
         )
     ]
     pictures += [
-        StudyPicture(each, *FOLLOWED[each], flights.plot_tracking(each, RANKED), command,
-                flights.record_flights(each, RANKED, request.folder / each))
+        StudyPicture(each, *FOLLOWED[each], flights.plot_tracking(each, RANKED), command)
         for each in manoeuvres
     ]  # fmt: skip
     return RowStudyResult(values, pictures, draws=draw_orders(request, measured))
