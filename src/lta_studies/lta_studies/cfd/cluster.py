@@ -6,11 +6,12 @@ numbers are returned. Each machine caches its solved cases; a shared folder (--c
 computing a mesh more than once.
 """
 
-from collections.abc import Generator, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Generator, Sequence
+from contextlib import closing
+from functools import partial
 import math
 from pathlib import Path
-from typing import Any, Final, final, Self
+from typing import Any, Final, final
 
 from lta_config.errors import BadInput
 from lta_config.machine import count_cores
@@ -18,6 +19,7 @@ from lta_report.cluster import connect_cluster
 from lta_report.progress_bar import ProgressBar
 from lta_report.request import option
 from lta_report.study import StudyOptions
+from lta_report.workers import DaskWorkers, ItemFailure
 from lta_windtunnel.flow_plan import TunnelFlow
 from lta_windtunnel.flow_solvers import (
     FlowSolver,
@@ -103,85 +105,52 @@ class DaskFlowSolver:
     """
     Workers of a Dask cluster; each thread solves one flow.
 
-    `address`: address of the scheduler, such as tcp://10.0.0.1:8786. `folder`: cache of solved
-    cases on every machine; by default the machine's own cache. `tell`: progress callback for
-    solved cases. `retry_failed`: whether to repeat cases that diverged in an earlier run. Raise
-    `BadInput` if dask.distributed is not installed, the scheduler does not answer, or a worker has
-    no OpenFOAM.
+    `address`: address of the scheduler, such as tcp://10.0.0.1:8786. `place`: cache of solved
+    cases on every machine, by default the machine's own. `engine`: versions of OpenFOAM. `tell`:
+    progress callback for solved cases.
     """
 
-    def __init__(
-        self, address: str, folder: Path | None, tell: Progress, retry_failed: bool = False
-    ) -> None:
-        self._client = connect_cluster(address)
-        self._where, self._tell = (folder, retry_failed), tell
-        self._engines: dict[str, str] = self._client.run(find_worker_openfoam_version)
-        if lacking := [worker for worker, engine in self._engines.items() if not engine]:
-            self._client.close()
-            raise BadInput(
-                f'OpenFOAM is not installed on the worker {lacking[0]}; install it with "sudo '
-                'apt-get install --no-install-recommends openfoam", or stop that worker.'
-            )
-
-    def __enter__(self) -> Self:
-        """Return the cluster."""
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        """Cancel flows that have not started; running ones finish and stay cached."""
-        # The scheduler may have gone already.
-        with suppress(OSError):
-            self._client.close()
+    def __init__(self, address: str, place: CasePlace, engine: str, tell: Progress) -> None:
+        self._address, self._place, self._engine, self._tell = address, place, engine, tell
 
     def solver_version(self) -> str:
         """Return the OpenFOAM versions of the workers."""
-        return ', '.join(sorted(set(self._engines.values())))
-
-    def check_memory(self, flows: Sequence[TunnelFlow]) -> None:
-        """Raise `BadInput` for meshes that do not fit into a worker's memory."""
-        for worker in self._client.scheduler_info(n_workers=-1)['workers'].values():
-            if worker['memory_limit']:
-                check_memory(flows, worker['nthreads'], worker['memory_limit'], REMEDY)
+        return self._engine
 
     def solve_flows(
         self, model: TunnelModel, flows: Sequence[TunnelFlow], density: float
     ) -> Generator[tuple[TunnelFlow, Found | CaseFailed]]:
         """Yield each flow with its result or failure; parameters as in `solve_flow`."""
-        meshes = {
-            mesh.key: self._submit(mesh, build_mesh_on_worker, mesh)
-            for mesh in list_distinct_meshes(flows)
-        }
-        # Send the model once rather than with every task.
-        there = self._client.scatter(model, hash=False)
-        coming = [
-            (flow, self._submit(flow.case, solve_flow_on_worker, there, flow, density,
-                               # The future of the mesh makes Dask wait for it.
-                               meshes[flow.mesh.key]))
-            for flow in flows
-        ]  # fmt: skip
-        for flow, future in coming:
-            try:
-                yield flow, future.result()
-            except CaseFailed as error:
-                # A failed flow is a result too; the others go on.
-                yield flow, error
-            except BadInput as error:  # the cluster is lost, in one sentence
-                yield flow, CaseFailed(str(error))
-            except Exception as error:  # a lost worker can raise anything
-                reason = ' '.join(str(error).split())
-                yield (
-                    flow,
-                    CaseFailed(
-                        f'The Dask cluster failed ({type(error).__name__}: {reason}); run '
-                        'the same command again to resume.'
-                    ),
-                )
+        outcomes: dict[int, Found | ItemFailure] = {}
+        work = partial(solve_on_worker, self._place, model, density)
+        with DaskWorkers(work, self._address) as workers:
+            # All meshes before the flows that share them; a failed one fails its flows again
+            for mesh, _ in workers.run(list_distinct_meshes(flows)):
+                self._tell(mesh, mesh.steps[-1], 1.0, math.nan)
+            for flow, outcome in workers.run(flows):
+                self._tell(flow.case, flow.case.steps[-1], 1.0, math.nan)
+                outcomes[id(flow)] = outcome
+        # In the order of the flows, so that results do not depend on timing
+        for flow in flows:
+            result = outcomes[id(flow)]
+            if isinstance(result, ItemFailure):
+                yield flow, CaseFailed(result.reason)
+            else:
+                yield flow, result
 
-    def _submit(self, case: FoamCase, work: Any, *given: Any) -> Any:  # noqa: ANN401 - Dask has no types
-        # pure=False: Dask must not reuse the result of an earlier call with equal arguments.
-        future = self._client.submit(work, self._where, *given, pure=False)
-        future.add_done_callback(lambda _: self._tell(case, case.steps[-1], 1.0, float('nan')))
-        return future
+
+def solve_on_worker(
+    place: CasePlace, model: TunnelModel, density: float, item: FoamCase | TunnelFlow
+) -> Any:  # noqa: ANN401 - the facts of a mesh, or the result of a flow
+    """Solve a mesh or a flow on this machine; density in kg/m3."""
+    folder, retry_failed = place
+    stages = CaseRunner(folder or cache_folder(), FoamPrograms(), lambda *_: None, retry_failed)
+    try:
+        if isinstance(item, FoamCase):
+            return solve_mesh(stages, item)
+        return solve_flow(stages, model, item, density)
+    except CaseFailed as failure:
+        raise BadInput(str(failure)) from None
 
 
 def find_worker_openfoam_version() -> str:
@@ -189,21 +158,24 @@ def find_worker_openfoam_version() -> str:
     return find_openfoam_version() if has_openfoam() else ''
 
 
-def build_mesh_on_worker(where: CasePlace, mesh: FoamCase) -> None:
-    """Build a mesh on this machine."""
-    solve_mesh(_build_worker_stages(where), mesh)
+def check_cluster(address: str, flows: Sequence[TunnelFlow]) -> str:
+    """
+    Return the OpenFOAM versions of a cluster.
 
-
-def solve_flow_on_worker(
-    where: CasePlace, model: TunnelModel, flow: TunnelFlow, density: float, _: None
-) -> Found:
-    """Solve and evaluate a flow on this machine; the last argument waits for its mesh."""
-    return solve_flow(_build_worker_stages(where), model, flow, density)
-
-
-def _build_worker_stages(where: CasePlace) -> CaseRunner:
-    folder, retry_failed = where
-    return CaseRunner(folder or cache_folder(), FoamPrograms(), lambda *_: None, retry_failed)
+    Raise `BadInput` if dask.distributed is not installed, the scheduler does not answer, a worker
+    has no OpenFOAM, or a mesh does not fit into its memory.
+    """
+    with closing(connect_cluster(address)) as client:
+        engines: dict[str, str] = client.run(find_worker_openfoam_version)
+        if lacking := [worker for worker, engine in engines.items() if not engine]:
+            raise BadInput(
+                f'OpenFOAM is not installed on the worker {lacking[0]}; install it with "sudo '
+                'apt-get install --no-install-recommends openfoam", or stop that worker.'
+            )
+        for worker in client.scheduler_info(n_workers=-1)['workers'].values():
+            if worker['memory_limit']:
+                check_memory(flows, worker['nthreads'], worker['memory_limit'], REMEDY)
+    return ', '.join(sorted(set(engines.values())))
 
 
 CACHE: Any = option(
@@ -234,13 +206,12 @@ def check_solver_options(options: StudyOptions) -> None:
         )
 
 
-@contextmanager
 def open_solver(
     flows: Sequence[TunnelFlow], bar: TunnelProgress, options: StudyOptions, cache: Path | None,
     limit: float | None = None,
-) -> Iterator[FlowSolver]:  # fmt: skip
+) -> FlowSolver:  # fmt: skip
     """
-    Open the solver for some flows; raise `BadInput` if their meshes do not fit in memory.
+    Return the solver for some flows; raise `BadInput` if their meshes do not fit in memory.
 
     Parameters
     ----------
@@ -256,17 +227,15 @@ def open_solver(
     """
     tell, retry = bar.update_case_progress, options.retry_failed
     if options.scheduler is not None:
+        engine = check_cluster(options.scheduler, flows)
         # The workers have other working directories, so the path must be absolute.
-        absolute = cache and cache.absolute()
-        with DaskFlowSolver(options.scheduler, absolute, tell, retry) as cluster:
-            cluster.check_memory(flows)
-            yield cluster
-        return
+        place = cache and cache.absolute(), retry
+        return DaskFlowSolver(options.scheduler, place, engine, tell)
     folder, side_by_side = resolve_cache_folder(cache), options.workers or count_cores()
     # The limit is an option in GB; memory is counted in bytes.
     check_memory(flows, side_by_side, 1e9 * limit if limit else machine_memory())
     bar.skip_solved(CaseRunner(folder, FoamPrograms(), tell))
-    yield ThreadedFlowSolver(folder, side_by_side, tell, retry)
+    return ThreadedFlowSolver(folder, side_by_side, tell, retry)
 
 
 def resolve_cache_folder(cache: Path | None) -> Path:

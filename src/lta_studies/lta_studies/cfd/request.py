@@ -107,10 +107,8 @@ class TunnelRequest(
             check_solver_options(run.options)
             flows = select_flows(model, self.fidelity, self.only)
         if flows:
-            with (
-                TunnelProgress(run.console, flows) as bar,
-                open_solver(flows, bar, run.options, self.cache, self.limit) as solver,
-            ):
+            with TunnelProgress(run.console, flows) as bar:
+                solver = open_solver(flows, bar, run.options, self.cache, self.limit)
                 solved_flows = solve_sweep(solver, model, flows, AIR, bar.show_message)
                 sweep = build_sweep(
                     model, file.vehicle, self.fidelity, AIR, *solved_flows,
@@ -165,10 +163,8 @@ class SphereRequest(
         flows = [flow for level in levels for flow in plan_validation_flows(model, level, AIR)]
         if self.quick:
             flows = [min(flows, key=lambda flow: flow.case.cells)]
-        with (
-            TunnelProgress(run.console, flows) as bar,
-            open_solver(flows, bar, run.options, self.cache) as solver,
-        ):
+        with TunnelProgress(run.console, flows) as bar:
+            solver = open_solver(flows, bar, run.options, self.cache)
             results = compare_with_measurements(solver, model, flows, AIR, bar.show_message)
         if not results:
             # The progress display has listed the reasons

@@ -14,7 +14,6 @@ from lta_studies.platforms.run import ABLATION, CONTESTANT, PlatformResult, resu
 from lta_studies.platforms.summary import (
     ComparisonCell,
     compute_lift_margin,
-    describe_reversals,
     draw_ablations,
     draw_limits,
     draw_tracking,
@@ -71,7 +70,6 @@ def build_report(
         json_name='flights.json',
         facts=facts,
         files={'Comparison file': content},
-        closing=describe_reversals(comparison, rows),
     )  # fmt: skip
 
 
@@ -207,10 +205,10 @@ def format_mean(value: MeanInterval, unit: str, factor: float, digits: int) -> s
 def explain_differences(
     comparison: ComparisonFile, rows: Sequence[PlatformResult]
 ) -> Iterator[Block]:
-    """Yield the table of ablations, and sentences on open-loop inputs and speed limits."""
+    """Yield the table of ablations, and sentences on speed limits."""
     if comparison.ablations:
         yield build_ablation_table(comparison, rows)
-    lines = format_open_loop_inputs(comparison, rows)
+    lines = []
     for name, limit in comparison.limits.items():
         held, reached = find_top_speed(comparison, rows, name)
         title = comparison.contestants[limit.of].title
@@ -220,7 +218,7 @@ def explain_differences(
             f'reaches {reached:.2f} m/s at most.'
         )
     if lines:
-        yield TextSection('Open-loop inputs and speed limits', lines, bullets=True)
+        yield TextSection('Speed limits', lines, bullets=True)
 
 
 def build_ablation_table(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -> TextTable:
@@ -258,41 +256,6 @@ def format_before_after(base: ComparisonCell, changed: ComparisonCell) -> str:
     ends = [f'{few}/{all_of}' for few, all_of in zip(held, counts, strict=True)]
     text = ' \N{RIGHTWARDS ARROW} '.join(ends)
     return Emphasis(text) if most[0] != most[1] else text
-
-
-def format_open_loop_inputs(
-    comparison: ComparisonFile, rows: Sequence[PlatformResult]
-) -> list[str]:
-    """Return the duty inputs of open-loop platforms in the climb manoeuvre."""
-    sentences = []
-    for name, contestant in comparison.contestants.items():
-        flying = rebuild_entrant(comparison, name)
-        for row in rows:
-            same = (row.job.kind, row.job.name) == (CONTESTANT, name) and row.duties is not None
-            if flying.law.name == 'open_loop' and same and row.job.manoeuvre == 'climb':
-                steps = [
-                    f'from {time:.1f} s {", ".join(f"{each:.3f}" for each in duties)}'
-                    for time, duties in find_duty_intervals(row)
-                ]
-                order = ', '.join(flying.vehicle.rotor_names)
-                sentences.append(
-                    f'{contestant.title} flies the climb in open loop. The duties of the rotors '
-                    f'({order}) are: {"; ".join(steps)}.'
-                )
-    return sentences
-
-
-def find_duty_intervals(row: PlatformResult) -> list[tuple[float, list[float]]]:
-    """Return the start time and the duties of each interval; at most eight."""
-    intervals: list[tuple[float, list[float]]] = []
-    for time, duties in zip(row.flown[:, 0].tolist(), row.duties.tolist(), strict=True):
-        # A new interval begins where any duty changes by over 0.1 %.
-        if (
-            not intervals
-            or max(abs(p - q) for p, q in zip(intervals[-1][1], duties, strict=True)) > 1e-3
-        ):
-            intervals.append((time, duties))
-    return intervals[:8]
 
 
 def rebuild_entrant(comparison: ComparisonFile, name: str) -> Entrant:

@@ -74,7 +74,6 @@ class PlatformResult:
     speed: float  # along the course, mean of the last quarter [m/s]
     flown: StoredArray = None  # time, altitude, heading, speed
     asked: StoredArray = None
-    duties: StoredArray = None
 
 
 STORE: Final = StoreFormat(
@@ -247,7 +246,7 @@ def summarize_flight(job: PlatformJob, flight: ManeuverFlight) -> PlatformResult
     last = flight.flown[3 * count // 4 :, 3]
     traces = {}
     if job.seed == 1:
-        for name in ('flown', 'asked', 'duties'):
+        for name in ('flown', 'asked'):
             # Decimated and in single precision: results travel between processes.
             traces[name] = getattr(flight, name)[::SHOWN].astype(np.float32)
     return PlatformResult(

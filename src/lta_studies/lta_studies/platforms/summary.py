@@ -64,32 +64,6 @@ def select_flights(
     )  # fmt: skip
 
 
-def describe_reversals(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -> list[str]:
-    """Return a sentence for each ablation: which manoeuvres it reverses."""
-    sentences = []
-    for name, ablation in comparison.ablations.items():
-        title = comparison.contestants[ablation.of].title
-        turned: list[str] = []
-        same: list[str] = []
-        for manoeuvre in ablation.manoeuvres:
-            base = select_flights(rows, CONTESTANT, ablation.of, manoeuvre)
-            changed = select_flights(rows, ABLATION, name, manoeuvre)
-            if not base.rows or not changed.rows:
-                continue
-            # Reversed: the majority of flights changes between held and not held.
-            a, b = (sum(row.held for row in part.rows) for part in (base, changed))
-            text = f'{manoeuvre} ({a} of {len(base.rows)} flights held, {b} with the change)'
-            (turned if (2 * a > len(base.rows)) != (2 * b > len(changed.rows)) else same).append(
-                text
-            )
-        parts = [
-            *([f'changes the result of {", ".join(turned)}'] if turned else []),
-            *([f'does not change the result of {", ".join(same)}'] if same else []),
-        ]
-        sentences.append(f'{title}; {ablation.why}: {" and ".join(parts)}.')
-    return sentences
-
-
 def find_top_speed(
     comparison: ComparisonFile, rows: Sequence[PlatformResult], name: str
 ) -> tuple[float, float]:

@@ -3,6 +3,11 @@
 from collections.abc import Callable
 from typing import Any, Final
 
+from lta_config.schema.spectrum_file import luminous_efficacy
+from lta_energy.harvest import WHITE_LED
+from lta_model.electrical.charger import charger_output
+from lta_model.electrical.panel import array_spectral_factor, find_max_power_point
+from lta_model.vehicle import Vehicle
 from lta_report.formatting import format_number
 from lta_report.report import TextTable
 from lta_report.result_table import build_table, Column, to_record
@@ -12,6 +17,7 @@ from lta_studies.energy.mounting.straight_flight import average_over_seeds
 from lta_vehicle.figures.mass_budget import DEGREES
 
 CENTIMETRES: Final = 1e2
+LAMP_LUX: Final = 80e3  # lx, seed paper
 TITLE: Final[Column[tuple[str, MountTrial]]] = Column('', 'mount', of=lambda row: row[0])
 
 
@@ -89,13 +95,27 @@ def build_comparison_tables(study: MountingStudy) -> list[TextTable]:
 
 def build_light_table(study: MountingStudy) -> TextTable:
     """Return the table of light on the panels."""
-    heads = ['mount', *(f'{light.name} [%]' for light in LIGHTS)]
+    heads = ['mount, light in %', *(light.name for light in LIGHTS)]
     rows = []
     for name, shares in study.light.items():
         for words, key in (('in series', 'series'), ('separately', 'apart')):
             cells = [format_number(getattr(each, key), 0, 100.0) for each in shares.values()]
             rows.append([f'{name}, {words}', *cells])
-    return TextTable('Light on the panels', heads, rows)
+    for name, shares in study.light.items():
+        vehicle = study.shared[name].fitted.vehicle
+        powers = (compute_charger_output(vehicle, each.series) for each in shares.values())
+        cells = [format_number(power, 0, 1e3) for power in powers]
+        rows.append([f'{name}, after the charger [mW]', *cells])
+    note = f'After the charger: under {1e-3 * LAMP_LUX:g} klx of white LED light.'
+    return TextTable('Light on the panels', heads, rows, note)
+
+
+def compute_charger_output(vehicle: Vehicle, share: float) -> float:
+    """Return the charger output with a share of the light on the darkest panel. [W]"""
+    efficacy = luminous_efficacy(WHITE_LED)
+    irradiance = LAMP_LUX / efficacy * array_spectral_factor(vehicle.file.energy, efficacy)
+    voltage, current = find_max_power_point(vehicle.panel, irradiance * share)
+    return charger_output(vehicle.charger, voltage * current)
 
 
 def to_json(study: MountingStudy) -> dict[str, Any]:
