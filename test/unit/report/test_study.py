@@ -1,6 +1,6 @@
 """A study resumes from its store, and its results do not depend on the order of its workers."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import io
 import json
 import math
@@ -10,14 +10,14 @@ from typing import NamedTuple
 from lta_config.errors import BadInput
 from lta_report.study import Study, StudyOptions
 from lta_report.study_progress import StudyProgress
-from lta_report.study_store import LogKind, StoreFormat, StudyStore
+from lta_report.study_store import StoreFormat, StudyStore
 from lta_report.workers import ItemFailure
 from pydantic import TypeAdapter
 import pytest
 from rich.console import Console
 import worker_functions
 
-NUMBERS = StoreFormat(LogKind('numbers.jsonl', 'count', 'count', '--out'), TypeAdapter(int))
+NUMBERS = StoreFormat('numbers.jsonl', 'count', 'count', TypeAdapter(int))
 QUIET = Console(file=io.StringIO())
 
 
@@ -130,7 +130,7 @@ class Table:
 
 
 def test_nan_and_infinity_survive_the_store(tmp_path):
-    form = StoreFormat(NUMBERS.kind, TypeAdapter(Table))
+    form = replace(NUMBERS, adapter=TypeAdapter(Table))
     table = Table((Spread('yes'), Spread(math.nan, math.inf)), {'x': Spread(1 / 3, -math.inf)})
     with StudyStore(tmp_path, form, 'mine') as store:
         store.add('a', table)

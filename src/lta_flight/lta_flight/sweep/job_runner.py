@@ -13,7 +13,7 @@ from lta_flight.loop_view import LoopView
 from lta_flight.report.results import compute_results
 from lta_flight.sweep.plan import convert_to_si, SweepJob
 from lta_report.json_value import replace_nonfinite
-from lta_report.study_store import LogKind, StoreFormat, StudyStore
+from lta_report.study_store import StoreFormat, StudyStore
 from lta_report.workers import ItemFailure
 from pydantic import TypeAdapter
 
@@ -38,7 +38,7 @@ class SweepRow:
 
 # Each line is a row; the row of a failed flight has its values too
 STORE: Final[StoreFormat[SweepRow]] = StoreFormat(
-    LogKind('flights.jsonl', 'sweep', 'sweep', '--out'),
+    'flights.jsonl', 'sweep', 'sweep',
     TypeAdapter(SweepRow),
     find_key=attrgetter('index'),
     is_failed=lambda row: row.outcome == FAILED,

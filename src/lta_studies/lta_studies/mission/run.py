@@ -13,7 +13,7 @@ from lta_report.report import Report
 from lta_report.request import argument, option, StudyRequest, StudyRun
 from lta_report.results_folder import resolve_folder
 from lta_report.study import Study
-from lta_report.study_store import LogKind, StoreFormat
+from lta_report.study_store import StoreFormat
 from lta_report.workers import report_progress
 from lta_studies.light.evaluation.cells import bootstrap_mean, bootstrap_ratio, BootstrapMean
 from lta_studies.mission.figures import MissionFigures, summarize_mission
@@ -23,7 +23,7 @@ from pydantic import TypeAdapter
 
 SCHEDULES: Final = (AWARE, NAIVE, DOZING)
 STORE: Final = StoreFormat(
-    LogKind('missions.jsonl', 'mission', 'mission', '--out'), TypeAdapter(MissionLog)
+    'missions.jsonl', 'mission', 'mission', TypeAdapter(MissionLog)
 )
 
 

@@ -25,7 +25,7 @@ from lta_report.report import Report
 from lta_report.request import argument, option, StudyRequest, StudyRun
 from lta_report.results_folder import resolve_folder
 from lta_report.study import Study
-from lta_report.study_store import LogKind, StoreFormat
+from lta_report.study_store import StoreFormat
 from lta_studies.platforms.flight import (
     build_entrant,
     Entrant,
@@ -77,7 +77,7 @@ class PlatformResult:
 
 
 STORE: Final = StoreFormat(
-    LogKind('flights.jsonl', 'comparison', 'comparison', '--out'), TypeAdapter(PlatformResult)
+    'flights.jsonl', 'comparison', 'comparison', TypeAdapter(PlatformResult)
 )
 
 

@@ -12,7 +12,7 @@ from lta_config.schema.paper_file import DrawCounts, load_paper_row, load_paper_
 from lta_report.report import Report, TextTable
 from lta_report.request import argument, Folder, option, StudyRequest, StudyRun
 from lta_report.study import Study
-from lta_report.study_store import LogKind, StoreFormat
+from lta_report.study_store import StoreFormat
 from lta_studies.reproduce.sources import hash_sources
 from lta_studies.reproduce.studies import (
     beavis,
@@ -56,7 +56,7 @@ STUDIES: Final[dict[str, RowStudy]] = {
 
 PARTS: Final = 'parts'  # folder of what the studies of rows store
 STORE: Final = StoreFormat(
-    LogKind('rows.jsonl', 'paper', 'reproduction', '--out'), TypeAdapter(StoredRow)
+    'rows.jsonl', 'paper', 'reproduction', TypeAdapter(StoredRow)
 )
 
 

@@ -27,7 +27,7 @@ from lta_control.strategies import find_navigation_strategy
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_stack import FlightStack
 from lta_flight.sweep.statistics import ShareInterval, wilson_interval
-from lta_report.study_store import LogKind, StoreFormat
+from lta_report.study_store import StoreFormat
 from lta_report.workers import ItemFailure, Workers
 from lta_sim.readings import FlightOutcome
 from lta_sim.world import World
@@ -257,7 +257,7 @@ class CandidateCosts:
 
 # Exact floats as keys are right: JSON restores them, and the same seed draws the same candidates.
 STORE: Final = StoreFormat(
-    LogKind('search.jsonl', 'tune', 'search', '--out'),
+    'search.jsonl', 'tune', 'search',
     TypeAdapter(CandidateCosts),
     find_key=attrgetter('numbers'),
 )

@@ -18,7 +18,7 @@ from lta_report.json_value import replace_nonfinite
 from lta_report.report import Report
 from lta_report.request import argument, Names, option, StudyRequest, StudyRun
 from lta_report.study import hash_inputs, Study
-from lta_report.study_store import LogKind, StoreFormat
+from lta_report.study_store import StoreFormat
 from lta_report.workers import report_progress
 from lta_sim import wind_limits
 from lta_studies.wind.flyable_wind import find_flyable_wind, FlyableWind, GroundWind, SHARES
@@ -139,7 +139,7 @@ def _find_gains_name(vehicle: str) -> str | None:
 
 
 STORE: Final = StoreFormat(
-    LogKind('limits.jsonl', 'wind', 'study of wind limits', '--out'),
+    'limits.jsonl', 'wind', 'study of wind limits',
     TypeAdapter(PlatformWindLimits),
 )
 

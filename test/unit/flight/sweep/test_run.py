@@ -162,7 +162,7 @@ def test_a_sweep_that_is_stopped_goes_on_where_it_was(sweep, tmp_path, number):
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     try:
-        log = folder / STORE.kind.file
+        log = folder / STORE.file
         wait_until(
             lambda: log.exists() and log.read_bytes().count(b'\n') >= 6, 'five flights in the log'
         )

@@ -274,11 +274,11 @@ def test_a_flight_that_is_stored_is_not_flown_again(tmp_path):
     entries = build_entries('platforms', COMPARISON)
     with StudyStore(tmp_path, STORE, entries.identity) as store:
         store.add(job.key, row)
-    before = (tmp_path / STORE.kind.file).read_bytes()
+    before = (tmp_path / STORE.file).read_bytes()
     (again,) = fly_jobs(
         entries, [job], StudyRun(Console(), tmp_path, options=StudyOptions(workers=1))
     )
-    assert (tmp_path / STORE.kind.file).read_bytes() == before
+    assert (tmp_path / STORE.file).read_bytes() == before
     assert result_to_json(again) == result_to_json(row)
     for name in ('flown', 'asked'):
         ours, theirs = getattr(again, name), getattr(row, name)

@@ -27,7 +27,7 @@ from lta_model.vehicle import load_vehicle, Vehicle
 from lta_report.report import Report
 from lta_report.request import option, StudyRequest, StudyRun, VEHICLE
 from lta_report.study import hash_inputs, Study
-from lta_report.study_store import LogKind, StoreFormat
+from lta_report.study_store import StoreFormat
 from lta_sim.readings import FlightOutcome
 from lta_sim.termination import LIFT_OFF
 from lta_studies.energy import paper
@@ -149,7 +149,7 @@ class BudgetFlight(NamedTuple):
 
 
 STORE: Final = StoreFormat(
-    LogKind('flights.jsonl', 'budget', 'power budget', '--out'), TypeAdapter(FlightTrack)
+    'flights.jsonl', 'budget', 'power budget', TypeAdapter(FlightTrack)
 )
 
 

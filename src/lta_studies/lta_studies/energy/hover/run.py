@@ -20,7 +20,7 @@ from lta_report.json_value import ExactArray
 from lta_report.report import Report
 from lta_report.request import option, StudyRequest, StudyRun
 from lta_report.study import hash_inputs, Study
-from lta_report.study_store import LogKind, StoreFormat
+from lta_report.study_store import StoreFormat
 from lta_report.workers import report_progress
 from lta_studies.energy import paper
 from lta_studies.energy.course_flight import build_closed_loop, FlightTrack, fly_until
@@ -121,7 +121,7 @@ def build_hover_spec(vehicle: str, battery: Any | None = None) -> FlightSpec:  #
 
 
 STORE: Final = StoreFormat(
-    LogKind('hovers.jsonl', 'hover', 'comparison of hovering', '--out'), TypeAdapter(HoverResult)
+    'hovers.jsonl', 'hover', 'comparison of hovering', TypeAdapter(HoverResult)
 )
 
 

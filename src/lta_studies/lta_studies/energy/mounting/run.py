@@ -13,7 +13,7 @@ from lta_config.files import find_file, load_yaml
 from lta_report.report import Report
 from lta_report.request import Names, option, StudyRequest, StudyRun, VEHICLE
 from lta_report.study import hash_inputs, Study
-from lta_report.study_store import LogKind, StoreFormat
+from lta_report.study_store import StoreFormat
 from lta_studies.energy.mounting.mounted_vehicle import (
     build_mounted_vehicle,
     compute_light_shares,
@@ -180,7 +180,7 @@ class MountFlight(NamedTuple):
 
 
 STORE: Final = StoreFormat(
-    LogKind('flights.jsonl', 'mounting', 'comparison of mounts', '--out'),
+    'flights.jsonl', 'mounting', 'comparison of mounts',
     TypeAdapter(StraightFlightResult),
 )
 

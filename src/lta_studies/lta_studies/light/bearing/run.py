@@ -11,7 +11,7 @@ from lta_report.json_value import replace_nonfinite
 from lta_report.report import Report
 from lta_report.request import option, remove_duplicates, StudyRequest, StudyRun, VEHICLE
 from lta_report.study import hash_inputs, Study
-from lta_report.study_store import LogKind, StoreFormat
+from lta_report.study_store import StoreFormat
 from lta_report.workers import report_progress
 from lta_studies.light.bearing.bench import (
     BearingBench,
@@ -294,7 +294,7 @@ class BearingTrialResult:
 
 
 STORE: Final = StoreFormat(
-    LogKind('bearings.jsonl', 'bearing', 'study of bearings', '--out'),
+    'bearings.jsonl', 'bearing', 'study of bearings',
     TypeAdapter(BearingTrialResult),
 )
 

@@ -27,7 +27,7 @@ from lta_report.palette import GOOD, LAMP, TRUTH
 from lta_report.report import Picture, Report, TextSection, TextTable
 from lta_report.request import option, StudyRequest, StudyRun, VEHICLE
 from lta_report.study import hash_inputs, Study
-from lta_report.study_store import LogKind, StoreFormat
+from lta_report.study_store import StoreFormat
 from lta_studies.light.bearing.bench import BearingBench, build_flight_spec, PLACES, Pose
 from lta_studies.light.bearing.report import format_degrees
 from lta_studies.light.bearing.run import error_quantile, extract_column
@@ -127,7 +127,7 @@ def list_directions() -> list[float]:
 
 
 STORE: Final = StoreFormat(
-    LogKind('rings.jsonl', 'study', 'study of photodiodes', '--out'), TypeAdapter(RingStudy)
+    'rings.jsonl', 'study', 'study of photodiodes', TypeAdapter(RingStudy)
 )
 
 

@@ -15,7 +15,7 @@ from lta_model.light.lamp import BeaconLamp, SquareWave
 from lta_model.light.ray_integration import LAMP_ROWS, scratch_size, UNIFORM_ROW
 from lta_model.mass_properties import half_axes
 from lta_report.json_value import ExactArray
-from lta_report.study_store import LogKind, StoreFormat
+from lta_report.study_store import StoreFormat
 from lta_sim.light_link import build_light_link, expected_magnitude, LightLink, write_ring_light
 from lta_studies.light.plan.floor import FloorGrid
 from lta_studies.light.plan.floor_plan import Array, FloorPlan, LampMount, Mask, Vector
@@ -35,7 +35,7 @@ NEARLY = 1.0 - 1e-9  # just below saturation of the ADC
 HEADINGS = 64  # per full turn, 5.6 degrees apart
 GROUP = 64  # lamps whose light one worker computes at a time
 STORE: Final[StoreFormat[Array]] = StoreFormat(
-    LogKind('light.jsonl', 'plan', 'plan of lamps', '--out'), TypeAdapter(ExactArray)
+    'light.jsonl', 'plan', 'plan of lamps', TypeAdapter(ExactArray)
 )
 
 

@@ -1,31 +1,30 @@
-"""A log of long work outlives whoever writes it, and is never mixed up or thrown away."""
+"""A store of long work outlives whoever writes it, and is never mixed up or thrown away."""
 
 from lta_config.errors import BadInput
-from lta_report.study_store import LineLog, LogKind
+from lta_report.study_store import StoreFormat, StudyStore
+from pydantic import TypeAdapter
 import pytest
 
-KIND = LogKind('numbers.jsonl', 'count', 'search', '--folder')
+FORM = StoreFormat('numbers.jsonl', 'count', 'search', TypeAdapter(int), shares_folder=True)
 
 
 def opened(folder, identity='mine'):
-    return LineLog(folder, KIND, identity, lambda content: content['n'])
+    return StudyStore(folder, FORM, identity)
 
 
 def kept(folder):
-    """Return what a log holds, and leave it to others."""
-    log = opened(folder)
-    log.close()
-    return log.pieces
+    """Return what a store holds, and leave it to others."""
+    with opened(folder) as store:
+        return [*store.results.values()]
 
 
 @pytest.fixture
 def three(tmp_path):
-    """Return the file of a log of three pieces."""
-    log = opened(tmp_path / 'new')
-    for n in range(3):
-        log.append({'n': n})
-    log.close()
-    return tmp_path / 'new' / KIND.file
+    """Return the file of a store of three numbers."""
+    with opened(tmp_path / 'new') as store:
+        for n in range(3):
+            store.add(str(n), n)
+    return tmp_path / 'new' / FORM.file
 
 
 def test_what_is_kept_is_taken_up_again_and_the_file_is_left_as_it_is(three):
@@ -41,7 +40,7 @@ def test_a_torn_tail_is_cut_off_and_nothing_else(three, torn):
     whole = three.read_bytes()
     three.write_bytes(whole[:-torn])
     assert kept(three.parent) == [0, 1]
-    assert three.read_bytes() == whole[: -len('{"n": 2}\n')]
+    assert three.read_bytes() == whole[: -len('{"key": "2", "result": 2}\n')]
 
 
 def test_a_first_line_that_was_torn_off_is_written_again(three):
@@ -55,8 +54,8 @@ def test_a_first_line_that_was_torn_off_is_written_again(three):
 @pytest.mark.parametrize(
     ('content', 'sentence'),
     [
-        (b'{"count": "yours"}\n{"n": 1}\n', 'is the log of a search with other settings; '),
-        (b'garbage\n', 'is not the log of a search; choose another folder with --folder.'),
+        (b'{"count": "yours"}\n', 'is the log of a search with other settings; '),
+        (b'garbage\n', 'is not the log of a search; choose another folder with --out.'),
         (b'garbage', 'is not the log of a search'),
         (b'\xff\xfe\n{"n": 1}\n', 'is not the log of a search'),
         (b'[1]\n', 'is not the log of a search'),
@@ -66,7 +65,7 @@ def test_a_first_line_that_was_torn_off_is_written_again(three):
     ],
 )
 def test_the_log_of_something_else_is_refused_and_not_touched(tmp_path, content, sentence):
-    path = tmp_path / KIND.file
+    path = tmp_path / FORM.file
     path.write_bytes(content)
     with pytest.raises(BadInput) as refused:
         opened(tmp_path)
@@ -75,21 +74,19 @@ def test_the_log_of_something_else_is_refused_and_not_touched(tmp_path, content,
 
 
 def test_one_writes_at_a_time(tmp_path):
-    log = opened(tmp_path)
-    with pytest.raises(BadInput, match=r'Another search is writing .* wait until it ends'):
-        opened(tmp_path)
-    log.append({'n': 5})
-    log.close()
+    with opened(tmp_path) as store:
+        with pytest.raises(BadInput, match=r'Another search is writing .* wait until it ends'):
+            opened(tmp_path)
+        store.add('5', 5)
     assert kept(tmp_path) == [5]
 
 
 def test_a_full_disk_is_a_sentence_and_what_was_kept_stays(three, room):
-    log = opened(three.parent)
     whole = three.read_bytes()
-    with room(len(whole) + 4):
+    with opened(three.parent) as store, room(len(whole) + 4):
         with pytest.raises(BadInput, match=r'free disk space and start the search again'):
-            log.append({'n': 3})
-        log.close()
+            store.add('3', 3)
+        store.__exit__()
     assert three.stat().st_size == len(whole) + 4
     assert kept(three.parent) == [0, 1, 2]
     assert three.read_bytes() == whole
@@ -104,6 +101,6 @@ def test_a_full_disk_at_the_beginning_is_a_sentence(tmp_path, room):
 def test_a_folder_that_cannot_be_made_is_a_sentence(tmp_path):
     (tmp_path / 'file').touch()
     with pytest.raises(
-        BadInput, match=r'cannot be written \(.*choose another folder with --folder'
+        BadInput, match=r'cannot be written \(.*choose another folder with --out'
     ):
         opened(tmp_path / 'file' / 'new')
