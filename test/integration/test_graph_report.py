@@ -1,7 +1,7 @@
 """`lta report`: the page from a bag, and its pictures."""
 
 from lta_config.errors import BadInput
-from lta_flight.report.panels.registry import PANELS
+from lta_flight.report.panels import PANELS
 from lta_report.browser import find_chromium
 import pytest
 

@@ -5,7 +5,7 @@ import re
 import struct
 
 from lta_flight.report import write_page
-from lta_flight.report.panels.registry import PANELS
+from lta_flight.report.panels import PANELS
 from lta_report import screenshots
 from lta_report.browser import Browser
 from lta_report.flight_video import write_video

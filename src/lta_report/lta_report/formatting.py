@@ -32,13 +32,6 @@ def format_number(value: float | None, digits: int = 2, factor: float = 1.0) -> 
     return text.replace('-', '\N{MINUS SIGN}')
 
 
-def format_spread(value: float | None, deviation: float | None, unit: str) -> str:
-    """Return a number with its spread and unit."""
-    if value is None:
-        return MISSING
-    return f'{format_number(value)} \N{PLUS-MINUS SIGN} {format_number(deviation)} {unit}'
-
-
 def format_amount(value: float | None, unit: str, digits: int = 2, factor: float = 1.0) -> str:
     """Return a number with its unit."""
     if value is None:

@@ -100,7 +100,5 @@ def test_a_full_disk_at_the_beginning_is_a_sentence(tmp_path, room):
 
 def test_a_folder_that_cannot_be_made_is_a_sentence(tmp_path):
     (tmp_path / 'file').touch()
-    with pytest.raises(
-        BadInput, match=r'cannot be written \(.*choose another folder with --out'
-    ):
+    with pytest.raises(BadInput, match=r'cannot be written \(.*choose another folder with --out'):
         opened(tmp_path / 'file' / 'new')

@@ -1,22 +1,19 @@
-"""The outcome of a flight in words: a sentence, tiles, and a table with the paper's values."""
+"""The outcome of a flight in words: a sentence, tiles, and a table."""
 
+from dataclasses import fields
 import math
-from typing import Final, NamedTuple
+from typing import Final
 
 from lta_flight.report.results import FlightResults
-from lta_report.formatting import format_amount, format_number, format_spread, MISSING, Tile
+from lta_report.formatting import format_amount, format_number, Tile
+from lta_report.report import TextTable
+from lta_report.result_table import format_value, unit_factor
 
 GRAMS: Final = 1e3
 DEGREES: Final = 180.0 / math.pi
-SHADED: Final = 3.0  # RMS by median error above which a few blocks make the RMS
-
-
-class OutcomeRow(NamedTuple):
-    """One row of the table: quantity, this flight, the paper."""
-
-    name: str
-    here: str
-    paper: str = MISSING
+CRUISE: Final = (
+    '“Cruise” starts when the true forward airspeed first reaches 90 % of the commanded one.'
+)
 
 
 def describe_outcome(results: FlightResults) -> str:
@@ -84,74 +81,22 @@ def explain_direction_errors(results: FlightResults) -> str:
     )
     if r.lamp_median is None or r.bearing_median is None:
         return f"paper's bearing {error}"
-    text = f"median {usual}; paper's bearing {error}, median {middle}"
-    return f'median {usual}: the hull hides the lamp at the end' if is_shaded(r) else text
+    # Near a lamp above the diodes the hull hides it, and these last blocks make the RMS
+    return f"median {usual}; paper's bearing {error}, median {middle}"
 
 
-def is_shaded(results: FlightResults) -> bool:
-    """Return whether a few blocks make the RMS error: far more than a spread of noise would."""
-    error, usual = results.lamp_error, results.lamp_median
-    return error is not None and usual is not None and error >= SHADED * usual
-
-
-def explain_shade(results: FlightResults) -> str:
-    """
-    Return why the RMS error of the direction is far above its median, or ''.
-
-    Within some 1.6 m of a lamp that stands above the diodes, the hull hides it and the diodes see
-    reflections alone: these last blocks make the RMS. The medians are those of the way there.
-    """
-    if not is_shaded(results):
-        return ''
-    usual, middle = (
-        format_amount(each, '°', 1, DEGREES)
-        for each in (results.lamp_median, results.bearing_median)
-    )
-    return (
-        'A few blocks, most of them close to the lamp where the hull hides it, make the RMS '
-        f"error of the direction; its median is {usual}, and {middle} for the paper's bearing. "
-    )
-
-
-def build_table(results: FlightResults, *, with_paper: bool = True) -> list[OutcomeRow]:
-    """
-    Return a table of this flight and, with `with_paper`, of the indoor flight of the paper.
-
-    The paper prints one power for all its strategies.
-    """
-    r = results
-    reached = {None: MISSING, True: 'yes', False: 'no'}[r.success]
-    rows = [
-        OutcomeRow('reached the goal (within its radius and height)', reached, 'yes'),
-        OutcomeRow('path to the goal', format_amount(r.path_length, 'm'), '7.3 m'),
-        OutcomeRow('time from the first forward command to the goal',
-            format_amount(r.search_time, 's', 1), '8.4 s'),
-        OutcomeRow('time from take-off to the goal', format_amount(r.flight_time, 's', 1)),
-        OutcomeRow('true forward airspeed in cruise, mean and standard deviation',
-            format_spread(r.forward_airspeed, r.forward_airspeed_spread, 'm/s'), '0.5 m/s'),
-        OutcomeRow('mean altitude of the hull centre in cruise',
-            format_amount(r.altitude, 'm'), '0.5 m'),
-        OutcomeRow('altitude error to the set-point in cruise, RMS',
-            format_amount(r.altitude_error, 'cm', 1, 100.0)),
-        OutcomeRow('angle from the nose to the lamp in cruise, RMS',
-            format_amount(r.heading_error, '°', 1, DEGREES)),
-        OutcomeRow('direction of the lamp used for steering, RMS error',
-            format_amount(r.lamp_error, '°', 1, DEGREES)),
-        OutcomeRow("the paper's bearing, RMS error",
-            format_amount(r.bearing_error, '°', 1, DEGREES)),
-        OutcomeRow('mean power from the cell in cruise',
-            format_amount(r.cruise_power, 'W'), '1.52 to 1.54 W'),
-        OutcomeRow('energy from take-off to the goal', format_amount(r.energy, 'J', 1)),
-        OutcomeRow('estimated altitude, RMS error',
-            format_amount(r.altitude_estimate_error, 'cm', 1, 100.0)),
-        OutcomeRow('estimated airspeed, RMS error',
-            format_amount(r.airspeed_estimate_error, 'm/s')),
-        OutcomeRow('estimated heading, RMS error',
-            format_amount(r.heading_estimate_error, '°', 1, DEGREES)),
-        OutcomeRow('net lift gained by gas that sunlight warmed, at the end',
-            format_amount(r.gas_lift, 'g', 1, GRAMS)),
-    ]  # fmt: skip
-    if not with_paper:
-        rows = [row._replace(paper=MISSING) for row in rows]
-    # Leave out rows with no value at all
-    return [row for row in rows if row.here != MISSING or row.paper != MISSING]
+def build_result_table(results: FlightResults) -> TextTable:
+    """Return the table of the results, in the units and digits that their fields declare."""
+    rows = []
+    for item in fields(FlightResults):
+        value, digits = getattr(results, item.name), item.metadata['digits']
+        if digits is None or value is None:
+            continue
+        unit = item.metadata['shown']
+        factor = 1.0 if unit == item.metadata['unit'] else unit_factor(unit)
+        # One line, also on a phone
+        cell = format_amount(value, unit, digits, factor).replace(' ', '\N{NO-BREAK SPACE}')
+        rows.append([
+            item.metadata['about'], format_value(value) if isinstance(value, bool) else cell,
+        ])  # fmt: skip
+    return TextTable('In numbers', ('quantity', 'this flight'), rows, CRUISE)

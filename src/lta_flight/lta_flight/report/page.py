@@ -1,7 +1,6 @@
 """Write the page of a flight as one HTML file."""
 
 from collections.abc import Mapping
-import math
 from pathlib import Path
 import shlex
 from typing import Final
@@ -9,19 +8,14 @@ from typing import Final
 from lta_config.command_line import format_lta_command, relative_path
 from lta_data.bag.bag_folder import find_bag_files
 from lta_data.bag.recorded_flight import open_flight, RecordedFlight
-from lta_flight.report.outcome import (
-    build_table,
-    build_tiles,
-    describe_outcome,
-    explain_shade,
-)
-from lta_flight.report.panels.registry import FlightPanel, PANELS
+from lta_flight.report.outcome import build_result_table, build_tiles, describe_outcome
+from lta_flight.report.panels import FlightPanel, PANELS
 from lta_flight.report.results import compute_results, FlightResults
 from lta_flight.report.scene import render_flight_scene
 from lta_flight.report.track import build_track
 from lta_flight.report.view import FlightView
 from lta_report.flight_scene import render_time_bar
-from lta_report.report import Grid, Picture, Report, TextSection, TextTable
+from lta_report.report import Grid, Picture, Report, TextSection
 from lta_report.report_page import render_report
 from lta_report.results_folder import write_file
 
@@ -41,16 +35,6 @@ READOUT: Final = {
     'bearing': ('bearing', '°', 0, DEGREES),
     'snr': ('SNR', '', 0, 1.0),
 }
-PAPER_FLIGHT: Final = ('gtmab', 'lamp_room')  # vehicle and scenario of its indoor flight
-PAPER_DISTANCE: Final = 7.0  # m
-PAPER_NOTE: Final = (
-    "The paper's indoor row contradicts itself: 7.3 m in 8.4 s is 0.87 m/s, not 0.5 m/s, and even "
-    'the straight 6.0 m would need 0.71 m/s. Neither path nor time is tuned to the paper here. '
-    'The paper prints power for its three strategies together. '
-)
-CRUISE: Final = (
-    '“Cruise” starts when the true forward airspeed first reaches 90 % of the commanded one.'
-)
 HEIGHTS: Final = {
     'heading': 340, 'light': 340, 'duty': 340, 'power': 340, 'samples': 300, 'spectrum': 300,
 }  # fmt: skip
@@ -78,8 +62,6 @@ def write_page(bag: Path, out: Path, robot: str | None = None) -> FlightResults:
 def build_report(view: FlightView, results: FlightResults, bag: Path) -> Report:
     """Return the report of a flight in a bag."""
     path, *panels = (build_panel(panel, view) for panel in PANELS)
-    scene, paper = render_flight_scene(view), is_paper_scene(view)
-    note = f'{explain_shade(results)}{PAPER_NOTE if paper else ""}{CRUISE}'
     return Report(
         command='flight',
         subject=describe_setup(view.provenance),
@@ -87,8 +69,7 @@ def build_report(view: FlightView, results: FlightResults, bag: Path) -> Report:
         introduction=explain_truth_and_estimate(view),
         tiles=build_tiles(results),
         blocks=[
-            Grid([path, build_result_table(results, with_paper=paper)]),
-            TextSection('', [note]),
+            Grid([path, build_result_table(results)]),
             Grid(panels),
         ],
         data={},
@@ -99,7 +80,7 @@ def build_report(view: FlightView, results: FlightResults, bag: Path) -> Report:
             for key in FILES
             if key in view.provenance
         },
-        scene=scene,
+        scene=render_flight_scene(view),
         time_bar=render_time_bar(READOUT, 'flight'),
         track=build_track(view),
         asset='flight.html',
@@ -127,25 +108,6 @@ def explain_truth_and_estimate(view: FlightView) -> str:
     if view.scene.scenario is None:
         return MEASURED
     return SIMULATED
-
-
-def is_paper_scene(view: FlightView) -> bool:
-    """Return whether a flight is the paper's indoor flight: GT-MAB, 7 m from a lamp in a room."""
-    scenario, vehicle = view.scene.scenario, view.scene.vehicle
-    if scenario is None or vehicle is None:
-        return False
-    x, y = scenario.start.position.vector
-    there = scenario.goal_lamp.position.vector if scenario.lamps else (x, y)
-    away = math.hypot(there[0] - x, there[1] - y)
-    named = (vehicle.name, scenario.name) == PAPER_FLIGHT
-    return named and math.isclose(away, PAPER_DISTANCE, abs_tol=0.05)
-
-
-def build_result_table(results: FlightResults, *, with_paper: bool) -> TextTable:
-    """Return the table of the results, with the paper's values in its own scene."""
-    heads = ('quantity', 'this flight', *(('paper',) if with_paper else ()))
-    rows = [row[: len(heads)] for row in build_table(results, with_paper=with_paper)]
-    return TextTable('In numbers', heads, rows)
 
 
 def describe_provenance(flight: RecordedFlight) -> dict[str, str]:

@@ -30,9 +30,14 @@ WARMING_STEP = 0.5  # s, far below the lag of the gas
 ENDS = 5  # blocks whose median is the SNR at the start or the end
 
 
-def result_field(unit: str, about: str) -> Any:  # noqa: ANN401 - a field of any type
-    """Return a field of the results, which is None if the bag does not have the data."""
-    return field(default=None, metadata={'unit': unit, 'about': about})
+def result_field(unit: str, about: str, digits: int | None = None, shown: str = '') -> Any:  # noqa: ANN401 - a field of any type
+    """
+    Return a field of the results, which is None if the bag does not have the data.
+
+    `digits`: after the point, in the table of the page; None keeps it out. `shown`: unit there.
+    """
+    about_it = {'unit': unit, 'about': about, 'digits': digits, 'shown': shown or unit}
+    return field(default=None, metadata=about_it)
 
 
 @final
@@ -41,7 +46,7 @@ class FlightResults:
     """The results of one flight; None if the data are missing. SI units, angles in rad."""
 
     success: bool | None = result_field(
-        '', 'whether the drone reached each lamp of the route, in radius and height'
+        '', 'whether the drone reached each lamp of the route, in radius and height', 0
     )
     lamps: int | None = result_field('1', 'number of lamps that the drone had to reach')
     lamps_reached: int | None = result_field('1', 'number of these lamps that it reached in order')
@@ -50,11 +55,13 @@ class FlightResults:
     end: float | None = result_field(
         's', 'time when the goal was reached, or end of the recording'
     )
-    flight_time: float | None = result_field('s', 'time from take-off to the goal')
+    flight_time: float | None = result_field('s', 'time from take-off to the goal', 1)
     search_time: float | None = result_field(
-        's', 'time from the first forward set-point to the goal'
+        's', 'time from the first forward set-point to the goal', 1
     )
-    path_length: float | None = result_field('m', 'length of the true horizontal path to the goal')
+    path_length: float | None = result_field(
+        'm', 'length of the true horizontal path to the goal', 2
+    )
     straight_length: float | None = result_field(
         'm', 'shortest horizontal path to the goal circle, via the lamps of the route'
     )
@@ -62,29 +69,35 @@ class FlightResults:
         'm', 'smallest horizontal distance to the lamp that was targeted last'
     )
     forward_airspeed: float | None = result_field(
-        'm/s', 'mean true forward airspeed in cruise; sideways motion is not in it'
+        'm/s', 'mean true forward airspeed in cruise; sideways motion is not in it', 2
     )
     forward_airspeed_spread: float | None = result_field(
-        'm/s', 'standard deviation of the true forward airspeed in cruise'
+        'm/s', 'standard deviation of the true forward airspeed in cruise', 2
     )
-    altitude: float | None = result_field('m', 'mean true altitude of the hull centre in cruise')
+    altitude: float | None = result_field(
+        'm', 'mean true altitude of the hull centre in cruise', 2
+    )
     altitude_error: float | None = result_field(
-        'm', 'RMS error of the true altitude to the set-point in cruise'
+        'm', 'RMS error of the true altitude to the set-point in cruise', 1, 'cm'
     )
     heading_error: float | None = result_field(
-        'rad', 'RMS angle from the nose to the lamp in cruise'
+        'rad', 'RMS angle from the nose to the lamp in cruise', 1, '°'
     )
     lamp_error: float | None = result_field(
-        'rad', 'RMS error of the direction to the lamp that is used for steering'
+        'rad', 'RMS error of the direction to the lamp that is used for steering', 1, '°'
     )
-    lamp_median: float | None = result_field('rad', 'median of the absolute error of the same')
+    lamp_median: float | None = result_field(
+        'rad', 'median of the absolute error of that direction', 1, '°'
+    )
     lamp_share: float | None = result_field(
         '1', 'share of the light blocks that gave a direction for steering'
     )
     bearing_error: float | None = result_field(
-        'rad', "RMS error of the bearing by the paper's method (topic light/bearing)"
+        'rad', "RMS error of the bearing by the paper's method (topic light/bearing)", 1, '°'
     )
-    bearing_median: float | None = result_field('rad', 'median of the absolute error of the same')
+    bearing_median: float | None = result_field(
+        'rad', 'median of the absolute error of that bearing', 1, '°'
+    )
     bearing_share: float | None = result_field(
         '1', "share of the light blocks that gave a bearing by the paper's method"
     )
@@ -93,23 +106,23 @@ class FlightResults:
     )
     snr_end: float | None = result_field('1', 'SNR of the best photodiode at the end')
     altitude_estimate_error: float | None = result_field(
-        'm', 'RMS error of the estimated altitude in flight'
+        'm', 'RMS error of the estimated altitude in flight', 1, 'cm'
     )
     airspeed_estimate_error: float | None = result_field(
-        'm/s', 'RMS error of the estimated airspeed in flight'
+        'm/s', 'RMS error of the estimated airspeed in flight', 2
     )
     heading_estimate_error: float | None = result_field(
-        'rad', 'RMS error of the estimated heading in flight'
+        'rad', 'RMS error of the estimated heading in flight', 1, '°'
     )
     heading_drift: float | None = result_field('rad', 'estimated minus true heading at the end')
-    energy: float | None = result_field('J', 'energy from the cell between take-off and goal')
+    energy: float | None = result_field('J', 'energy from the cell between take-off and goal', 1)
     power: float | None = result_field('W', 'mean power from the cell between take-off and goal')
-    cruise_power: float | None = result_field('W', 'mean power from the cell in cruise')
+    cruise_power: float | None = result_field('W', 'mean power from the cell in cruise', 2)
     gas_warmth: float | None = result_field(
         'K', 'temperature of the gas above that of the air at the end, by the light of the scene'
     )
     gas_lift: float | None = result_field(
-        'kg', 'lift that the warm gas has gained at the end, as mass'
+        'kg', 'lift that the warm gas has gained at the end, as mass', 1, 'g'
     )
 
     def to_dict(self) -> dict[str, float | bool | None]:

@@ -38,7 +38,9 @@ class SweepRow:
 
 # Each line is a row; the row of a failed flight has its values too
 STORE: Final[StoreFormat[SweepRow]] = StoreFormat(
-    'flights.jsonl', 'sweep', 'sweep',
+    'flights.jsonl',
+    'sweep',
+    'sweep',
     TypeAdapter(SweepRow),
     find_key=attrgetter('index'),
     is_failed=lambda row: row.outcome == FAILED,

@@ -22,9 +22,7 @@ from lta_studies.mission.scene import MissionScene
 from pydantic import TypeAdapter
 
 SCHEDULES: Final = (AWARE, NAIVE, DOZING)
-STORE: Final = StoreFormat(
-    'missions.jsonl', 'mission', 'mission', TypeAdapter(MissionLog)
-)
+STORE: Final = StoreFormat('missions.jsonl', 'mission', 'mission', TypeAdapter(MissionLog))
 
 
 class MissionJob(NamedTuple):

@@ -55,9 +55,7 @@ STUDIES: Final[dict[str, RowStudy]] = {
 
 
 PARTS: Final = 'parts'  # folder of what the studies of rows store
-STORE: Final = StoreFormat(
-    'rows.jsonl', 'paper', 'reproduction', TypeAdapter(StoredRow)
-)
+STORE: Final = StoreFormat('rows.jsonl', 'paper', 'reproduction', TypeAdapter(StoredRow))
 
 
 @final

@@ -257,7 +257,9 @@ class CandidateCosts:
 
 # Exact floats as keys are right: JSON restores them, and the same seed draws the same candidates.
 STORE: Final = StoreFormat(
-    'search.jsonl', 'tune', 'search',
+    'search.jsonl',
+    'tune',
+    'search',
     TypeAdapter(CandidateCosts),
     find_key=attrgetter('numbers'),
 )

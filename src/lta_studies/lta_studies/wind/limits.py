@@ -139,7 +139,9 @@ def _find_gains_name(vehicle: str) -> str | None:
 
 
 STORE: Final = StoreFormat(
-    'limits.jsonl', 'wind', 'study of wind limits',
+    'limits.jsonl',
+    'wind',
+    'study of wind limits',
     TypeAdapter(PlatformWindLimits),
 )
 

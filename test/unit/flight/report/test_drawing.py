@@ -3,9 +3,10 @@
 import re
 
 from lta_data.bag import open_flight
-from lta_flight.report.panels import light, path
-from lta_flight.report.panels.registry import PANELS
-from lta_flight.report.rays import assign_shades, select_per_period
+from lta_flight.report import light_panels, path
+from lta_flight.report.light_panels import select_sample_blocks
+from lta_flight.report.panels import PANELS
+from lta_flight.report.path import assign_shades, select_per_period
 from lta_flight.report.room import (
     BRIGHTEST,
     build_light_contour,
@@ -14,7 +15,6 @@ from lta_flight.report.room import (
     draw_room,
     MOST_CELLS,
 )
-from lta_flight.report.sample_blocks import select_sample_blocks
 from lta_flight.report.time_figure import create_time_figure
 from lta_flight.report.view import FlightView, select_primary_beacon
 from lta_model.scenario import load_scenario
@@ -136,8 +136,8 @@ def test_moments_are_the_ends_of_the_search(view):
 
 def test_a_map_of_a_long_flight_has_no_more_columns_than_a_screen():
     short, long = np.arange(12.0).reshape(2, 6), np.arange(2.0 * 2501).reshape(2, 2501)
-    np.testing.assert_array_equal(light.average_stretches(short), short)
-    found = light.average_stretches(long)
+    np.testing.assert_array_equal(light_panels.average_stretches(short), short)
+    found = light_panels.average_stretches(long)
     assert found.shape == (2, 834)
     np.testing.assert_array_equal(found[0, :2], [1.0, 4.0])
     np.testing.assert_array_equal(found[:, -1], [2499.5, 5000.5])

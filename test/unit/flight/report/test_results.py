@@ -1,13 +1,12 @@
 """The results of a flight against figures worked out by hand."""
 
-from dataclasses import replace
 import math
 from types import SimpleNamespace
 
 from lta_config.errors import BadInput
 from lta_data.bag import open_flight
 from lta_data.compare.sampling import wrap_angle
-from lta_flight.report.outcome import build_tiles, explain_shade
+from lta_flight.report.outcome import build_tiles
 from lta_flight.report.results import compute_results, FlightPhases, FlightResults, is_cruising
 from lta_flight.report.view import FlightView
 from lta_report.curves import hold_last, TimeCurve
@@ -61,14 +60,6 @@ def test_the_tile_is_of_what_the_drone_steers_by(found):
     assert (tile.value, tile.unit) == ('1.1', '° RMS error')
     # The errors of the scene are constant, so that medians and RMS are equal
     assert tile.note == "median 1.1°; paper's bearing 2.9°, median 2.9°"
-    assert explain_shade(found) == ''
-
-
-def test_a_few_blocks_that_make_the_rms_are_explained(found):
-    shaded = replace(found, lamp_error=3.5 * found.lamp_median)
-    (tile,) = [each for each in build_tiles(shaded) if each.name == 'Direction of the lamp']
-    assert tile.note == 'median 1.1°: the hull hides the lamp at the end'
-    assert "its median is 1.1°, and 2.9° for the paper's bearing." in explain_shade(shaded)
 
 
 def test_estimator_errors(found):
@@ -181,7 +172,7 @@ def test_units_are_told_by_name():
 
 def test_every_figure_says_what_it_is():
     for field in FlightResults.__dataclass_fields__.values():
-        assert set(field.metadata) == {'unit', 'about'}
+        assert set(field.metadata) == {'unit', 'about', 'digits', 'shown'}
         assert field.metadata['about']
 
 

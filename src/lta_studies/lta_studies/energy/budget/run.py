@@ -148,9 +148,7 @@ class BudgetFlight(NamedTuple):
     seed: int
 
 
-STORE: Final = StoreFormat(
-    'flights.jsonl', 'budget', 'power budget', TypeAdapter(FlightTrack)
-)
+STORE: Final = StoreFormat('flights.jsonl', 'budget', 'power budget', TypeAdapter(FlightTrack))
 
 
 def fly_task(flight: BudgetFlight) -> FlightTrack:

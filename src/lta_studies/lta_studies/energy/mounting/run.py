@@ -180,7 +180,9 @@ class MountFlight(NamedTuple):
 
 
 STORE: Final = StoreFormat(
-    'flights.jsonl', 'mounting', 'comparison of mounts',
+    'flights.jsonl',
+    'mounting',
+    'comparison of mounts',
     TypeAdapter(StraightFlightResult),
 )
 

@@ -294,7 +294,9 @@ class BearingTrialResult:
 
 
 STORE: Final = StoreFormat(
-    'bearings.jsonl', 'bearing', 'study of bearings',
+    'bearings.jsonl',
+    'bearing',
+    'study of bearings',
     TypeAdapter(BearingTrialResult),
 )
 

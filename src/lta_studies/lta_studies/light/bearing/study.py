@@ -126,9 +126,7 @@ def list_directions() -> list[float]:
     return [math.tau * k / DIRECTIONS for k in range(DIRECTIONS)]
 
 
-STORE: Final = StoreFormat(
-    'rings.jsonl', 'study', 'study of photodiodes', TypeAdapter(RingStudy)
-)
+STORE: Final = StoreFormat('rings.jsonl', 'study', 'study of photodiodes', TypeAdapter(RingStudy))
 
 
 def study_case(

@@ -1,1 +1,0 @@
-"""The figures of a flight page, one per module; `registry` lists them."""
