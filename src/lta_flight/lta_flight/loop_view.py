@@ -44,7 +44,7 @@ class LoopLightBlock(NamedTuple):
 @final
 class LoopView:
     """
-    Record each step for the results; see `lta_flight.report.evidence.FlightDataSource`.
+    Record each step for the results, with what they need of `FlightView`.
 
     `loop`: the flight; `record_step` reads its newest step.
     """

@@ -9,11 +9,10 @@ route this is the last lamp, after all others. Truth comes from the simulator or
 
 from dataclasses import asdict, dataclass, field, fields
 import math
-from typing import Any, final, NamedTuple
+from typing import Any, final, NamedTuple, TYPE_CHECKING, Union
 
 from lta_config.constants import AIR_TEMPERATURE
 from lta_data.compare.sampling import wrap_angle
-from lta_flight.report.evidence import FlightDataSource
 from lta_model.light.view import LightView
 from lta_model.state import DISPLACED
 from lta_model.vehicle import Vehicle
@@ -23,6 +22,12 @@ from lta_sim.termination import LIFT_OFF
 import numpy as np
 from numpy.typing import NDArray
 
+if TYPE_CHECKING:  # a page of a recording does without the simulator
+    from lta_flight.loop_view import LoopView
+    from lta_flight.report.view import FlightView
+
+# A recorded or a simulated flight
+AnyFlightView = Union['FlightView', 'LoopView']
 Flags = NDArray[np.bool_]
 
 CRUISING = 0.9  # share of the set speed at which the cruise begins
@@ -144,7 +149,7 @@ class FlightPhases(NamedTuple):
     end: float
 
 
-def compute_results(view: FlightDataSource) -> FlightResults:
+def compute_results(view: 'AnyFlightView') -> FlightResults:
     """Return the results of a flight."""
     phases = find_phases(view)
     metrics: dict[str, float] = {
@@ -167,7 +172,7 @@ def compute_results(view: FlightDataSource) -> FlightResults:
     return FlightResults(**converted)
 
 
-def find_phases(view: FlightDataSource) -> FlightPhases:
+def find_phases(view: 'AnyFlightView') -> FlightPhases:
     """Return the start and end times of the phases."""
     lift_off = search = np.nan
     end = view.span[1]
@@ -181,7 +186,7 @@ def find_phases(view: FlightDataSource) -> FlightPhases:
     return FlightPhases(lift_off, search, find_cruise_start(view, search), end)
 
 
-def find_cruise_start(view: FlightDataSource, search: float) -> float:
+def find_cruise_start(view: 'AnyFlightView', search: float) -> float:
     """Return when the true forward speed first comes near the setpoint. [s]"""
     if not view.has_topics('ground_truth/odom') or not np.isfinite(search):
         return np.nan
@@ -214,7 +219,7 @@ def mean_or_nan(values: Array) -> float:
     return float(np.mean(values)) if len(values) else np.nan
 
 
-def compute_goal_metrics(view: FlightDataSource, phases: FlightPhases) -> dict[str, float]:
+def compute_goal_metrics(view: 'AnyFlightView', phases: FlightPhases) -> dict[str, float]:
     """Return whether, when and over which path the goal was reached."""
     goal = view.goal
     if goal.truth is None or not goal.places:
@@ -239,7 +244,7 @@ def compute_goal_metrics(view: FlightDataSource, phases: FlightPhases) -> dict[s
     }
 
 
-def compute_cruise_metrics(view: FlightDataSource, phases: FlightPhases) -> dict[str, float]:
+def compute_cruise_metrics(view: 'AnyFlightView', phases: FlightPhases) -> dict[str, float]:
     """Return how well speed, altitude and heading were held. [m/s, m, rad]"""
     if not view.has_topics('ground_truth/odom'):
         return {}
@@ -259,7 +264,7 @@ def compute_cruise_metrics(view: FlightDataSource, phases: FlightPhases) -> dict
     return metrics
 
 
-def is_cruising(view: FlightDataSource, phases: FlightPhases, time: Array) -> Flags:
+def is_cruising(view: 'AnyFlightView', phases: FlightPhases, time: Array) -> Flags:
     """Return which times [s] are part of the cruise, without rests at lamps of a route."""
     if not view.has_topics('setpoint/velocity'):
         return np.zeros(len(time), dtype=bool)
@@ -268,7 +273,7 @@ def is_cruising(view: FlightDataSource, phases: FlightPhases, time: Array) -> Fl
     )
 
 
-def compute_light_metrics(view: FlightDataSource, phases: FlightPhases) -> dict[str, float]:
+def compute_light_metrics(view: 'AnyFlightView', phases: FlightPhases) -> dict[str, float]:
     """Return the quality of the light measurements during the search."""
     metrics: dict[str, float] = {}
     if view.has_topics('light/estimate'):
@@ -285,7 +290,7 @@ def compute_light_metrics(view: FlightDataSource, phases: FlightPhases) -> dict[
 
 
 def compute_direction_error(
-    name: str, view: FlightDataSource, phases: FlightPhases, arrow: DirectionCurve
+    name: str, view: 'AnyFlightView', phases: FlightPhases, arrow: DirectionCurve
 ) -> dict[str, float]:
     """Return RMS and median error of directions to the lamp [rad], and the share with one."""
     time, angle = arrow
@@ -303,7 +308,7 @@ def compute_direction_error(
     return metrics | {f'{name}_error': rms(error), f'{name}_median': middle}
 
 
-def beacon_direction(view: FlightDataSource, motion: MotionCurve) -> Array:
+def beacon_direction(view: 'AnyFlightView', motion: MotionCurve) -> Array:
     """Return the direction to the lamp that the drone tracks, body frame. [rad]"""
     # Older bags have no frequency: use the next lamp
     if not view.has_topics('light/peaks') or 'frequency' not in view.peaks.fields:
@@ -316,7 +321,7 @@ def beacon_direction(view: FlightDataSource, motion: MotionCurve) -> Array:
     return view.goal.beacon_direction(motion, frequency[np.maximum(newest, 0)])
 
 
-def compute_estimate_errors(view: FlightDataSource, phases: FlightPhases) -> dict[str, float]:
+def compute_estimate_errors(view: 'AnyFlightView', phases: FlightPhases) -> dict[str, float]:
     """Return the errors of the estimator in flight. [m, rad, m/s]"""
     if not view.has_topics('ground_truth/odom', 'odom'):
         return {}
@@ -335,7 +340,7 @@ def compute_estimate_errors(view: FlightDataSource, phases: FlightPhases) -> dic
     }
 
 
-def compute_energy_metrics(view: FlightDataSource, phases: FlightPhases) -> dict[str, float]:
+def compute_energy_metrics(view: 'AnyFlightView', phases: FlightPhases) -> dict[str, float]:
     """Return the energy consumption of the flight. [J, W]"""
     if not view.has_topics('battery'):
         return {}
@@ -354,7 +359,7 @@ def compute_energy_metrics(view: FlightDataSource, phases: FlightPhases) -> dict
     }
 
 
-def compute_gas_metrics(view: FlightDataSource, phases: FlightPhases) -> dict[str, float]:
+def compute_gas_metrics(view: 'AnyFlightView', phases: FlightPhases) -> dict[str, float]:
     """Return how warm sunlight has made the gas at the end [K], and its lift [kg]."""
     scenario, file = view.scene.scenario, view.scene.vehicle
     if scenario is None or file is None or not view.has_topics('ground_truth/odom'):
