@@ -1,4 +1,4 @@
-"""Generic figures of studies: lines and dots over one axis, and stacked bars."""
+"""Generic figures of studies: lines and dots over one axis, polar curves, and stacked bars."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -6,9 +6,9 @@ import math
 from typing import Any, Final, final, Literal
 
 from lta_report.drawing import add_legend, create_figure, EndLabel, label_ends, padded_range
-from lta_report.palette import ESTIMATE, GOOD, INK, LAMP, SETPOINT, SOFT, TIME, TRUTH, WALL
+from lta_report.palette import ESTIMATE, GOOD, GRID, INK, LAMP, SETPOINT, SOFT, TIME, TRUTH, WALL
 import numpy as np
-from plotly.graph_objects import Bar, Figure, Scatter
+from plotly.graph_objects import Bar, Figure, Scatter, Scatterpolar
 
 # Colours of items that a study compares, in order; they repeat
 COLOURS: Final = (TRUTH, ESTIMATE, GOOD, LAMP, SETPOINT, TIME[0], TIME[2], TIME[3])
@@ -136,6 +136,35 @@ def add_level(figure: Figure, level: Level, *, log: bool = False, row: int = 1) 
             xanchor='right' if level.right else 'left',
             yanchor='top' if level.below else 'bottom', **where,
         )  # fmt: skip
+
+
+def draw_polar(curves: Mapping[str, tuple[Sequence[float], str]]) -> Figure:
+    """
+    Return angles by direction, over one turn counter-clockwise with the nose up.
+
+    `curves`: angles at even directions from 0 [rad], and colour, by name.
+    """
+    figure = create_figure()
+    for name, (angles, colour) in curves.items():
+        figure.add_trace(
+            Scatterpolar(
+                # The first direction again closes the curve
+                theta=np.linspace(0.0, 360.0, len(angles) + 1),
+                r=np.degrees([*angles, angles[0]]), mode='lines+markers', name=name,
+                line={'color': colour, 'width': 1.6}, marker={'size': 6, 'color': colour},
+                hovertemplate='%{theta}°: %{r:.2f}°',
+            )
+        )  # fmt: skip
+    look = {'gridcolor': GRID, 'linecolor': GRID, 'tickfont': {'color': SOFT, 'size': 11}}
+    return add_legend(figure).update_layout(
+        polar={
+            'bgcolor': 'rgba(0,0,0,0)',
+            'angularaxis': {**look, 'dtick': 45, 'rotation': 90},
+            'radialaxis': {**look, 'ticksuffix': '°', 'angle': 22.5, 'rangemode': 'tozero'},
+        },
+        xaxis={'visible': False}, yaxis={'visible': False}, margin={'b': 30},
+        hovermode='closest',
+    )  # fmt: skip
 
 
 def draw_bars(

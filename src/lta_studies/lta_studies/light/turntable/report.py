@@ -4,10 +4,9 @@ from collections.abc import Mapping, Sequence
 import math
 from typing import Any, Final
 
-from lta_report.charts import ChartAxis, Curve, draw_curves
-from lta_report.drawing import add_legend, create_figure
+from lta_report.charts import ChartAxis, Curve, draw_curves, draw_polar
 from lta_report.formatting import Tile
-from lta_report.palette import ESTIMATE, GRID, SETPOINT, SOFT, TIME, TRUTH
+from lta_report.palette import ESTIMATE, SETPOINT, TIME, TRUTH
 from lta_report.report import Grid, Picture, Report, TextSection, TextTable
 from lta_studies.light.bearing.report import format_degrees
 from lta_studies.light.bearing.study import (
@@ -17,14 +16,13 @@ from lta_studies.light.bearing.study import (
     DIRECTIONS,
     format_median_errors,
     judge_claim,
-    list_directions,
     median_error,
     RingStudy,
 )
 from lta_studies.light.turntable.turntable import TurntableReadings, TurntableResponse
 from lta_vlc.diodes import DiodeArray
 import numpy as np
-from plotly.graph_objects import Figure, Scatterpolar
+from plotly.graph_objects import Figure
 
 POLAR: Final = (
     'Direction: true direction of the lamp, counter-clockwise from the nose. Radius: median '
@@ -80,7 +78,9 @@ def build_report(
         tiles=build_tiles(study, response),
         blocks=(
             Grid((
-                Picture('polar', 'Error by direction', POLAR, plot_polar_errors(study)),
+                Picture('polar', 'Error by direction', POLAR, draw_polar({
+                    'paper': (study.paper, ESTIMATE), 'fit': (study.ours, TRUTH),
+                })),
                 Picture(
                     'curve', 'Angular response of a diode', CURVE,
                     plot_response(readings, response, diodes),
@@ -181,35 +181,10 @@ def build_tiles(study: RingStudy, response: TurntableResponse) -> list[Tile]:
     ]  # fmt: skip
 
 
-def plot_polar_errors(study: RingStudy) -> Figure:
-    """Plot the error by direction; the first direction is repeated to close the curve."""
-    figure = create_figure()
-    around = [*np.degrees(list_directions()), 360.0]
-    for name, errors, colour in (('paper', study.paper, ESTIMATE), ('fit', study.ours, TRUTH)):
-        figure.add_trace(
-            Scatterpolar(
-                theta=around, r=np.degrees([*errors, errors[0]]), mode='lines+markers', name=name,
-                line={'color': colour, 'width': 1.6}, marker={'size': 6, 'color': colour},
-                hovertemplate='%{theta}°: %{r:.2f}°',
-            )
-        )  # fmt: skip
-    look = {'gridcolor': GRID, 'linecolor': GRID, 'tickfont': {'color': SOFT, 'size': 11}}
-    return add_legend(figure).update_layout(
-        polar={
-            'bgcolor': 'rgba(0,0,0,0)',
-            'angularaxis': {**look, 'dtick': 45, 'rotation': 90},  # the nose up, as on a map
-            'radialaxis': {**look, 'ticksuffix': '°', 'angle': 22.5, 'rangemode': 'tozero'},
-        },
-        xaxis={'visible': False}, yaxis={'visible': False}, margin={'b': 30},
-        hovermode='closest',
-    )  # fmt: skip
-
-
 def plot_response(
     readings: TurntableReadings, response: TurntableResponse, diodes: DiodeArray
 ) -> Figure:
     """Plot the reading of each diode against the angle between its axis and the lamp."""
-    figure = create_figure()
     axes = np.array(diodes.axes)
     azimuth = np.arctan2(axes[:, 1], axes[:, 0])
     # Angle to the lamp, wrapped to [-180, 180) degrees first

@@ -11,8 +11,8 @@ from lta_config.schema.comparison_file import load_comparison
 from lta_flight.flight_spec import build_vehicle_scenario_stack, load_spec
 from lta_model.electrical.loads import BENCH
 from lta_model.vehicle import load_vehicle, Vehicle
-from lta_report.drawing import add_legend, create_figure
-from lta_report.palette import LAMP, SOFT, TRUTH
+from lta_report.charts import ChartAxis, Curve, draw_curves
+from lta_report.palette import LAMP, TRUTH
 from lta_studies.platforms.flight import build_entrant
 from lta_studies.platforms.summary import compute_lift_margin
 from lta_studies.reproduce.studies import pressure, tunnel
@@ -24,7 +24,7 @@ from lta_studies.reproduce.study_result import (
     StudyPicture,
 )
 import numpy as np
-from plotly.graph_objects import Figure, Scatter
+from plotly.graph_objects import Figure
 
 SLOW: Final = 0.2  # m/s, seed paper: the speed of the linear terms
 NOT_IN_TABLE: Final = 'solar_panels'  # missing in the paper's table of masses
@@ -152,19 +152,11 @@ def drag_coefficients(vehicle: Vehicle) -> dict[str, MeasuredValue]:
 
 def plot_thrust(vehicle: Vehicle) -> Figure:
     """Plot the paper's thrust curve and the bench data."""
-    figure = create_figure()
     a, b = vehicle.thrust_curve
     duty = np.linspace(0.0, 1.0, 101)
-    figure.add_trace(
-        Scatter(x=duty, y=(a * duty + b) * duty, mode='lines', name='paper',
-                line={'color': TRUTH, 'width': 1.6}, hovertemplate='%{y:.3f} N')
-    )  # fmt: skip
-    figure.add_trace(
-        Scatter(x=[row.duty for row in BENCH],
-                y=[row.thrust for row in BENCH],
-                mode='markers', name='bench', marker={'color': LAMP, 'size': 6},
-                hovertemplate='bench %{y:.3f} N')
-    )  # fmt: skip
-    figure.update_xaxes(title_text='duty', title_font={'color': SOFT})
-    figure.update_yaxes(title_text='thrust [N]')
-    return add_legend(figure)
+    curves = [
+        Curve('paper', duty, (a * duty + b) * duty, TRUTH, '%{y:.3f} N'),
+        Curve('bench', [row.duty for row in BENCH], [row.thrust for row in BENCH], LAMP,
+              '%{y:.3f} N', 'markers', size=6),
+    ]  # fmt: skip
+    return draw_curves(curves, ChartAxis('duty'), ChartAxis('thrust [N]'))

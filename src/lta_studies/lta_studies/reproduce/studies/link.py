@@ -10,8 +10,8 @@ from lta_config.topics import load_topic_table
 from lta_flight.flight_spec import build_vehicle_scenario_stack, load_spec
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
-from lta_report.drawing import add_legend, create_figure
-from lta_report.palette import ESTIMATE, RAW, TRUTH
+from lta_report.charts import ChartAxis, Curve, draw_curves
+from lta_report.palette import ESTIMATE, TRUTH
 from lta_studies.light.bearing.bench import FOR_SUN
 from lta_studies.light.link.link_budget import (
     compute_lamp_link,
@@ -36,7 +36,7 @@ from lta_studies.reproduce.study_result import (
 from lta_vlc.receiver import BeaconReceiver
 from lta_vlc.settings import DemodulationSettings
 import numpy as np
-from plotly.graph_objects import Figure, Scatter
+from plotly.graph_objects import Figure
 
 VEHICLE: Final = 'gtmab'
 ROOM, DUSK, SUN = 'lamp_room', 'open_field', 'sunny_field'
@@ -146,20 +146,14 @@ def floor_area_per_lamp() -> float:
 
 def plot_diode_samples(block: np.ndarray) -> Figure:
     """Plot the first samples of the brightest and the darkest diode."""
-    figure = create_figure()
     time = 1e3 * np.arange(SHOWN) / load_topic_table().light.sample_rate.si
     means = block.mean(axis=0)
-    for name, index, colour in (
-        ('facing the lamp', int(means.argmax()), TRUTH),
-        ('facing away', int(means.argmin()), ESTIMATE),
-    ):
-        figure.add_trace(
-            Scatter(
-                x=time, y=block[:SHOWN, index], mode='lines', name=name,
-                line={'color': colour, 'width': 1.2}, hovertemplate='%{y} counts',
-            )
-        )  # fmt: skip
-    figure.add_hline(y=0, line={'color': RAW, 'width': 1})
-    figure.update_xaxes(title_text='time [ms]')
-    figure.update_yaxes(title_text='ADC [counts]')
-    return add_legend(figure)
+    curves = [
+        Curve(name, time, block[:SHOWN, index], colour, '%{y} counts', width=1.2)
+        for name, index, colour in (
+            ('facing the lamp', int(means.argmax()), TRUTH),
+            ('facing away', int(means.argmin()), ESTIMATE),
+        )
+    ]
+    axis = ChartAxis('ADC [counts]', zero=True)
+    return draw_curves(curves, ChartAxis('time [ms]'), axis)

@@ -14,13 +14,13 @@ from lta_flight.flight_spec import build_loop, build_vehicle_scenario_stack, Fli
 from lta_flight.sweep.statistics import wilson_interval
 from lta_model.limits import level_speed
 from lta_model.vehicle import load_vehicle
+from lta_report.charts import ChartAxis, Curve, draw_curves, Level
 from lta_report.curves import Array
-from lta_report.drawing import create_figure
 from lta_report.report import TextTable
 from lta_sim.wind_limits import static_wind_limit, wind_share_at_hull
 from lta_studies.light.evaluation.cells import EvaluationCell
 from lta_studies.light.evaluation.flights import PILOT
-from lta_studies.light.evaluation.pictures import fly_again, LEGEND, plot_tracks, strategy_color
+from lta_studies.light.evaluation.pictures import fly_again, plot_tracks, strategy_color
 from lta_studies.light.evaluation.tables import label_strategy
 from lta_studies.reproduce.flights import (
     FlightGroup,
@@ -42,7 +42,7 @@ from lta_studies.reproduce.study_result import (
     yes_no_value,
 )
 import numpy as np
-from plotly.graph_objects import Figure, Scatter
+from plotly.graph_objects import Figure
 
 WIND: Final = 'scenario.air.profile.wind'
 ROUGH: Final = 'scenario.air.profile.roughness'
@@ -278,15 +278,9 @@ def plot_outdoor_flights(
 
 def plot_distances(lines: Mapping[str, tuple[Array, Array]]) -> Figure:
     """Plot the distance to the lamp by time."""
-    figure = create_figure()
-    for name, (time, values) in lines.items():
-        figure.add_trace(
-            Scatter(
-                x=time, y=values, mode='lines', name=label_strategy(name),
-                line={'color': strategy_color(name), 'width': 1.6}, hovertemplate='%{y:.1f} m',
-            )
-        )  # fmt: skip
-    figure.add_hline(y=1.0, line={'width': 1, 'dash': '2px,3px'})
-    figure.update_xaxes(title_text='time [s]')
-    figure.update_yaxes(title_text='distance to the lamp [m]', rangemode='tozero')
-    return figure.update_layout(showlegend=True, legend=LEGEND)
+    curves = [
+        Curve(label_strategy(name), *line, strategy_color(name), '%{y:.1f} m')
+        for name, line in lines.items()
+    ]
+    distance = ChartAxis('distance to the lamp [m]', zero=True)
+    return draw_curves(curves, ChartAxis('time [s]'), distance, levels=[Level(1.0)])

@@ -6,8 +6,7 @@ from typing import Any, Final
 
 from lta_config.command_line import format_lta_command
 from lta_flight.flight_spec import build_vehicle_scenario_stack
-from lta_report.drawing import create_figure
-from lta_report.palette import GRID, SOFT
+from lta_report.charts import draw_polar
 from lta_studies.light.bearing.bench import BearingBench, build_flight_spec, DIODES, PLACES
 from lta_studies.light.bearing.study import (
     ASIDE,
@@ -16,7 +15,6 @@ from lta_studies.light.bearing.study import (
     COUNTS,
     describe_method,
     DIRECTIONS,
-    list_directions,
     READINGS,
     RingStudy,
     study_ring,
@@ -31,7 +29,6 @@ from lta_studies.reproduce.study_result import (
     to_values,
 )
 import numpy as np
-from plotly.graph_objects import Figure, Scatterpolar
 
 QUICK, DRAWN = 10, 1  # readings per direction with --quick, and in a draw
 ASIDES: Final = (ASIDE, 0.0)  # readings of where the drone stands, off the lamp's axis [rad]
@@ -73,7 +70,10 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
         StudyPicture(place, f'{place.capitalize()}: {PLACES[place].about}',
                 'Median bearing error as the radius [°], by direction of the lamp. Seed '
                 f'1. {describe_method(ASIDE)}',
-                plot_polar_errors({count: vehicles[0][ASIDE, place, count] for count in COUNTS}),
+                draw_polar({
+                    f'{count} diodes': (vehicles[0][ASIDE, place, count].paper, COLOURS[count])
+                    for count in COUNTS
+                }),
                 command)
         for place in PLACES
     ]  # fmt: skip
@@ -155,28 +155,3 @@ def midway_share(ring: RingStudy) -> float:
     # Test directions per diode spacing
     step = DIRECTIONS // ring.count
     return sum(k % step == step // 2 for k in good) / len(good) if good else math.nan
-
-
-def plot_polar_errors(studies: Mapping[int, RingStudy]) -> Figure:
-    """Plot the errors by direction as in the paper."""
-    figure = create_figure()
-    angles = np.degrees([*list_directions(), math.tau])
-    for count, ring in studies.items():
-        # The first direction again closes the curve.
-        errors = np.degrees([*ring.paper, ring.paper[0]])
-        figure.add_trace(
-            Scatterpolar(
-                theta=angles, r=errors, mode='lines+markers', name=f'{count} diodes',
-                line={'color': COLOURS[count], 'width': 1.6}, marker={'size': 5},
-                hovertemplate='%{theta}°: %{r:.2f}°',
-            )
-        )  # fmt: skip
-    axis = {'gridcolor': GRID, 'linecolor': GRID, 'tickfont': {'color': SOFT, 'size': 10}}
-    return figure.update_layout(
-        polar={
-            'bgcolor': 'rgba(0,0,0,0)', 'radialaxis': {**axis, 'ticksuffix': '°'},
-            'angularaxis': {**axis, 'dtick': 45},
-        },
-        xaxis={'visible': False}, yaxis={'visible': False}, showlegend=True, hovermode='closest',
-        legend={'orientation': 'h', 'y': 1.12}, margin={'l': 40, 'r': 40, 't': 40, 'b': 30},
-    )  # fmt: skip
