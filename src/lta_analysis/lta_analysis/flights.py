@@ -8,9 +8,10 @@ from typing import Any, TYPE_CHECKING
 from lta_analysis.console import plain_console
 from lta_config.errors import BadInput
 from lta_data.bag.recorded_flight import open_flight, RecordedFlight
-from lta_flight.flight_run import SilentObserver
+from lta_flight.progress import FlightProgress
 from lta_report.request import build_request, Changes, option, Request
 from lta_report.results_folder import resolve_folder
+from rich.console import Console
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -51,7 +52,8 @@ def simulate(
         tuple(f'{path}={value}' for path, value in (changes or {}).items()),
         None if out is None else Path(out),
     )  # fmt: skip
-    return open_flight(simulate_once(request, SilentObserver())[0].bag)
+    with FlightProgress(plain_console(stderr=True), 'loading the world') as progress:
+        return open_flight(simulate_once(request, progress)[0].bag)
 
 
 def fly_grid(
@@ -86,13 +88,13 @@ def fly_grid(
 
     count = build_request(NotebookFlight, {'seeds': seeds}).seeds
     base = load_spec(str(vehicle), str(scenario), str(strategy), '')
-    rows = []
+    rows, silent = [], FlightProgress(Console(quiet=True))
     lists = [each if is_list_like(each) else [each] for each in values.values()]
     for chosen in product(*lists):
         row = dict(zip(values, chosen, strict=True))
         spec = base.with_values(build_request(NotebookFlight, {'changes': row}).changes)
         for seed in range(1, count + 1):
-            view, _ = simulate_closed_loop(build_loop(spec, seed), None, SilentObserver())
+            view, _ = simulate_closed_loop(build_loop(spec, seed), None, silent)
             rows.append({**row, 'seed': seed, **compute_results(view).to_dict()})
     return rows
 

@@ -17,8 +17,9 @@ from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
 from lta_control.strategies import find_navigation_strategy
 from lta_flight.domain_lock import DomainLock
-from lta_flight.flight_run import FlightObserver, FlightRun, ROBOT
+from lta_flight.flight_run import FlightRun, ROBOT
 from lta_flight.preflight import check_plan
+from lta_flight.progress import FlightProgress
 from lta_flight.stall_monitor import FLIGHT, StallMonitor
 from lta_flight.unflown_bag import remove_unflown_bags
 from lta_flight.viewers import find_viewers, report_live_views, require_free_live_ports
@@ -54,7 +55,7 @@ class FlightRequest:
     processes: Literal['many', 'one'] = 'many'  # of the nodes
 
 
-def fly_once(order: FlightRequest, watcher: FlightObserver) -> FlightRun:
+def fly_once(order: FlightRequest, watcher: FlightProgress) -> FlightRun:
     """
     Fly one flight and return its result.
 
@@ -85,7 +86,7 @@ def fly_once(order: FlightRequest, watcher: FlightObserver) -> FlightRun:
     return collect_result(folder, launcher, watcher, spare)
 
 
-def report_interrupted_flight(folder: Path, watcher: FlightObserver, *, new: bool) -> None:
+def report_interrupted_flight(folder: Path, watcher: FlightProgress, *, new: bool) -> None:
     """Show the bag and how to get its page; remove a `new` folder if the flight never began."""
     bag = folder / 'bag'
     remove_unflown_bags([bag])
@@ -118,7 +119,7 @@ def build_launch_arguments(order: FlightRequest, bag: Path) -> dict[str, str]:
 def supervise_flight(
     launcher: Launcher,
     listener: 'DiagnosticsListener',
-    watcher: FlightObserver,
+    watcher: FlightProgress,
     optional: Collection[str] = (),
 ) -> None:
     """
@@ -154,7 +155,7 @@ def supervise_flight(
             watcher.show_message(f'{end.sentence}.')
 
 
-def show_status(facts: Mapping[str, HealthFact], watcher: FlightObserver) -> None:
+def show_status(facts: Mapping[str, HealthFact], watcher: FlightProgress) -> None:
     """Show the newest status of the flight from the simulator."""
     fact = facts.get(FLIGHT)
     if (
@@ -202,7 +203,7 @@ def describe_line(line: str) -> str:
 
 
 def collect_result(
-    folder: Path, launcher: Launcher, watcher: FlightObserver, optional: Collection[str] = ()
+    folder: Path, launcher: Launcher, watcher: FlightProgress, optional: Collection[str] = ()
 ) -> FlightRun:
     """
     Return the result of the flight from the exits of its processes.

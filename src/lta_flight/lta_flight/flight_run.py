@@ -1,9 +1,9 @@
-"""The result of a flight, and how to show it to the user; of the graph or of one process."""
+"""The result of a flight, of the graph or of one process."""
 
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
-from typing import Final, final, Protocol
+from typing import Final, final
 
 ROBOT = 'lta1'
 # Exit status of a command by the outcome of its flight; 2 is bad input. A flight is still `flying`
@@ -11,36 +11,6 @@ ROBOT = 'lta1'
 EXIT_STATUSES: Final = MappingProxyType(
     {'reached': 0, 'flown': 0, 'flying': 0, 'failed': 1, 'timeout': 3, 'escaped': 4}
 )
-
-
-class FlightObserver(Protocol):
-    """Shows a flight to the user."""
-
-    def show_position(self, time: float, distance: float, pace: float) -> None:
-        """Show flight time [s], distance to the lamp [m] and flight seconds per wall second."""
-        ...
-
-    def show_message(self, sentence: str) -> None:
-        """Show a message."""
-        ...
-
-    def wait_for(self, what: str) -> None:
-        """Show a long first step."""
-        ...
-
-
-@final
-class SilentObserver:
-    """Shows nothing of a flight."""
-
-    def show_position(self, time: float, distance: float, pace: float) -> None:
-        """Do nothing."""
-
-    def show_message(self, sentence: str) -> None:
-        """Do nothing."""
-
-    def wait_for(self, what: str) -> None:
-        """Do nothing."""
 
 
 @final

@@ -19,7 +19,7 @@ from lta_config.errors import BadInput
 from lta_config.parameter_override import parse_assignment
 from lta_config.topics import load_topic_table
 from lta_flight.closed_loop import ClosedLoop
-from lta_flight.flight_run import FlightObserver, FlightRun, ROBOT
+from lta_flight.flight_run import FlightRun, ROBOT
 from lta_flight.flight_spec import (
     build_loop,
     build_vehicle_scenario_stack,
@@ -28,6 +28,7 @@ from lta_flight.flight_spec import (
     write_files,
 )
 from lta_flight.loop_view import LoopView
+from lta_flight.progress import FlightProgress
 from lta_flight.report.results import compute_results, FlightResults
 from lta_report.results_folder import resolve_folder
 from lta_sim.simulated_vehicle import is_compiled
@@ -70,7 +71,7 @@ class SimulationRequest:
 
 
 def simulate_once(
-    order: SimulationRequest, watcher: FlightObserver
+    order: SimulationRequest, watcher: FlightProgress
 ) -> tuple[FlightRun, FlightResults]:
     """
     Simulate one flight and return the run and its results.
@@ -119,14 +120,14 @@ def require_messages() -> None:
         ) from None
 
 
-def announce_compilation(watcher: FlightObserver) -> None:
+def announce_compilation(watcher: FlightProgress) -> None:
     """Show that the model will be compiled, which takes long and shows no progress."""
     if not is_compiled():
         watcher.wait_for(COMPILING)
 
 
 def simulate_closed_loop(
-    loop: ClosedLoop, recorder: 'LoopRecorder | None', watcher: FlightObserver
+    loop: ClosedLoop, recorder: 'LoopRecorder | None', watcher: FlightProgress
 ) -> tuple[LoopView, float]:
     """Fly a loop to its end; return its data and its pace."""
     view = LoopView(loop)
@@ -152,7 +153,7 @@ def simulate_closed_loop(
 
 
 def build_commanded_loop(
-    spec: FlightSpec, seed: int, order: CommandRequest, watcher: FlightObserver
+    spec: FlightSpec, seed: int, order: CommandRequest, watcher: FlightProgress
 ) -> ClosedLoop:
     """Return a flight of recorded commands, on the clock of the recording."""
     # Imported late: it loads scipy, which other flights do without

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from lta_config.errors import BadInput
 from lta_config.quantity import Quantity
-from lta_flight.flight_run import SilentObserver
+from lta_flight.progress import FlightProgress
 from lta_flight.recorded_commands import (
     fill_with_last,
     find_body_poses,
@@ -18,6 +18,7 @@ from lta_model.state import VELOCITY
 from lta_model.vehicle import load_vehicle, Vehicle
 import numpy as np
 import pytest
+from rich.console import Console
 from scipy.spatial.transform import Rotation
 
 from ..report_flight import SPEED  # noqa: TID252 - `test` is Python's own
@@ -27,7 +28,7 @@ def fly(folder: Path, *changes: str, commands: CommandRequest | None = None) -> 
     order = SimulationRequest(
         'gtmab', 'lamp_room', 'bag', '', 3, changes, folder, record=True, commands=commands
     )
-    return simulate_once(order, SilentObserver())[0].sentence
+    return simulate_once(order, FlightProgress(Console(quiet=True)))[0].sentence
 
 
 @pytest.fixture(scope='module')

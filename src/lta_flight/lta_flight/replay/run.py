@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import final, Protocol
+from typing import final
 
 from lta_bridge.bag.writer import prepare_empty_folder
 from lta_bridge.playback.settings import FOREVER
@@ -21,23 +21,13 @@ from lta_flight.replay.replay_request import (
 from lta_flight.stall_monitor import PLAYBACK, StallMonitor
 from lta_graph.launcher import Launcher
 from lta_graph.ros.listener import DiagnosticsListener
+from lta_report.progress_bar import ProgressBar
 from lta_report.report import Report
 from lta_report.request import argument, option, ReportRequest, ROBOT, StudyRun
+from rich.progress import BarColumn, TextColumn
 
 PATIENCE = 15.0  # wall seconds of a stall after which the replay is stopped
 LOOK = 0.05  # wall seconds between polls of the processes and the diagnostics
-
-
-class ReplayObserver(Protocol):
-    """Shows a replay to the user."""
-
-    def show_progress(self, time: float, pace: float) -> None:
-        """Show bag time [s] and bag seconds per wall second."""
-        ...
-
-    def show_message(self, sentence: str) -> None:
-        """Show a message."""
-        ...
 
 
 @final
@@ -102,7 +92,6 @@ class NodeReplayRequest(ReportRequest, command='replay'):
 
     def run(self, run: StudyRun) -> Report:
         """Return the report of the replay."""
-        from lta_flight.replay.progress import ReplayProgress
         from lta_flight.replay.report import build_report
         from lta_flight.replay.verdict import compare_with_recording
 
@@ -116,7 +105,11 @@ class NodeReplayRequest(ReportRequest, command='replay'):
         # ns to s; a damaged bag may have no times
         span = ((flight.bag.end or 0) - (flight.bag.start or 0)) * 1e-9
         length = max(0.0, min(span, order.end) - self.start)
-        with ReplayProgress(run.console, length) as progress:
+        detail = TextColumn('{task.fields[detail]}')
+        columns = TextColumn('{task.description}'), BarColumn(), detail
+        with ProgressBar(
+            run.console, *columns, begin='starting the nodes', total=length, detail=''
+        ) as progress:
             played = run_replay(order, flight, run.folder, progress)
         verdict = (
             compare_with_recording(flight, open_flight(played.bag), order.node_selection.answers)
@@ -127,7 +120,7 @@ class NodeReplayRequest(ReportRequest, command='replay'):
 
 
 def run_replay(
-    order: ReplayRequest, flight: RecordedFlight, folder: Path, watcher: ReplayObserver
+    order: ReplayRequest, flight: RecordedFlight, folder: Path, watcher: ProgressBar
 ) -> ReplayRun:
     """
     Run nodes again on a recording.
@@ -149,7 +142,7 @@ def run_replay(
 
 
 def supervise_replay(
-    launcher: Launcher, listener: DiagnosticsListener, watcher: ReplayObserver
+    launcher: Launcher, listener: DiagnosticsListener, watcher: ProgressBar
 ) -> None:
     """Follow a replay until a process ends it, or it has stalled for too long."""
     lookout = StallMonitor(watcher.show_message, listener.publish_error)
@@ -158,7 +151,9 @@ def supervise_replay(
         launcher.poll()
         fact = facts.get(PLAYBACK)
         if fact is not None and (numbers := fact.parse_numbers('time_s', 'pace')):
-            watcher.show_progress(*numbers)
+            time, pace = numbers
+            detail = f'{time:.1f} s, {pace:.1f} x real time'
+            watcher.update_bar(description='replaying', completed=time, detail=detail)
         running = launcher.running_nodes
         lookout.report_stalled_nodes(
             facts, listener.find_silent_nodes(running), listener.find_pending_nodes(running)
@@ -172,7 +167,7 @@ def supervise_replay(
             return
 
 
-def collect_result(bag: Path, launcher: Launcher, watcher: ReplayObserver) -> ReplayRun:
+def collect_result(bag: Path, launcher: Launcher, watcher: ProgressBar) -> ReplayRun:
     """Return the result from the exits of the processes; raise `BadInput` for a refusal."""
     end = launcher.outcome
     broken = end is None or not end.success

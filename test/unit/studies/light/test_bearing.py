@@ -226,5 +226,4 @@ def test_both_verbs_write_a_table_and_a_page(tmp_path, monkeypatch, capsys):
     assert lta(*words, monkeypatch=monkeypatch) == 0
     printed = json.loads(capsys.readouterr().out)
     assert [ring['diodes'] for ring in printed['rings']] == [4, 8, 16] * 2
-    assert len(printed['claims']) == 3
     assert (out / 'report.html').stat().st_size > 1000

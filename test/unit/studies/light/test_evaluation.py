@@ -14,7 +14,6 @@ from lta_config.errors import BadInput
 from lta_config.files import list_shipped_names
 from lta_config.schema.sweep_file import load_sweep
 from lta_flight.batch.flight_loop import FIGURES
-from lta_flight.flight_spec import load_spec
 from lta_flight.sweep.job_runner import SweepRow
 from lta_flight.sweep.plan import SweepPlan
 from lta_report.report import TextTable
@@ -22,7 +21,7 @@ from lta_report.request import StudyRun
 from lta_report.study import StudyOptions
 from lta_sim.readings import FlightOutcome
 from lta_sim.termination import OUTCOMES
-from lta_studies.light.evaluation import flights, sets, wind
+from lta_studies.light.evaluation import flights, sets
 from lta_studies.light.evaluation.cells import (
     bootstrap_mean,
     bootstrap_ratio,
@@ -63,7 +62,7 @@ def cell(paths, strategy='bag', lost=0, case='as_flown'):
         for seed, path in enumerate(paths)
     }
     rows |= {100 + k: SweepRow(100 + k, 100 + k, {}, 'timeout', '') for k in range(lost)}
-    return EvaluationCell(strategy, case, '', math.nan, 0.0, rows)
+    return EvaluationCell(strategy, case, '', math.nan, rows)
 
 
 def test_a_mean_has_the_interval_of_all_ways_to_resample_it():
@@ -127,22 +126,6 @@ def test_every_shipped_sweep_of_the_light_is_a_set():
     assert {part.file for part in SETS.values()} == {
         name for name in list_shipped_names('sweeps') if name.startswith('light_')
     }
-
-
-@pytest.mark.long
-def test_a_wind_is_told_as_share_of_what_the_vehicle_flies():
-    """8 m/s at 10 m over 0.3 m are 1.09 m/s at the hull; 1.05 m/s is what it flies at most."""
-    field = load_spec('gtmab', 'windy_field', 'bag', 'gtmab')
-    assert wind.wind_to_airspeed_ratio(field) == pytest.approx(8.0 * 0.1357 / 1.05, abs=0.01)
-    gusty = load_spec('gtmab', 'gusty_hall', 'bag', 'gtmab')
-    assert wind.wind_to_airspeed_ratio(gusty) == pytest.approx(
-        0.25 / 1.05
-    )  # 0.15 m/s and 0.1 m/s of turbulence
-    worst = build_sweep_plan(sets.UNIFORM)
-    job = next(job for job in map(worst.build_job, range(0, worst.count, 1000))
-               if job.values['case'] == 'head_90')  # fmt: skip
-    made_of = worst.base.with_values(job.case)
-    assert wind.wind_to_airspeed_ratio(made_of) == pytest.approx(0.9, abs=0.002)
 
 
 def test_the_pilot_keeps_its_track_straight():

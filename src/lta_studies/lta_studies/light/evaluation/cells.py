@@ -13,7 +13,6 @@ from lta_flight.sweep.plan import SweepPlan
 from lta_flight.sweep.statistics import format_value, REACHED, ShareInterval, wilson_interval
 from lta_studies.light.evaluation.flights import PILOT, STRATEGY
 from lta_studies.light.evaluation.sets import find_flight_set
-from lta_studies.light.evaluation.wind import wind_to_airspeed_ratio
 import numpy as np
 
 DRAWS: Final = 4000
@@ -69,7 +68,6 @@ class EvaluationCell:
     # Common name of cases that differ only along the axis; '' if there is only one family
     family: str
     place: float  # value of the case on the axis of its set; NaN without an axis
-    wind: float  # mean wind plus one deviation at the hull, relative to the top airspeed [1]
     rows: Mapping[int, SweepRow]  # completed flights, by seed
     failed: int = 0  # number of flights that could not be simulated
 
@@ -107,21 +105,19 @@ def build_cells(name: str, plan: SweepPlan, rows: Iterable[SweepRow]) -> list[Ev
     for row in rows:
         grouped.setdefault((format_case(row), row.values[STRATEGY]), []).append(row)
     cells = []
-    winds: dict[str, tuple[float, float]] = {}
+    places: dict[str, float] = {}
     # The order of the sweep, by the index of the first flight
     for (case, strategy), own in sorted(grouped.items(), key=lambda item: item[1][0].index):
         # Loading a scene is slow, and all strategies of a case share it.
-        if case not in winds:
-            made_of = build_flight_spec(plan, own[0])
-            winds[case] = (
-                math.nan if axis is None else axis.place(made_of),
-                wind_to_airspeed_ratio(made_of),
+        if case not in places:
+            places[case] = (
+                math.nan if axis is None else axis.place(build_flight_spec(plan, own[0]))
             )
         # A flight that could not be simulated is counted, but not as a missed lamp.
         completed = {row.seed: row for row in own if row.outcome != FAILED}
         failures = len(own) - len(completed)
         cells.append(
-            EvaluationCell(strategy, case, parse_family(own[0]), *winds[case], completed, failures)
+            EvaluationCell(strategy, case, parse_family(own[0]), places[case], completed, failures)
         )
     return cells
 

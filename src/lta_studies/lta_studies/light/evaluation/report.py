@@ -187,10 +187,7 @@ def draw_set(name: str, cells: Sequence[EvaluationCell]) -> Picture:
 
 def build_tables(status: EvaluationStatus) -> list[Block]:
     """Return the tables that have rows."""
-    results = [
-        tables.build_target_table(status.cells),
-        *(tables.build_set_table(name, own) for name, own in status.cells.items()),
-    ]
+    results = (tables.build_set_table(name, own) for name, own in status.cells.items())
     return [each for each in results if each.rows]
 
 
@@ -227,7 +224,7 @@ def to_json(status: EvaluationStatus) -> dict[str, Any]:
             'flights': count_flights(status),
             'failed': count_failed(status),
             'sets': {name: encode_cells(own) for name, own in status.cells.items()},
-            'units': {**FIGURES, 'reached': '1', 'ratio': '1', 'wind': '1'},
+            'units': {**FIGURES, 'reached': '1', 'ratio': '1'},
         }
     )
     return content
@@ -244,7 +241,7 @@ def encode_cells(cells: Sequence[EvaluationCell]) -> list[Mapping[str, Any]]:
             'ratio': cell.ratio_to(best.get(cell.case)),
         }
         return {
-            'case': cell.case, 'strategy': cell.strategy, 'place': cell.place, 'wind': cell.wind,
+            'case': cell.case, 'strategy': cell.strategy, 'place': cell.place,
             'flights': len(cell.rows), 'failed': cell.failed,
             **{name: value._asdict() for name, value in intervals.items()},
         }  # fmt: skip

@@ -9,8 +9,7 @@ from lta_report.report import TextTable
 from lta_report.result_table import format_share, format_value
 from lta_studies.light.evaluation.cells import EvaluationCell, select_pilot_cells
 from lta_studies.light.evaluation.flights import PILOT
-from lta_studies.light.evaluation.sets import EvaluationAxis, find_flight_set, INDOORS
-from lta_studies.light.evaluation.wind import ALLOWED
+from lta_studies.light.evaluation.sets import EvaluationAxis, find_flight_set
 
 STRATEGIES: Final[Mapping[str, str]] = {
     'bag': 'BAG', 'dga': 'DGA', 'des': 'DES', 'homing': 'homing', PILOT: 'pilot',
@@ -56,10 +55,6 @@ def label_case(cell: EvaluationCell, axis: EvaluationAxis | None) -> str:
 SET_HEADS: Final = (
     'case', 'strategy', 'flights', 'reached', 'path [m]', 'time [s]', 'path / pilot',
 )  # fmt: skip
-TARGET_HEADS: Final = ('case', 'reached', 'at least', 'path / pilot', 'at most', 'met')
-OURS: Final = 'homing'
-SHARE_WANTED: Final = 0.95
-RATIO_WANTED: Final = 1.1
 
 
 def build_set_table(name: str, cells: Sequence[EvaluationCell]) -> TextTable:
@@ -79,26 +74,3 @@ def build_set_table(name: str, cells: Sequence[EvaluationCell]) -> TextTable:
         for cell in cells
     ]  # fmt: skip
     return TextTable(part.title, SET_HEADS, rows, printed=False)
-
-
-def build_target_table(sets: Mapping[str, Sequence[EvaluationCell]]) -> TextTable:
-    """Return the table of targets: whether our strategy meets them in each piloted case."""
-    rows = []
-    for name, cells in sets.items():
-        part, best = find_flight_set(name), select_pilot_cells(cells)
-        for cell in cells:
-            # The targets apply in wind that the vehicle can fly against, relative to the flights.
-            if cell.strategy != OURS or not part.piloted or cell.wind > ALLOWED:
-                continue
-            reached, ratio = cell.reached_share, cell.ratio_to(best.get(cell.case))
-            met = reached.value >= SHARE_WANTED and ratio.value <= RATIO_WANTED
-            title = (
-                part.title if name == INDOORS else f'{part.title}: {label_case(cell, part.axis)}'
-            )
-            rows.append(
-                [
-                    title, format_share(reached), f'{100 * SHARE_WANTED:.0f} %',
-                    format_value(ratio, 2), f'{RATIO_WANTED:g}', 'yes' if met else 'no',
-                ]
-            )  # fmt: skip
-    return TextTable('Targets of our strategy', TARGET_HEADS, rows)

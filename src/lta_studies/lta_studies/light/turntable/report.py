@@ -10,12 +10,9 @@ from lta_report.palette import ESTIMATE, SETPOINT, TIME, TRUTH
 from lta_report.report import Grid, Picture, Report, TextSection, TextTable
 from lta_studies.light.bearing.report import format_degrees
 from lta_studies.light.bearing.study import (
-    build_claim_table,
     build_ring_table,
-    CLAIMS,
     DIRECTIONS,
     format_median_errors,
-    judge_claim,
     median_error,
     RingStudy,
 )
@@ -67,8 +64,6 @@ def build_report(
     `data`: further content of the JSON file. `facts`: origin of the recording. `closing`: last
     lines on the terminal.
     """
-    # Only claims on rings with as many diodes as this board
-    claims = [judge_claim(claim, study) for claim in CLAIMS if claim.count == study.count]
     return Report(
         command='hardware light',
         subject='light board on a turntable',
@@ -88,10 +83,9 @@ def build_report(
             )),
             build_ring_table([study]),
             build_gain_table(response),
-            build_claim_table(claims),
             TextSection('Method', (METHOD,)),
         ),
-        data={**study.to_json(), **data, 'response': response._asdict(), 'claims': claims},
+        data={**study.to_json(), **data, 'response': response._asdict()},
         facts=facts,
         closing=closing,
         json_name='turntable.json',
