@@ -14,18 +14,12 @@ from lta_flight.replay.run import ReplayRun
 from lta_flight.replay.verdict import compare_with_recording
 from lta_flight.report import write_page
 from lta_report.report_page import write_report
-from lta_report.screenshots import (
-    capture_part,
-    collect_errors,
-    find_overlapping_labels,
-    list_requests,
-    open_page,
-    resize_window,
-)
+from lta_report.screenshots import capture_part, open_page, resize_window
 from lta_studies.light.evaluation.sets import FlightSet, SETS
 from lta_studies.light.evaluation.tables import FACTORS
 from lta_studies.tune import compare, helium_limit
 from lta_studies.tune.compare import LampFlightResult
+from page_checks import collect_errors, find_overlapping_labels, list_requests
 import pytest
 from stamped_bytes import shift_stamp
 import yaml

@@ -1,7 +1,8 @@
 """The 3-D view of a flight in a real browser: time and view by keyboard, dark, without WebGL."""
 
 from lta_flight.report import write_page
-from lta_report.screenshots import collect_errors, open_page
+from lta_report.screenshots import open_page
+from page_checks import collect_errors
 import pytest
 
 from ..unit.report_flight import write_flight  # noqa: TID252 - `test` is Python's own

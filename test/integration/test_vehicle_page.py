@@ -4,9 +4,10 @@ from lta_config.files import list_shipped_names
 from lta_model.vehicle import load_vehicle
 from lta_report.report_page import render_report
 from lta_report.results_folder import write_file
-from lta_report.screenshots import collect_errors, list_requests, open_page
+from lta_report.screenshots import open_page
 from lta_vehicle.figures.sheet import build_sheet
 from lta_vehicle.views.report import build_report
+from page_checks import collect_errors, list_requests
 import pytest
 
 WARNING = 'Only 0.3 g of ballast is left to take off.'
