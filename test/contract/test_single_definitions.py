@@ -86,7 +86,7 @@ CALLERS = {
     },
     # All who write a bag of a flight in one process.
     'LoopRecorder': {
-        f'{FLIGHT}/simulate.py', f'{STUDIES}/reproduce/recording.py',
+        f'{FLIGHT}/simulate.py',
         'lta_discovery/lta_discovery/demo/hidden_effect.py',
     },
     'has_diverged': {

@@ -11,6 +11,7 @@ from lta_bridge.provenance import read_commit
 from lta_config.errors import BadInput
 from lta_config.version import VERSION
 
+DASK: Final = 'distributed'
 PATIENCE: Final = 10.0  # s to reach the scheduler
 LOGGERS: Final = ('distributed', 'distributed.client', 'tornado.application')
 TLS: Final = 'DASK_DISTRIBUTED__COMM__TLS__'  # Dask's settings, as environment variables
@@ -44,7 +45,7 @@ def import_dask() -> Any:  # noqa: ANN401 - Dask has no types
     """Return the module dask.distributed, or raise `BadInput` if it is not installed."""
     try:
         # Optional, so most installations do not have it
-        return import_module('distributed')
+        return import_module(DASK)
     except ImportError:
         raise BadInput(
             'A Dask cluster needs the package dask.distributed, which is not installed; run '

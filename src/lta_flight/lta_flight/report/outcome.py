@@ -92,7 +92,7 @@ def build_result_table(results: FlightResults) -> TextTable:
         value, digits = getattr(results, item.name), item.metadata['digits']
         if digits is None or value is None:
             continue
-        unit = item.metadata['shown']
+        unit = item.metadata['display']
         factor = 1.0 if unit == item.metadata['unit'] else unit_factor(unit)
         # One line, also on a phone
         cell = format_amount(value, unit, digits, factor).replace(' ', '\N{NO-BREAK SPACE}')

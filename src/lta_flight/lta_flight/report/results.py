@@ -35,13 +35,13 @@ WARMING_STEP = 0.5  # s, far below the lag of the gas
 ENDS = 5  # blocks whose median is the SNR at the start or the end
 
 
-def result_field(unit: str, about: str, digits: int | None = None, shown: str = '') -> Any:  # noqa: ANN401 - a field of any type
+def result_field(unit: str, about: str, digits: int | None = None, display: str = '') -> Any:  # noqa: ANN401 - a field of any type
     """
     Return a field of the results, which is None if the bag does not have the data.
 
-    `digits`: after the point, in the table of the page; None keeps it out. `shown`: unit there.
+    `digits`: after the point, in the table of the page; None keeps it out. `display`: unit there.
     """
-    about_it = {'unit': unit, 'about': about, 'digits': digits, 'shown': shown or unit}
+    about_it = {'unit': unit, 'about': about, 'digits': digits, 'display': display or unit}
     return field(default=None, metadata=about_it)
 
 

@@ -172,7 +172,7 @@ def test_units_are_told_by_name():
 
 def test_every_figure_says_what_it_is():
     for field in FlightResults.__dataclass_fields__.values():
-        assert set(field.metadata) == {'unit', 'about', 'digits', 'shown'}
+        assert set(field.metadata) == {'unit', 'about', 'digits', 'display'}
         assert field.metadata['about']
 
 
