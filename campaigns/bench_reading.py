@@ -19,9 +19,10 @@ import lta_analysis
 from lta_bridge.bag import BagWriter, build_offered_qos
 from lta_bridge.bag.schemas import load_jazzy_types
 from lta_data.bag import read_bag, summarize_bag
-from lta_flight.flight_run import SilentObserver
+from lta_flight.progress import FlightProgress
 from lta_flight.simulate import simulate_once, SimulationRequest
 import numpy as np
+from rich.console import Console
 from rosbags.highlevel import AnyReader
 
 from campaigns.bench import Figure
@@ -146,7 +147,7 @@ def list_reading() -> list[Figure]:
 def simulate_flight() -> Path:
     """Return the bag of a flight."""
     request = SimulationRequest('gtmab', 'lamp_room', 'bag', '', 1, out=make_folder() / 'flight')
-    return simulate_once(request, SilentObserver())[0].bag
+    return simulate_once(request, FlightProgress(Console(quiet=True)))[0].bag
 
 
 def tabulate() -> float:

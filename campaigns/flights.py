@@ -13,9 +13,10 @@ from typing import Final
 
 from lta_data.bag import open_flight
 from lta_flight.flight import FlightRequest, fly_once
-from lta_flight.flight_run import SilentObserver
+from lta_flight.progress import FlightProgress
 from lta_flight.report.results import compute_results
 from lta_flight.report.view import FlightView
+from rich.console import Console
 
 from campaigns.harness import Campaign, Case, Row, Rows
 
@@ -27,7 +28,7 @@ def run(case: Case, options: Namespace) -> Row:
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / 'flight'
         request = FlightRequest('gtmab', case.kind, 'bag', case.number, 'lockstep', out)
-        flight = fly_once(request, SilentObserver())
+        flight = fly_once(request, FlightProgress(Console(quiet=True)))
         results = compute_results(FlightView(open_flight(flight.bag)))
     return {'outcome': flight.outcome} | {name: getattr(results, name) for name in PAPER}
 

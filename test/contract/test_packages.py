@@ -85,7 +85,6 @@ CONDUCTORS = {  # start a graph and listen to it, record a flight as one, or ask
     'src/lta_flight/lta_flight/replay/node_settings.py',
     'src/lta_flight/lta_flight/replay/run.py',
     'src/lta_flight/lta_flight/simulate.py',
-    'src/lta_studies/lta_studies/reproduce/recording.py',
     'src/lta_cli/lta_cli/verbs/call.py',
 }
 
