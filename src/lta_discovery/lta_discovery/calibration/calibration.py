@@ -108,8 +108,7 @@ def _list_estimates(prepared: PreparedCalibration, fit: ParameterFit) -> list[_E
     def adapt(flights: Sequence[LinearFlight]) -> NoiseModel:
         return average_noise(fit_forecast_noise(flights, fit.noise, prior, horizons))
 
-    known = adapt(fit.flights)
-    out = [_Estimate('likelihood', fit.values, fit.covariance, _join(fit), known)]
+    out = [_Estimate('likelihood', fit.values, fit.covariance, _join(fit), adapt(fit.flights))]
     none = np.zeros(len(fit.values))
     # From the file as well: where nothing explains single readings, a fit to them is a poor start
     fits = []

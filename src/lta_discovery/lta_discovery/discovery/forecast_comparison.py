@@ -135,7 +135,7 @@ def _bootstrap_ratio(sums: Array, seed: int) -> ErrorRatio:
 
 def compare_forecasts(
     vehicle: Vehicle,
-    taught: Sequence[MeasuredFlight],
+    training: Sequence[MeasuredFlight],
     flights: Mapping[str, MeasuredFlight],
     models: Sequence[ComparedModel],
     parameters: Sequence[FreeParameter],
@@ -144,7 +144,7 @@ def compare_forecasts(
     """
     Forecast flights with each model.
 
-    `taught`: flights to which the noise of the forecasts is fitted. `flights`: those that are
+    `training`: flights to which the noise of the forecasts is fitted. `flights`: those that are
     forecast, by name. `parameters`: of which a flight has some of its own. `horizons`: how far
     ahead, rising [s].
     """
@@ -155,7 +155,7 @@ def compare_forecasts(
         usual = average_noise(model.noise)
         # A model that diverges has no better noise
         with contextlib.suppress(BadInput):
-            usual = adapt_noise(vehicle, model.nominal, taught, parameters, usual, horizons)
+            usual = adapt_noise(vehicle, model.nominal, training, parameters, usual, horizons)
         mean = usual.logarithms
         noise = [NoiseModel.guess(model.nominal, one).with_logarithms(mean) for one in measured]
         forecasts[model.name] = forecast_flights(

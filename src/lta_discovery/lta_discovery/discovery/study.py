@@ -149,11 +149,11 @@ def study_flights(
     judged_flights = {title: each[2] for title, each in by_title.items() if each in last}
     systems = [FlightSystem(vehicle, one, []) for one in judged_flights.values()]
     horizons = choose_horizons(systems)
-    taught = [one for _, _, one in used]
-    comparison = compare_forecasts(vehicle, taught, judged_flights, models, parameters, horizons)
+    training = [one for _, _, one in used]
+    comparison = compare_forecasts(vehicle, training, judged_flights, models, parameters, horizons)
     if possible:
         each = _build_possible_models(nominal, missing)
-        alone = compare_forecasts(vehicle, taught, judged_flights, each, parameters, horizons)
+        alone = compare_forecasts(vehicle, training, judged_flights, each, parameters, horizons)
         possible = tuple(
             one for one in possible if alone.compare(one.present.names[0], TUNED).ci95[1] < NO_GAIN
         )
