@@ -1,6 +1,6 @@
 """Simulate, import, check and vary flights in a notebook; they return the data themselves."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from itertools import product
 from pathlib import Path
 from typing import Any, TYPE_CHECKING
@@ -84,12 +84,14 @@ def fly_grid(
     from lta_flight.flight_spec import build_loop, load_spec
     from lta_flight.report.results import compute_results
     from lta_flight.simulate import simulate_closed_loop
-    from pandas.api.types import is_list_like
 
     count = build_request(NotebookFlight, {'seeds': seeds}).seeds
     base = load_spec(str(vehicle), str(scenario), str(strategy), '')
     rows, silent = [], FlightProgress(Console(quiet=True))
-    lists = [each if is_list_like(each) else [each] for each in values.values()]
+    lists = [
+        [each] if isinstance(each, str) or not isinstance(each, Iterable) else list(each)
+        for each in values.values()
+    ]
     for chosen in product(*lists):
         row = dict(zip(values, chosen, strict=True))
         spec = base.with_values(build_request(NotebookFlight, {'changes': row}).changes)

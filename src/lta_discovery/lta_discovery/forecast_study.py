@@ -184,8 +184,8 @@ def learn_noise_of_flights(
     noise = learn_noise(linear, prior, none, guess)
     noise = fit_forecast_noise(linear, noise, prior, horizons)
     # Flights may have different sensors, of which each keeps its own noise
-    mean = average_noise(noise).logarithms
-    return [one.with_logarithms(mean) for one in noise]
+    mean = average_noise(noise)
+    return [one.learn_from(mean) for one in noise]
 
 
 def build_report(study: ForecastStudy) -> Report:

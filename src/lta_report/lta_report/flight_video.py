@@ -83,7 +83,7 @@ def write_video(page: Path, out: Path) -> None:
     out.parent.mkdir(parents=True, exist_ok=True)
     with Browser() as browser, tempfile.TemporaryDirectory(dir=out.parent) as folder:
         open_page(browser, page, 'light', WIDTH)
-        span = browser.evaluate(PREPARE % SIZE)
+        span: tuple[float, float] | None = browser.evaluate(PREPARE % SIZE)
         if span is None:
             raise BadInput(f"'{page}' has no 3-D view to film: the true motion is not known.")
         pace = max(1.0, (span[1] - span[0]) / LONGEST)
@@ -93,7 +93,7 @@ def write_video(page: Path, out: Path) -> None:
             [*words, *coding, film], stdin=subprocess.PIPE, stderr=subprocess.PIPE
         ) as encoder:
             frames = bytearray()
-            for time in np.arange(*span, pace / rate):
+            for time in np.arange(span[0], span[1], pace / rate):
                 text = f'{time:.1f} s' + (f'   {pace:.1f} x real time' if pace > 1.0 else '')
                 shot = browser.evaluate(FRAME % {'time': time, 'text': json.dumps(text)})
                 frames += base64.b64decode(shot)

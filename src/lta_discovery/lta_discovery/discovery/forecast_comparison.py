@@ -156,8 +156,7 @@ def compare_forecasts(
         # A model that diverges has no better noise
         with contextlib.suppress(BadInput):
             usual = adapt_noise(vehicle, model.nominal, training, parameters, usual, horizons)
-        mean = usual.logarithms
-        noise = [NoiseModel.guess(model.nominal, one).with_logarithms(mean) for one in measured]
+        noise = [NoiseModel.guess(model.nominal, one).learn_from(usual) for one in measured]
         forecasts[model.name] = forecast_flights(
             vehicle, model.nominal, measured, own, noise, horizons
         )

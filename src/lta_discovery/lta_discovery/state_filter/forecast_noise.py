@@ -36,8 +36,7 @@ def fit_forecast_noise(
 
     def build(size: int, memory: int) -> list[NoiseModel]:
         return [
-            replace(one, wrench=one.wrench * FACTOR**size, memory=one.memory * FACTOR**memory)
-            for one in noise
+            replace(one, wrench_ahead=FACTOR**size, memory_ahead=FACTOR**memory) for one in noise
         ]
 
     @functools.cache
@@ -71,6 +70,6 @@ def adapt_noise(
     """
     systems = [FlightSystem(vehicle, one, parameters) for one in flights]
     linear = linearize_all(systems, nominal, np.zeros(len(parameters)))
-    usual = [NoiseModel.guess(nominal, one).with_logarithms(noise.logarithms) for one in flights]
+    usual = [NoiseModel.guess(nominal, one).learn_from(noise) for one in flights]
     prior = ParameterPrior.of(parameters)
     return average_noise(fit_forecast_noise(linear, usual, prior, horizons))

@@ -73,7 +73,9 @@ def list_errors(
     """Return the errors of the forecasts of each flight, shape (S, H, 6, K + 1) [m, rad]."""
 
     def forecast(one: tuple[LinearFlight, NoiseModel]) -> Array:
-        return settle_own(filter_flight(*one, list_starts(one[0].runs, EVERY), horizons), prior)
+        flight, model = one
+        starts = list_starts(flight.runs, EVERY)
+        return settle_own(filter_flight(flight, model.ahead, starts, horizons), prior)
 
     return map_parallel(forecast, list(zip(flights, noise, strict=True)))
 

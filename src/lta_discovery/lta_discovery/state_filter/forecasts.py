@@ -4,7 +4,7 @@ Forecast flights from what they have shown so far, and measure the errors.
 `lta calibrate` and `lta simulate --commands --forecasts` judge vehicles by these. A forecast
 begins at the estimate of a filter through the model that has seen the readings up to there and
 none after it. The commands that were given later are known. What differs from flight to flight is
-learned on the way: biases by the filter, and the lift and the strength of the commands from those
+learned on the way: biases by the filter, and lift and the strength of the commands from those
 forecasts that have ended by then. The unexplained wrench goes on and decays.
 """
 
@@ -110,15 +110,11 @@ def list_flight_parameters(
     Return what a flight may have of its own: what differs per flight, and strengths of commands.
 
     The strength of a command of the vehicle has a relative deviation of `VARIES`. A trend of the
-    lift is not among them: until a flight has told it, the flight is over. What ended forecasts
-    tell is not `per_flight`, which the filter learns: any force that the model lacks looks like
-    lift from one reading to the next, and less so over the seconds of a forecast.
+    lift is not among them: until a flight has told it, the flight is over.
     """
     out = []
     for one in parameters:
-        if one.name == NET_LIFT:
-            out.append(replace(one, per_flight=False))
-        elif one.per_flight and one.name != TREND:
+        if one.per_flight and one.name != TREND:
             out.append(one)
         elif share := _strength(nominal, one):
             out.append(replace(one, tolerance=VARIES * share))
@@ -141,12 +137,11 @@ def _forecast_flight(
     apart: float,
 ) -> FlightForecasts:
     """Forecast one flight."""
-    prior = ParameterPrior.of(system.parameters)
     linear = system.linearize(nominal, np.zeros(len(system.parameters)))
     starts = list_starts(linear.runs, apart)
     coasting = coast(system.flight, starts, horizons)
     try:
-        values, states = _estimate_starts(linear, noise, prior, starts)
+        values, states = _estimate_starts(linear, noise, system.parameters, starts)
         errors = _fly_forecasts(system, nominal, linear, starts, values, states, noise, horizons)
     except np.linalg.LinAlgError:
         # So unstable that a filter loses it
@@ -156,41 +151,47 @@ def _forecast_flight(
 
 
 def _estimate_starts(
-    linear: LinearFlight, noise: NoiseModel, prior: ParameterPrior, starts: NDArray[np.int64]
+    linear: LinearFlight,
+    noise: NoiseModel,
+    parameters: Sequence[FreeParameter],
+    starts: NDArray[np.int64],
 ) -> tuple[Array, Array]:
     """Return the flight's own parameters and the filter's state at each start."""
-    seen = filter_flight(linear, noise, starts)
-    values = _learn_from_ended(linear, noise, prior, starts)
-    for s, sums in enumerate(seen.sums):
-        values[s] = _join_own(sums, prior, values[s])
+    prior = ParameterPrior.of(parameters)
+    # Any force that the model lacks looks like lift from one reading to the next, and less so over
+    # the seconds of a forecast; until one has ended, the most probable noise tells them apart
+    lift = np.array([one.name == NET_LIFT for one in parameters], dtype=np.bool_)
+    without_lift = prior._replace(own=prior.own & ~lift)
+    seen, early = (filter_flight(linear, one, starts) for one in (noise.ahead, noise))
+    values, is_told = _learn_from_ended(linear, noise.ahead, without_lift, starts)
+    for s in range(len(starts)):
+        at, sums = (without_lift, seen.sums) if is_told[s] else (prior, early.sums)
+        values[s] = _join_own(sums[s], at, values[s])
     full = np.column_stack([values, np.ones(len(starts))])
     return values, np.einsum('szk,sk->sz', seen.states, full)
 
 
 def _learn_from_ended(
     linear: LinearFlight, noise: NoiseModel, prior: ParameterPrior, starts: NDArray[np.int64]
-) -> Array:
+) -> tuple[Array, NDArray[np.bool_]]:
     """
     Return what ended forecasts tell of the flight at each start, shape (S, K).
 
-    0 for parameters that the filter learns.
+    0 for parameters that the filter learns. Also returns whether any forecast has ended, (S,).
     """
     out, which = np.zeros((len(starts), len(prior.own))), np.flatnonzero(~prior.own)
-    if not len(which):
-        return out
     begun = list_starts(linear.runs, EVERY)
     errors = settle_own(filter_flight(linear, noise, begun, HORIZONS), prior)
     ends = begun[:, None] + np.rint(np.array(HORIZONS) / PERIOD).astype(np.int64)
     limits = np.diag(prior.deviation[which] ** -2.0)
-    for s, start in enumerate(starts):
-        ended = ends <= start
-        if not ended.any():
-            continue
+    is_told = np.array([(ends <= start).any() for start in starts], dtype=np.bool_)
+    for s in np.flatnonzero(is_told):
+        ended = ends <= starts[s]
         past = np.where(ended[..., None, None], errors, np.nan)
         table = weigh_errors(past[ended[:, 0]])[0].reshape(-1, errors.shape[-1])
         inner = table[:, which].T @ table[:, which] + limits
         out[s, which] = -np.linalg.solve(inner, table[:, which].T @ table[:, -1])
-    return np.clip(out, prior.low, prior.high)
+    return np.clip(out, prior.low, prior.high), is_told
 
 
 def _join_own(sums: Array, prior: ParameterPrior, others: Array) -> Array:
@@ -218,13 +219,14 @@ def _fly_forecasts(
     begun = apply_state_changes(linear.motion[starts], states[:, :BODY])
     replay = FlightReplay(flight, starts, count, system.vehicle.pack_command(()))
     time = PERIOD / STEPS * (np.arange(replay.span) + 0.5)
-    faded = np.exp(-time[:, None] / noise.memory)
+    memory = noise.ahead.memory
+    faded = np.exp(-time[:, None] / memory)
     out = np.full((len(starts), len(horizons), POSE), np.nan)
     for s, start in enumerate(starts):
         there, _ = apply_parameters(nominal, system.parameters, values[s])
         rows = replay.build_replay_rows(there)
         ready = replay.compute_body_inputs(rows)
-        wrench = (states[s, BODY : BODY + len(noise.memory)] * faded)[None]
+        wrench = (states[s, BODY : BODY + len(memory)] * faded)[None]
         motion = replay.integrate_pieces(
             rows, ready, begun[s : s + 1], np.ascontiguousarray(wrench), slice(s, s + 1)
         )[:, ::STEPS]

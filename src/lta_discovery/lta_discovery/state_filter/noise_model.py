@@ -41,6 +41,10 @@ class NoiseModel:
     correlation: float  # time in which it changes [s]
     wrench: Array  # unexplained force and moment on each axis, shape (6,) [N, N m]
     memory: Array  # time in which each changes, shape (6,) [s]
+    # Factors on both in forecasts: what is most probable from one reading to the next need not
+    # forecast best (`forecast_noise`)
+    wrench_ahead: float = 1.0
+    memory_ahead: float = 1.0
 
     @classmethod
     def guess(cls, nominal: NominalVehicle, flight: MeasuredFlight) -> Self:
@@ -58,6 +62,17 @@ class NoiseModel:
         sizes = np.array([force] * 3 + [ARM * force] * 3 + [MEMORY] * 2)
         logarithms: Array = np.log(sizes)
         return logarithms
+
+    @property
+    def ahead(self) -> 'NoiseModel':
+        """The noise of forecasts."""
+        return replace(
+            self,
+            wrench=self.wrench_ahead * self.wrench,
+            memory=self.memory_ahead * self.memory,
+            wrench_ahead=1.0,
+            memory_ahead=1.0,
+        )
 
     @property
     def logarithms(self) -> Array:
@@ -81,6 +96,14 @@ class NoiseModel:
             correlation=float(own[4]),
             wrench=own[5:11],
             memory=np.repeat(own[11:13], 3),
+        )
+
+    def learn_from(self, other: 'NoiseModel') -> 'NoiseModel':
+        """Return the model with all that another one has learned."""
+        return replace(
+            self.with_logarithms(other.logarithms),
+            wrench_ahead=other.wrench_ahead,
+            memory_ahead=other.memory_ahead,
         )
 
 
