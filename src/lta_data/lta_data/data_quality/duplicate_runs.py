@@ -113,7 +113,12 @@ def compare_signs(
 def find_best_alignment(
     first: list[NDArray[np.float64]], second: list[NDArray[np.float64]], least: int
 ) -> tuple[float, int, int]:
-    """Return the best agreement of signs, -1 to 1, with its offset and overlap in rows."""
+    """
+    Return the best agreement of signs, -1 to 1, with its offset and overlap in rows.
+
+    -1 if it is not clearly more than what other offsets have by chance: the signs of filtered
+    readings change slowly, so that few of them are independent.
+    """
     most = max(len(row) for row in first), max(len(row) for row in second)
     # Padded beyond the sum of lengths, so that the circular correlation does not wrap around
     size = 1 << int(sum(most)).bit_length()
@@ -124,6 +129,9 @@ def find_best_alignment(
     lags = np.where(np.arange(size) < size // 2, np.arange(size), np.arange(size) - size)
     overlap = np.minimum(most[0], most[1] + lags) - np.maximum(0, lags)
     shares = total / (len(first) * np.maximum(overlap, 1))
-    agreement = np.where(overlap >= least, shares, -1.0)
-    best = int(np.argmax(agreement))
-    return float(agreement[best]), int(lags[best]), int(overlap[best])
+    inside = overlap >= least
+    # A mean of chances scatters by the root of its length
+    sizes = shares * np.sqrt(np.maximum(overlap, 1))
+    best = int(np.argmax(np.where(inside, shares, -1.0)))
+    is_clear = inside[best] and sizes[best] > limits.TWIN_CLEAR * float(np.std(sizes[inside]))
+    return float(shares[best]) if is_clear else -1.0, int(lags[best]), int(overlap[best])

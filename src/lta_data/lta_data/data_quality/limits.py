@@ -94,9 +94,11 @@ DROPOUT_SHARE: Final = 0.05
 LOG_JUMP: Final = 0.5
 # Shortest overlap at which two recordings are checked for being the same run [s]
 TWIN_TIME: Final = 5.0
-# Lowest correlation of the noise at which two recordings count as the same run (repeated
-# flights: below 0.35; copies at another rate: above 0.55)
+# Least agreement of the signs of the noise at which two recordings count as the same run, and by
+# how many of its standard deviations at other offsets (pairs of 36 real flights that agree by 0.5:
+# at most 2.8; copies of these, cut by a third: at least 5.6)
 TWIN_AGREE: Final = 0.5
+TWIN_CLEAR: Final = 4.0
 # Lower limit of the frequencies at which a hand trembles [Hz]
 TREMOR_LOW: Final = 6.0
 # Upper limit of the frequencies at which a hand trembles [Hz]

@@ -63,3 +63,14 @@ def test_a_copy_is_found_however_it_was_written(how, step):
     )
     assert [*found] == ['copy']
     assert ["'run'" in one.evidence for one in found['copy']] == [True]
+
+
+def test_flights_that_shake_alike_are_runs_of_their_own():
+    """Their signs agree at many offsets, so that agreement at one of them says nothing."""
+    rng = np.random.default_rng(10)
+    runs = []
+    for k in range(4):
+        t, pose = log_manoeuvre(rng)
+        shaking = 2e-3 * np.sin(2.0 * np.pi * (12.0 + 0.01 * k) * t + k)
+        runs.append((str(k), record(t, pose + shaking[:, None])))
+    assert find_duplicate_runs(runs) == {}
