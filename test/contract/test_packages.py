@@ -50,6 +50,8 @@ ROSDEP = {
     'fastcrc': 'python3-fastcrc-pip',
     'foxglove': 'python3-foxglove-sdk-pip',
     'hypothesis': 'python3-hypothesis-pip',
+    # Its program is Ubuntu's
+    'imageio_ffmpeg': 'ffmpeg',
     'lz4': 'python3-lz4-pip',
     'mcap': 'python3-mcap-pip',
     'mcap_ros2': 'mcap-ros2-support',

@@ -73,11 +73,10 @@ def test_doctor_and_workers_import_nothing_of_the_current_folder(tmp_path):
         'if __name__ == "__main__":\n'
         '    print(check_dependency_imports(), check_message_exchange())\n'
         '    worker = WorkerProcess(abs)\n'
-        '    worker.connection.send(-3)\n'
-        '    print(worker.connection.recv())\n'
+        '    print(worker.work(-3, None))\n'
     )
     done = subprocess.run(
         [sys.executable, program], cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE
     )
-    assert done.stdout.split('\n')[1] == '(None, 3)', done.stderr
+    assert done.stdout.split('\n')[1] == '3', done.stderr
     assert not (tmp_path / 'ran').exists()
