@@ -101,17 +101,17 @@ def list_page(kept: FrozenClasses) -> Iterator[str]:
         '## How far a typical effect stands out',
         '',
         'Deviations of a typical size (the spread that the registry declares), the tolerances of '
-        'the vehicle file among them: in these flights, and however long they are. What '
-        'stays below 6 in the second column is capped by its own tolerance: only a better known '
-        'vehicle would show it, or an effect that is larger than typical.',
+        'the vehicle file among them: in these flights, and at most, with all sensors and however '
+        'long they are. What stays below 6 there is capped by its own tolerance: only a better '
+        'known vehicle would show it, or an effect that is larger than typical.',
         '',
-        '| name | ' + ' | '.join(f'{kind} | at most' for kind in kept.kinds) + ' |',
-        '|' + '---|' * (1 + 2 * len(kept.kinds)),
+        '| name | ' + ' | '.join(kept.kinds) + ' | at most |',
+        '|' + '---|' * (2 + len(kept.kinds)),
     ]
-    for name in next(iter(kept.kinds.values())).reach:
-        cells = [
-            number for found in kept.kinds.values() for number in map(_cell, found.reach[name])
-        ]
+    kinds = [*kept.kinds.values()]
+    for name in kinds[0].reach:
+        cells = [_cell(found.reach[name][0]) for found in kinds]
+        cells.append(_cell(kinds[0].reach[name][1]))
         lines.append(f'| `{name}` | ' + ' | '.join(cells) + ' |')
     yield from lines
 
