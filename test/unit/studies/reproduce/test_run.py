@@ -60,7 +60,7 @@ def studied(monkeypatch):
 
 def shown(folder, terminal):
     """Return what a console was told while the rows were gathered, and the rows."""
-    console = Console(file=StringIO(), force_terminal=terminal, width=100)
+    console = Console(file=StringIO(), force_terminal=terminal, width=100, _environ={})
     kepts = reproduce_rows(
         ReproductionRequest(quick=True),
         select_rows(NAMES),
