@@ -130,8 +130,9 @@ def test_every_turn_is_answered_with_its_stamp_and_counted(vehicle: Vehicle) -> 
     begun = next(turn for turn, power in enumerate(powers) if power > 0.0)
     assert begun == 0 if vehicle.lockstep else begun < 10
     unseen = 1e-6 if vehicle.lockstep else 0.44 * 0.05 + 1e-6
-    assert books['harvested'] == pytest.approx(0.44 * (2.9 - 0.1 * begun), abs=unseen)
-    assert books['consumed'] == pytest.approx((GIVEN + 0.45 * volts) * 2.9, abs=2 * unseen)
+    lit = 2.9 - 0.1 * begun
+    assert books['harvested'] == pytest.approx(0.44 * lit, abs=unseen)
+    assert books['consumed'] == pytest.approx(GIVEN * lit + 0.45 * volts * 2.9, abs=2 * unseen)
     assert books['illuminance'] == 40000.0
     # Half of the cell holds 900 C * 37.225 V / 20 = 1675.1 J; it rests at some 3.84 V.
     told, spread = books['time_to_empty'], books['time_to_empty_sigma']
