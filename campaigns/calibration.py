@@ -25,9 +25,12 @@ from lta_config.files import find_file
 from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle
 from lta_discovery.calibration.calibration import calibrate_flights
 from lta_discovery.calibration.result import Calibration, find_main_score, ForecastScore
-from lta_discovery.calibration.scores import score_forecasts
 from lta_discovery.discovery.conclusion import draw_conclusion
-from lta_discovery.discovery.forecast_comparison import COASTING
+from lta_discovery.discovery.forecast_comparison import (
+    COASTING,
+    compare_forecasts,
+    ComparedModel,
+)
 from lta_discovery.discovery.run import DiscoveryRequest, study_usable_flights
 from lta_discovery.discovery.study import Discovery, TUNED
 from lta_discovery.flights.bags import read_bags, Role
@@ -35,10 +38,7 @@ from lta_discovery.flights.usable_flights import select_usable_flights, UsableFl
 from lta_discovery.model.calibration_parameters import list_calibration_parameters
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import apply_parameters, NET_LIFT
-from lta_discovery.state_filter.forecast_noise import adapt_noise
 from lta_discovery.state_filter.forecast_sums import HORIZONS
-from lta_discovery.state_filter.forecasts import forecast_flights, list_flight_parameters
-from lta_discovery.state_filter.noise_model import average_noise
 from lta_model.effects.protocol import AXES
 from lta_model.vehicle import load_vehicle, Vehicle
 import numpy as np
@@ -143,16 +143,13 @@ def score_oracle(
     """Return the oracle's position error 3 s ahead in the confirming flight. [m]"""
     taught = [case.lifts[one.name] for one in case.flights if one.role == 'train']
     oracle = find_oracle(case, vehicle).with_value(*NET_LIFT.split('.'), float(np.mean(taught)))
-    flights = [flight for _, role, flight in usable.flights if role == 'confirm']
+    training = [flight for _, role, flight in usable.flights if role == 'train']
+    confirming = {name: flight for name, role, flight in usable.flights if role == 'confirm'}
+    model = ComparedModel('oracle', oracle, list(found.noise.values()))
     parameters = list_calibration_parameters(oracle, list_commanded_axes(case), True)
-    used = [flight for _, role, flight in usable.flights if role == 'train']
-    usual = average_noise(list(found.noise.values()))
-    noise = adapt_noise(vehicle, oracle, used, parameters, usual, HORIZONS)
-    told = forecast_flights(
-        vehicle, oracle, flights, list_flight_parameters(oracle, parameters),
-        [noise] * len(flights),
-    )  # fmt: skip
-    return find_main_score(score_forecasts(told, told)).after.position
+    main = compare_forecasts(vehicle, training, confirming, [model], parameters, HORIZONS).main
+    assert main is not None
+    return main.errors[model.name].position
 
 
 def encode_score(score: ForecastScore) -> Row:

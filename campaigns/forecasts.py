@@ -19,16 +19,11 @@ from typing import Final, final, NamedTuple
 from lta_data.importers.run import import_logs, ImportProgress, ImportRequest
 from lta_discovery.calibration.calibration import calibrate_flights
 from lta_discovery.calibration.prepared_flights import prepare_calibration
+from lta_discovery.discovery.forecast_comparison import compare_forecasts, ComparedModel
 from lta_discovery.flights.bags import read_bags, Role
 from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD
 from lta_discovery.flights.usable_flights import CALIBRATED, select_usable_flights
-from lta_discovery.state_filter.forecast_noise import adapt_noise
-from lta_discovery.state_filter.forecasts import (
-    FlightForecasts,
-    forecast_flights,
-    list_flight_parameters,
-)
-from lta_discovery.state_filter.noise_model import average_noise
+from lta_discovery.state_filter.forecasts import FlightForecasts
 from lta_model.vehicle import load_vehicle
 import numpy as np
 from numpy.typing import NDArray
@@ -162,11 +157,7 @@ def run_study(study: RealStudy) -> Iterator[ForecastRow]:
     taught = [one for one in usable if one[1] == 'train']
     found = calibrate_flights(vehicle, study.vehicle, taught, lambda _what, _part: None)
     prepared = prepare_calibration(vehicle, taught)
-    usual, horizons = average_noise(list(found.noise.values())), prepared.horizons
-    noises = [
-        adapt_noise(vehicle, each, prepared.flights['train'], prepared.parameters, usual, horizons)
-        for each in (found.nominal, found.calibrated)
-    ]
+    horizons = prepared.horizons
     known = [Flown(flight) for _, _, flight in taught]
     physics = Physics.fit(known)
     ridges = {horizon: Ridge.fit(known, horizon) for horizon in horizons}
@@ -178,17 +169,20 @@ def run_study(study: RealStudy) -> Iterator[ForecastRow]:
             strict=True,
         )
     }
+    noise = list(found.noise.values())
+    models = [
+        ComparedModel('vehicle file', found.nominal, noise),
+        ComparedModel('calibrated', found.calibrated, noise),
+    ]
+    training = [flight for _, _, flight in taught]
+    held_out = {name: flight for name, role, flight in usable if role != 'train'}
+    told = compare_forecasts(
+        vehicle, training, held_out, models, prepared.parameters, horizons
+    ).forecasts
     for title in study.held_out:
-        flights = [
-            one for name, role, one in usable if role != 'train' and group_of[name] == title
-        ]
-        file, calibrated = (
-            forecast_flights(
-                vehicle, each, flights, list_flight_parameters(each, prepared.parameters),
-                [noise] * len(flights), horizons,
-            )
-            for each, noise in zip((found.nominal, found.calibrated), noises, strict=True)
-        )  # fmt: skip
+        which = [f for f, name in enumerate(held_out) if group_of[name] == title]
+        flights = [[*held_out.values()][f] for f in which]
+        file, calibrated = ([told[model.name][f] for f in which] for model in models)
         yield from compare(title, flights, (file, calibrated), physics, ridges)
 
 

@@ -151,16 +151,6 @@ def smooth_columns(table: Array, weights: Array) -> Array:
     return np.stack([np.convolve(column, weights, mode='valid') for column in wide.T], axis=1)
 
 
-def narrow_mask(valid: NDArray[np.bool_], weights: Array, times: int = 1) -> NDArray[np.bool_]:
-    """Return where a smoothed value depends only on valid samples."""
-    reach = times * (len(weights) // 2) + 1
-    # Dilates the invalid samples by the reach; 0.5 separates the counts 0 and 1
-    bad = np.convolve(~valid, np.ones(2 * reach + 1), mode='same') > 0.5
-    # Padded values beyond the ends are invalid too
-    bad[:reach] = bad[-reach:] = True
-    return ~bad
-
-
 SAME = 1e-9  # of the range of a channel; smaller changes are rounding errors of a computer
 NEAR = 0.05  # of a unit of the resolution
 COARSE = 2.0  # units; readings that change less at random follow each other predictably

@@ -29,9 +29,8 @@ from lta_discovery.model.calibration_parameters import (
 )
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import apply_parameters, FreeParameter, NET_LIFT
-from lta_discovery.state_filter.forecast_noise import fit_forecast_noise
-from lta_discovery.state_filter.likelihood import linearize_all, ParameterPrior
-from lta_discovery.state_filter.linear_flight import LinearFlight
+from lta_discovery.state_filter.forecast_noise import adapt_noise, fit_forecast_noise
+from lta_discovery.state_filter.likelihood import ParameterPrior
 from lta_discovery.state_filter.noise_model import average_noise, NoiseModel
 from lta_discovery.state_filter.parameter_fit import fit_forecasts, ParameterFit
 from lta_model.vehicle import Vehicle
@@ -104,11 +103,8 @@ def _list_estimates(prepared: PreparedCalibration, fit: ParameterFit) -> list[_E
     """Return the estimates in the order of preference; that of the vehicle file is the last."""
     systems, nominal, horizons = prepared.systems, prepared.nominal, prepared.horizons
     prior = ParameterPrior.of(prepared.parameters)
-
-    def adapt(flights: Sequence[LinearFlight]) -> NoiseModel:
-        return average_noise(fit_forecast_noise(flights, fit.noise, prior, horizons))
-
-    out = [_Estimate('likelihood', fit.values, fit.covariance, _join(fit), adapt(fit.flights))]
+    noise = average_noise(fit_forecast_noise(fit.flights, fit.noise, prior, horizons))
+    out = [_Estimate('likelihood', fit.values, fit.covariance, _join(fit), noise)]
     none = np.zeros(len(fit.values))
     # From the file as well: where nothing explains single readings, a fit to them is a poor start
     fits = []
@@ -118,8 +114,8 @@ def _list_estimates(prepared: PreparedCalibration, fit: ParameterFit) -> list[_E
     if fits:
         out.append(_widen_intervals(max(fits, key=lambda one: one.evidence), fit))
     unknown = np.diag([one.tolerance**2 for one in prepared.parameters])
-    own = [(none, unknown)] * len(systems)
-    out.append(_Estimate('file', none, unknown, own, adapt(linearize_all(systems, nominal, none))))
+    noise = adapt_noise(systems, nominal, average_noise(fit.noise), horizons)
+    out.append(_Estimate('file', none, unknown, [(none, unknown)] * len(systems), noise))
     return out
 
 

@@ -1,12 +1,10 @@
 """Compare the forecasts of flights by several models of one vehicle."""
 
 from collections.abc import Mapping, Sequence
-import contextlib
 from dataclasses import dataclass
 import math
 from typing import Final, final, NamedTuple
 
-from lta_config.errors import BadInput
 from lta_discovery.calibration.result import ForecastRms, MAIN
 from lta_discovery.calibration.scores import summarize_errors
 from lta_discovery.flights.measured_flight import MeasuredFlight
@@ -19,6 +17,7 @@ from lta_discovery.state_filter.forecasts import (
     forecast_flights,
     list_flight_parameters,
 )
+from lta_discovery.state_filter.linear_flight import FlightSystem
 from lta_discovery.state_filter.noise_model import average_noise, NoiseModel
 from lta_model.vehicle import Vehicle
 import numpy as np
@@ -149,13 +148,11 @@ def compare_forecasts(
     ahead, rising [s].
     """
     measured = list(flights.values())
+    systems = [FlightSystem(vehicle, one, parameters) for one in training]
     forecasts = {}
     for model in models if horizons else ():
         own = list_flight_parameters(model.nominal, parameters)
-        usual = average_noise(model.noise)
-        # A model that diverges has no better noise
-        with contextlib.suppress(BadInput):
-            usual = adapt_noise(vehicle, model.nominal, training, parameters, usual, horizons)
+        usual = adapt_noise(systems, model.nominal, average_noise(model.noise), horizons)
         noise = [NoiseModel.guess(model.nominal, one).learn_from(usual) for one in measured]
         forecasts[model.name] = forecast_flights(
             vehicle, model.nominal, measured, own, noise, horizons

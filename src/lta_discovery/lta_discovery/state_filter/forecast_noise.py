@@ -3,16 +3,15 @@
 from collections.abc import Sequence
 from dataclasses import replace
 import functools
+import math
 from typing import Final
 
-from lta_discovery.flights.measured_flight import MeasuredFlight
+from lta_config.errors import BadInput
 from lta_discovery.model.nominal import NominalVehicle
-from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.state_filter.forecast_sums import measure_errors
 from lta_discovery.state_filter.likelihood import linearize_all, ParameterPrior
 from lta_discovery.state_filter.linear_flight import FlightSystem, LinearFlight
 from lta_discovery.state_filter.noise_model import average_noise, NoiseModel
-from lta_model.vehicle import Vehicle
 import numpy as np
 
 FACTOR: Final = 2.0  # between two sizes or memories that are tried; errors change by some per cent
@@ -41,7 +40,11 @@ def fit_forecast_noise(
 
     @functools.cache
     def measure(size: int, memory: int) -> float:
-        return measure_errors(flights, build(size, memory), prior, horizons)
+        try:
+            return measure_errors(flights, build(size, memory), prior, horizons)
+        except np.linalg.LinAlgError:
+            # So unstable that a filter loses it
+            return math.inf
 
     best = (0, 0)
     while True:
@@ -55,21 +58,21 @@ def fit_forecast_noise(
 
 
 def adapt_noise(
-    vehicle: Vehicle,
+    systems: Sequence[FlightSystem],
     nominal: NominalVehicle,
-    flights: Sequence[MeasuredFlight],
-    parameters: Sequence[FreeParameter],
     noise: NoiseModel,
     horizons: Sequence[float],
 ) -> NoiseModel:
     """
     Return the noise under which a model forecasts some flights best (`fit_forecast_noise`).
 
-    `nominal`: the model. `noise`: the most probable one. The values of `parameters` that a flight
-    has of its own are those that its readings tell. Raise `BadInput` if the model diverges.
+    `nominal`: the model; one that diverges keeps its noise. `noise`: the most probable one.
     """
-    systems = [FlightSystem(vehicle, one, parameters) for one in flights]
-    linear = linearize_all(systems, nominal, np.zeros(len(parameters)))
-    usual = [NoiseModel.guess(nominal, one).learn_from(noise) for one in flights]
+    parameters = systems[0].parameters
+    try:
+        flights = linearize_all(systems, nominal, np.zeros(len(parameters)))
+    except BadInput:
+        return noise
+    usual = [NoiseModel.guess(nominal, one.flight).learn_from(noise) for one in systems]
     prior = ParameterPrior.of(parameters)
-    return average_noise(fit_forecast_noise(linear, usual, prior, horizons))
+    return average_noise(fit_forecast_noise(flights, usual, prior, horizons))

@@ -20,6 +20,7 @@ HORIZONS: Final = (1.0, 3.0, 8.0)  # s; of the forecasts
 SHORT: Final = (0.4, 0.8, 1.2)  # s; those of flights too short for them
 EVERY: Final = 0.75  # s; between the starts of the forecasts of a fit
 FIRST_START: Final = 1.0  # s; from the beginning of a run, in which the filter settles
+PARTS: Final = (slice(0, 3), slice(3, 6))  # position and attitude of an error
 ATTITUDE: Final = 0.5  # weight of an error of attitude by that of position, each in its usual size
 ROBUST: Final = 4.5  # usual sizes; larger errors have a linear cost instead of a quadratic one
 BLOCK: Final = 10.0  # s; errors further apart than this are independent
@@ -88,12 +89,15 @@ def measure_errors(
 ) -> float:
     """Return the mean logarithm of the RMS errors of all forecasts, attitude with its weight."""
     errors = np.concatenate(list_errors(flights, noise, prior, horizons))[..., -1]
-    # With a model that diverges, the most that a float holds
-    squares = np.minimum(errors, 1e100) ** 2
-    parts = [squares[..., part].sum(axis=-1) for part in (slice(0, 3), slice(3, 6))]
-    means = [np.nanmean(part, axis=0) for part in parts]
-    sizes = [0.5 * np.log(each[np.isfinite(each)]) for each in means]
-    return float((sizes[0] + ATTITUDE * sizes[1]).mean())
+    sizes = []
+    for ahead in np.moveaxis(errors, 1, 0):
+        measured = ahead[~np.isnan(ahead).any(axis=1)]
+        if len(measured):
+            # With a model that diverges, the most that a float holds
+            squares = np.minimum(np.abs(measured), 1e100) ** 2
+            place, turn = (squares[:, part].sum(axis=1).mean() for part in PARTS)
+            sizes.append(0.5 * (math.log(place) + ATTITUDE * math.log(turn)))
+    return float(np.mean(sizes)) if sizes else math.inf
 
 
 def choose_horizons(systems: Sequence[FlightSystem]) -> tuple[float, ...]:
@@ -135,7 +139,7 @@ def weigh_errors(errors: Array) -> tuple[Array, Array]:
     left = errors[..., -1]
     measured = np.isfinite(left)
     size = np.zeros(left.shape[1:])
-    for part in (slice(0, 3), slice(3, 6)):
+    for part in PARTS:
         for h in range(left.shape[1]):
             some = left[:, h, part][measured[:, h, part]]
             # An outlier must not hide the others
