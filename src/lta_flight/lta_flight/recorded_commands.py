@@ -19,8 +19,7 @@ from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.channels import iterate_channels, SignalChannel
 from lta_data.bag.recorded_flight import open_flight, RecordedFlight
 from lta_data.bag.table import DENSE
-from lta_data.compare.sampling import median_period
-from lta_data.even_grid import check_time_span
+from lta_data.even_grid import check_time_span, median_period
 from lta_data.scene import COMMAND, find_tracker_prefix, has_newton_commands, MASS
 from lta_model.effects import EFFECTS
 from lta_model.measurement_chain import apply_chain, build_chains

@@ -23,10 +23,10 @@ from lta_data.compare.sampling import (
     CorrelationPeak,
     find_correlation_peak,
     mask_absurd_values,
-    median_period,
     SampledSignal,
     sort_samples,
 )
+from lta_data.even_grid import median_period
 import numpy as np
 
 AS: Final = '--pair odom=ground_truth/odom'

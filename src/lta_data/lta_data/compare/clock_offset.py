@@ -21,8 +21,8 @@ from lta_data.compare.coarse_lag import (
     unwrap_finite,
 )
 from lta_data.compare.divergence import NORMAL_QUANTILE
-from lta_data.compare.sampling import Array, interpolate_signal, median_period, SampledSignal
-from lta_data.even_grid import is_grid_allowed
+from lta_data.compare.sampling import Array, interpolate_signal, SampledSignal
+from lta_data.even_grid import is_grid_allowed, median_period
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import Akima1DInterpolator, CubicSpline

@@ -14,10 +14,9 @@ from lta_data.compare.sampling import (
     Array,
     fit_parabola_peak,
     interpolate_signal,
-    median_period,
     SampledSignal,
 )
-from lta_data.even_grid import check_time_span
+from lta_data.even_grid import check_time_span, median_period
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Final, final, NamedTuple
 
+from lta_data.even_grid import median_period
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import signal
@@ -39,11 +40,6 @@ def sort_samples(time: ArrayLike, values: ArrayLike) -> SampledSignal:
     when, first = np.unique(when[usable], return_index=True)
     what = what[usable][first]
     return SampledSignal(when, mask_absurd_values(what))
-
-
-def median_period(time: Array) -> float:
-    """Return the median time between samples, NaN for fewer than two. [s]"""
-    return float(np.median(np.diff(time))) if len(time) > 1 else float('nan')
 
 
 def wrap_angle(angle: Array) -> Array:

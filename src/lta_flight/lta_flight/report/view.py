@@ -14,8 +14,7 @@ from lta_config.topics import load_topic_table
 from lta_data.bag.channels import find_airspeed_topic
 from lta_data.bag.columns import TopicSeries
 from lta_data.bag.recorded_flight import PointSeries, RecordedFlight
-from lta_data.compare.sampling import median_period
-from lta_data.even_grid import check_time_span
+from lta_data.even_grid import check_time_span, median_period
 from lta_data.scene import read_scene
 from lta_flight.report.goal import FlightGoal
 from lta_model.attitude import to_euler_angles
