@@ -12,13 +12,12 @@ from typing import Final
 from lta_config.files import load_file
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import list_free_parameters
-from lta_discovery.planning import class_derivation
-from lta_discovery.planning.class_derivation import EffectSeparability
 from lta_discovery.planning.equivalence_classes import DataKindClasses, FILE, FrozenClasses
 from lta_model.vehicle import load_vehicle
 import yaml
 
-from campaigns import ROOT
+from campaigns import class_derivation, ROOT
+from campaigns.class_derivation import EffectSeparability
 from campaigns.harness import Campaign, Case, Row, Rows
 
 TABLE = ROOT / 'src/lta_discovery/lta_discovery/planning' / FILE.name

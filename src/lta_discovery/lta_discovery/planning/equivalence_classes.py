@@ -2,7 +2,7 @@
 Load the classes of effects that are indistinguishable for a kind of data.
 
 `make campaign classes` derives `classes.yaml` from rich flights of each kind (see
-`lta_discovery.planning.class_derivation`), before any scoring. Two effects are equivalent if their
+`campaigns.class_derivation`), before any scoring. Two effects are equivalent if their
 columns, marginal over all else, have a cosine of 0.98 or more. The evidence between two effects of
 z deviations is z^2 (1 - 0.98^2) / 2 nats, which reaches the required 3 nats only at z = 12: more
 than most effects can have, given the tolerances of a vehicle.

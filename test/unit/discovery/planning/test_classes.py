@@ -1,15 +1,15 @@
 """Names that are one to a kind of data: by hand, and as they are frozen."""
 
-from campaigns.harness import Case, try_alone
-from lta_config.errors import BadInput
-from lta_discovery.model.nominal import NominalVehicle
-from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.planning.class_derivation import (
+from campaigns.class_derivation import (
     cluster_complete_linkage,
     compare_candidates,
     compute_registry_digest,
     select_builtin_parameters,
 )
+from campaigns.harness import Case, try_alone
+from lta_config.errors import BadInput
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.planning.equivalence_classes import (
     classify_data_kind,
     find_kind_classes,
