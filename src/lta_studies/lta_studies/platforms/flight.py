@@ -266,7 +266,7 @@ def build_entrant(
 
 
 def _select_law(file: VehicleFile, steps: list[EntryChange]) -> tuple[str, str]:
-    """Return law and gains: the last ones named, else those of the vehicle."""
+    """Return the law and gains that the last step sets; by default those of the vehicle."""
     name = file.control.law if file.control else 'cascade'
     gains = file.control.gains if file.control else None
     for step in steps:

@@ -128,7 +128,7 @@ def fit_axes(
 
 
 def count_changes(axes: Array) -> int:
-    """Return how many axes have another place or sign."""
+    """Return how many axes a signed permutation, shape (3, 3), moves or turns around."""
     return int(3 - np.sum(np.diag(axes) > 0.0))
 
 
@@ -301,7 +301,7 @@ def find_axis_errors(evidence: CheckContext) -> CheckVerdict:
 
 
 def find_lying_attitude(pose: PoseSeries) -> Iterator[QualityFinding]:
-    """Yield an attitude that has the vehicle on its side or back most of the time."""
+    """Yield a finding if the attitude puts the vehicle on its side or back most of the time."""
     if pose.attitude is None or len(pose.attitude.time) < limits.LEAST_SAMPLES:
         return
     turn = pose.attitude.values
