@@ -1,11 +1,11 @@
 """
-Generate and compile messages and actions that no wheel has, and install them into .venv.
+Generate and compile messages, services and actions that no wheel has; install them into .venv.
 
     .venv/bin/python tools/messages.py FOLDER ...
 
-Each folder has a package.xml and msg/*.msg or action/*.action. The generators are those of ROS 2,
-which come with its wheels; they write C and C++. Where the machine has no compiler, that of
-`ziglang` is installed into .venv (100 MB). After a failure nothing was changed.
+Each folder has a package.xml and msg/*.msg, srv/*.srv or action/*.action. The generators are those
+of ROS 2, which come with its wheels; they write C and C++. Where the machine has no compiler, that
+of `ziglang` is installed into .venv (100 MB). After a failure nothing was changed.
 """
 
 from collections.abc import Iterator
@@ -34,7 +34,7 @@ import numpy as np
 VENV = Path(sys.prefix)
 SITE = Path(sysconfig.get_path('purelib'))
 TYPESUPPORTS = ('rosidl_typesupport_fastrtps_c', 'rosidl_typesupport_introspection_c')
-KINDS = ('msg', 'action')
+KINDS = ('msg', 'srv', 'action')
 GENERATORS = (
     ('types', 'py'),
     ('types', 'c'),
@@ -42,8 +42,12 @@ GENERATORS = (
     ('typesupports', 'fastrtps_c'),
     ('typesupports', 'introspection_c'),
 )
-# An action is made of services and messages that use these
-USED_BY_ACTIONS = ('action_msgs', 'builtin_interfaces', 'service_msgs', 'unique_identifier_msgs')
+# What the messages use of which a service or an action is made, by its kind
+IMPLIED = {
+    'msg': (),
+    'srv': ('builtin_interfaces', 'service_msgs'),
+    'action': ('action_msgs', 'builtin_interfaces', 'service_msgs', 'unique_identifier_msgs'),
+}
 COMPILERS = (('cc', 'c++'), ('gcc', 'g++'), ('clang', 'clang++'))  # of C and C++
 STANDARDS = {'.c': '-std=gnu17', '.cpp': '-std=c++17'}  # by suffix of the source
 LOCKED_COMPILER = Path(__file__).resolve().parents[1] / 'locked/compiler.txt'
@@ -106,12 +110,12 @@ def check_headers() -> None:
 
 class MessagePackage:
     """
-    A package of messages and actions, its generated sources and its libraries.
+    A package of messages, services and actions, its generated sources and its libraries.
 
     Parameters
     ----------
     folder : Path
-        Folder with package.xml, msg/*.msg and action/*.action.
+        Folder with package.xml, msg/*.msg, srv/*.srv and action/*.action.
     compilers : dict of str to list of str
         Commands that compile, by suffix of the source.
 
@@ -134,8 +138,8 @@ class MessagePackage:
                 r'^(\w+)/\w', (folder / path).read_text('utf-8'), re.MULTILINE
             )
         }
-        if 'action' in self.kinds:
-            uses.update(USED_BY_ACTIONS)
+        for kind in self.kinds:
+            uses.update(IMPLIED[kind])
         self.uses = sorted(uses - {self.name})
 
     def build(self, work: Path) -> None:

@@ -110,6 +110,10 @@ def test_packages_are_built_after_those_that_they_use(messages, tmp_path):
         (tmp_path / name / 'msg/One.msg').write_text(f'float64 x  # [m]\n{uses}/Other[] other\n')
     packages = [messages.MessagePackage(path, {}) for path in sorted(tmp_path.iterdir())]
     assert [each.uses for each in packages] == [['c_msgs'], [], ['std_msgs']]
+    (tmp_path / 'c_msgs/srv').mkdir()
+    (tmp_path / 'c_msgs/srv/Ask.srv').write_text('string name\n---\nbool found\n')
+    asked = messages.MessagePackage(tmp_path / 'c_msgs', {})
+    assert asked.uses == ['builtin_interfaces', 'service_msgs', 'std_msgs']
     ordered = [each.name for each in messages.order_packages(packages)]
     assert sorted(ordered) == ['a_msgs', 'b_msgs', 'c_msgs']
     assert ordered.index('c_msgs') < ordered.index('a_msgs')
