@@ -50,6 +50,7 @@ setup(
             'crazyflie_bridge = lta_bridge.nodes.crazyflie_bridge:main',
             'description = lta_bridge.nodes.description:main',
             'live = lta_bridge.nodes.live:main',
+            'pilot = lta_bridge.nodes.pilot:main',
             'player = lta_bridge.nodes.player:main',
             'recorder = lta_bridge.nodes.recorder:main',
             'teleop = lta_bridge.nodes.teleop:main',

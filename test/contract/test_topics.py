@@ -7,6 +7,7 @@ from xml.etree import ElementTree
 from lta_bridge.crazyflie.settings import CrazyflieBridgeSettings
 from lta_bridge.nodes.description import DescriptionSettings
 from lta_bridge.nodes.live import LiveSettings
+from lta_bridge.nodes.pilot import PilotSettings
 from lta_bridge.nodes.player import PlayerSettings
 from lta_bridge.nodes.recorder import RecorderSettings
 from lta_bridge.nodes.teensy_bridge import TeensyBridgeSettings
@@ -60,7 +61,7 @@ NODES = {
 # Plays a part of the vehicle beside whoever plays the rest.
 BRIDGES = {'teensy_bridge': TeensyBridgeSettings, 'tracker': TrackerSettings}
 # Stand beside the graph: they serve people, and no row of the table waits for them.
-BESIDE = {'description': DescriptionSettings, 'teleop': TeleopSettings}
+BESIDE = {'description': DescriptionSettings, 'pilot': PilotSettings, 'teleop': TeleopSettings}
 LISTENERS = {'live'}  # subscribes for itself: raw, to all that the table lists
 PARTIAL = {'crazyflie_bridge'}  # a real drone says less than the simulator
 # map -> odom, by who knows the place in the map; the row names who publishes the other frames
@@ -257,6 +258,8 @@ BEGUN_WITH = {
     'live': {'port'},
     'teensy_bridge': {'peaks', 'patience', 'autostart'},
     'tracker': {'origin', 'body', 'delay', 'truth'},
+    'description': {'map'},
+    'pilot': {'seconds', 'room', 'x', 'y', 'height', 'seed'},
     'teleop': {
         'layout.forward', 'layout.turn', 'layout.climb', 'layout.take', 'layout.give_back',
         'layout.stop', 'layout.rest',
@@ -302,6 +305,10 @@ def test_the_description_is_published_and_does_not_end_a_flight():
     assert (given['scene'], given['frame_prefix']) == ('lamp_room', 'lta1/')
     # Where a real or a replayed drone starts is not known
     assert described(source='crazyflie')[0]['scene'] == ''
+    # Only where nobody says where odom is in the map, it begins there
+    assert described(source='crazyflie')[0]['map']
+    assert not described(source='crazyflie', tracker='true')[0]['map']
+    assert not given['map']
     assert described(source='replay', replay='x')[0]['scene'] == ''
     assert described(description='false') == []
     (stepped,) = described(time='lockstep')

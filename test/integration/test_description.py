@@ -34,7 +34,7 @@ def test_a_viewer_that_comes_late_gets_the_urdf(domain_id):
 def test_frames_follow_the_vehicle_file_and_odom_if_asked(domain_id):
     words = (
         '-p', 'vehicle:=gtmab', '-p', 'scene:=lamp_room', '-p', 'frame_prefix:=lta1/',
-        '-p', 'pose:=odom',
+        '-p', 'pose:=odom', '-p', 'map:=true',
     )  # fmt: skip
     process = start('lta_bridge.nodes.description', *words)
     with Peer(domain_id) as peer:
@@ -58,6 +58,9 @@ def test_frames_follow_the_vehicle_file_and_odom_if_asked(domain_id):
         assert moved.transform.translation.x == 1.5
         fixed = {each.child_frame_id: each for each in still[0].transforms}
         wanted = list_fixed_frames(load_vehicle('gtmab'))
+        (begin,) = (each for each in still[0].transforms if each.header.frame_id == 'map')
+        assert fixed.pop('lta1/odom') == begin
+        assert (begin.transform.translation.x, begin.transform.rotation.w) == (0.0, 1.0)
         assert set(fixed) == {f'lta1/{frame.name}' for frame in wanted}
         for frame in wanted:
             assert fixed[f'lta1/{frame.name}'].header.frame_id == f'lta1/{frame.parent}'

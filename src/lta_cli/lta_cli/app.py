@@ -146,9 +146,10 @@ ENERGY: Final = VerbGroup(
     },
 )
 TESTS: Final = VerbGroup(
-    'Plan the tests that calibrate a vehicle, read their logs, and tell two effects apart.',
+    'Plan and fly the tests that calibrate a vehicle, read their logs, tell two effects apart.',
     {
         'plan': study('tests_plan'),
+        'fly': Verb('tests_fly', 'fly', {'allow_interspersed_args': True}, needs_graph=True),
         'read': study('tests_read'),
         'between': study('tests_between'),
     },

@@ -175,6 +175,16 @@ class FlyArguments(DroneArguments, PacedArguments):
         'With tracker:=true, the type of that topic: PoseStamped, Odometry, or the NamedPoseArray '
         'of motion_capture_tracking, in which the drone is named as its namespace.',
     )
+    pilot: bool = setting(
+        False,
+        'Whether to fly by itself what calibrates the vehicle, and land, as "lta tests fly" does; '
+        'with commanded:=true tracker:=true teleop:=true.',
+    )
+    pilot_room: float = setting(
+        6.0, 'With pilot:=true, the way across the origin of map that the drone needs, in metres.'
+    )
+    pilot_height: float = setting(1.2, 'With pilot:=true, the height of the flight, in metres.')
+    pilot_seconds: float = setting(60.0, 'With pilot:=true, the seconds in which sticks move.')
     simulator: bool = setting(True, 'With source:=sim, whether to start the simulator.')
     estimator: bool = setting(True, 'Whether to start the estimator; false for one of your own.')
     controller: bool = setting(True, 'Whether to start the controller; false for one of your own.')
@@ -269,6 +279,11 @@ class FlyArguments(DroneArguments, PacedArguments):
     def scene(self) -> str:
         """Only of a simulated drone it is known that it flies in the room of its scenario."""
         return self.scenario if self.is_simulated else ''
+
+    @property
+    def map(self) -> bool:
+        """Whether nobody knows where a real drone is: then map is where it starts."""
+        return self.source == 'crazyflie' and not self.tracker
 
     @property
     def gains_file(self) -> str:

@@ -184,9 +184,18 @@ DRONE_NODES = (
     ),
     NodeEntry(
         'lta_bridge',
+        'pilot',
+        lambda a: a.pilot,
+        'use_sim_time time frame_prefix seed',
+        lambda a: {'room': a.pilot_room, 'height': a.pilot_height, 'seconds': a.pilot_seconds},
+        planned=True,
+        apart=True,
+    ),
+    NodeEntry(
+        'lta_bridge',
         'description',
         lambda a: a.description,
-        'use_sim_time time frame_prefix vehicle pose scene',
+        'use_sim_time time frame_prefix vehicle pose scene map',
         on_exit_shutdown=False,
     ),
 )

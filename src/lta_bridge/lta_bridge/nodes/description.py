@@ -4,7 +4,7 @@ The description node: it publishes the drone's shape and frames for RViz and oth
 The vehicle's URDF is latched on `robot_description`, the frames of sensors and rotors on
 /tf_static, and the room and lamps of a scenario as markers on `scene`. The estimator publishes
 odom -> base_link on /tf; with the parameter `pose` this node does it for a graph without our
-estimator. The simulator or a tracker publishes map -> odom.
+estimator. The simulator or a tracker publishes map -> odom; without both, `map` does.
 """
 
 from typing import Literal
@@ -17,10 +17,12 @@ from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
 from lta_graph.ros.qos import select_profile
-from lta_graph.ros.transforms import from_odometry, prefix_frames
+from lta_graph.ros.transforms import from_odometry, from_start, prefix_frames
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from nav_msgs.msg import Odometry
+
+AT_ORIGIN = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)  # place [m] and attitude of a start, x y z w
 
 
 class DescriptionSettings(Settings):
@@ -30,6 +32,11 @@ class DescriptionSettings(Settings):
     pose: Literal['', 'odom', 'ground_truth/odom'] = setting(
         '',
         'Topic with the pose of base_link to publish on /tf, if no estimator of LTA does.',
+        fixed=True,
+    )
+    map: bool = setting(
+        False,
+        'Whether map is where odom begins, as neither simulator nor tracker says where it is.',
         fixed=True,
     )
     scene: str = setting(
@@ -49,6 +56,8 @@ class DescriptionNode(GraphNode):
         scenario = load_scenario(settings.scene) if settings.scene else None
         vehicle = load_vehicle(settings.vehicle)
         for name, message in iterate_descriptions(vehicle, scenario):
+            if name == '/tf_static' and settings.map:
+                message.transforms += from_start(AT_ORIGIN).transforms
             outputs[name].publish(message)
         if settings.pose:
             row = self.table['/tf']

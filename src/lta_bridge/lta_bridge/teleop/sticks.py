@@ -10,6 +10,7 @@ in a letter (down is ESC [ B). They are removed, so that this letter is not take
 """
 
 from collections.abc import Collection, Iterator, Sequence
+import math
 import os
 from pathlib import Path
 import re
@@ -117,6 +118,20 @@ def to_sticks(
     # `tapped` has buttons that were pressed and released since the last read
     take, give_back, stop = (buttons[button] == 1 or button in tapped for button in pressed)
     return Sticks(forward, turn, climb, take, give_back, stop)
+
+
+def from_sticks(layout: GamepadLayout, sticks: Sticks) -> tuple[list[float], list[int]]:
+    """Return the axes and buttons of a gamepad with such sticks, the inverse of `to_sticks`."""
+    numbers = (layout.forward, layout.turn, layout.climb)
+    axes = [0.0] * (max(numbers) + 1)
+    for number, value in zip(numbers, (sticks.forward, sticks.turn, sticks.climb), strict=True):
+        if value:  # at rest, rounding could leave the dead zone
+            axes[number] = math.copysign(layout.rest + (1.0 - layout.rest) * abs(value), value)
+    pressed = (layout.take, layout.give_back, layout.stop)
+    buttons = [0] * (max(pressed) + 1)
+    for number, is_down in zip(pressed, (sticks.take, sticks.give_back, sticks.stop), strict=True):
+        buttons[number] = int(is_down)
+    return axes, buttons
 
 
 def apply_dead_zone(raw: float, rest: float) -> float:
