@@ -59,7 +59,7 @@ def _mix_sticks(draw: np.random.Generator) -> list[StickHold]:
         for stick in now:
             if draw.random() < CHANGE_CHANCE:
                 now[stick] = float(draw.choice(levels[stick]))
-        holds.append(StickHold(Sticks()._replace(**now), STICK_HOLD))
+        holds.append(StickHold(Sticks(now['forward'], now['turn'], now['climb']), STICK_HOLD))
     return holds
 
 
