@@ -4,9 +4,7 @@ Start the processes of a launch plan, monitor them and stop them all.
 A thread reads their output and detects exits; events are queued for the caller. Every process
 leads its own session, so Ctrl-C reaches only the launcher, which then stops the others.
 
-If the launcher is killed, the kernel sends SIGINT to its processes, but one that ignores it or
-hangs would remain. The guard is a small shell that knows the process groups. A closed pipe shows
-that the launcher is gone; then the guard waits for the grace time and kills what is left.
+If the launcher is killed, the kernel sends SIGINT to its processes; one that hangs remains.
 """
 
 from collections import deque
@@ -16,7 +14,6 @@ import os
 from queue import Empty, SimpleQueue
 import selectors
 import signal
-import subprocess
 import threading
 import time
 from typing import final, Self
@@ -30,58 +27,6 @@ from lta_graph.child_process import (
 )
 from lta_graph.interrupts import hold_interrupts
 from lta_graph.launch_plan import LaunchPlan, LaunchProcess
-
-# `read` fails once the launcher's end of the pipe is closed. `turns` are tenths of a second
-GUARD_SCRIPT = """
-trap '' INT TERM HUP
-groups=
-while read -r group; do groups="$groups $group"; done
-turns=$1
-while [ "$turns" -gt 0 ]; do
-  alive=
-  for group in $groups; do kill -0 "-$group" && alive=yes; done
-  [ "$alive" ] || exit 0
-  sleep 0.1
-  turns=$((turns - 1))
-done
-for group in $groups; do kill -9 "-$group"; done
-"""
-
-
-@final
-class ProcessGuard:
-    """
-    A guard over the processes of one launcher.
-
-    `grace`: time between the death of the launcher and SIGKILL to its processes [s].
-    """
-
-    def __init__(self, grace: float) -> None:
-        self._popen = subprocess.Popen(
-            # A shell starts faster and needs less memory than Python
-            ['/bin/sh', '-c', GUARD_SCRIPT, 'sh', str(round(10 * grace))],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            # A signal to the launcher's group must not reach the guard
-            start_new_session=True,
-        )
-
-    def add_group(self, group: int) -> None:
-        """Add a process group to the guarded ones."""
-        assert self._popen.stdin is not None
-        # The guard may have been killed; the launcher works without it
-        with suppress(BrokenPipeError):
-            self._popen.stdin.write(f'{group}\n'.encode())
-            self._popen.stdin.flush()
-
-    def dismiss(self) -> None:
-        """End the guard once every process has ended."""
-        # SIGKILL, because the script ignores the other signals
-        self._popen.kill()
-        with suppress(BrokenPipeError):
-            self._popen.communicate()
-
 
 CHECK_PERIOD = 0.05  # seconds between checks of silent processes
 PIPE_CHUNK = 65536  # bytes read at once; a longer line is cut
@@ -222,7 +167,6 @@ class Launcher:
         self._children: list[ChildProcess] = []
         self._stopping = threading.Event()
         self._watch: ProcessWatch | None = None
-        self._guard: ProcessGuard | None = None
 
     def __enter__(self) -> Self:
         """Start all processes."""
@@ -276,16 +220,12 @@ class Launcher:
         variables = build_node_environment()
         try:
             with hold_interrupts() as presses:
-                # The guard waits as long as an orderly stop may take
-                longest = max(map(self._stop_grace, started), default=self._grace)
-                self._guard = ProcessGuard(longest + TERM_GRACE)
                 for process, words in zip(started, commands, strict=True):
                     # Ctrl-C during the start: start no more, `stop` ends the others
                     if presses:
                         break
                     child = spawn_process(process, self._plan.label(process), words, variables)
                     self._children.append(child)
-                    self._guard.add_group(child.pid)
                 # Start the thread after the forks: forking a process with threads is unsafe.
                 self._start_process_watch()
         # Includes KeyboardInterrupt, which must not leave processes behind
@@ -371,7 +311,4 @@ class Launcher:
             and time.monotonic() < deadline
         ):
             time.sleep(STOP_POLL)
-        if self._guard is not None:
-            self._guard.dismiss()
-            self._guard = None
         self.poll()

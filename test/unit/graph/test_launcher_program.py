@@ -2,7 +2,6 @@
 
 import os
 import re
-import shlex
 import signal
 import subprocess
 import sys
@@ -11,7 +10,7 @@ import threading
 import pytest
 from waiting import PATIENCE
 
-from .tiny_processes import DEAF, FOREVER, IGNORANT, POLITE
+from .tiny_processes import DEAF, FOREVER, POLITE
 from .tiny_processes import fleet as fleet
 
 LAUNCH = """
@@ -125,22 +124,6 @@ def test_a_killed_launcher_takes_its_processes_along(fleet):
     program.popen.kill()
     program.rest()
     fleet.await_pids(0)
-
-
-def test_a_killed_launcher_takes_also_along_who_ignores_sigint(fleet, tmp_path):
-    """After the graces: its guard sleeps through them in turns, which are counted here."""
-    slept, programs = tmp_path / 'slept', tmp_path / 'programs'
-    programs.mkdir()
-    (programs / 'sleep').write_text(f'#!/bin/sh\necho "$1" >> {shlex.quote(str(slept))}\n')
-    (programs / 'sleep').chmod(0o755)
-    fleet.add('deaf', IGNORANT)
-    path = f'{programs}:{os.environ["PATH"]}'
-    program = Program('deaf', grace=0.4, term_grace=0.2, PATH=path)
-    program.read_until('started', 'deaf up')
-    program.popen.kill()
-    fleet.await_pids(0)
-    assert slept.read_text().split() == ['0.1'] * 6
-    program.rest()
 
 
 def test_ctrl_c_is_heard_even_where_a_shell_has_it_ignored(fleet):

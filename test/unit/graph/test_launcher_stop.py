@@ -1,6 +1,5 @@
 """A stop of real, tiny processes: signals come in order, and nothing is left."""
 
-from pathlib import Path
 import signal
 import threading
 import time
@@ -116,11 +115,3 @@ def test_a_hanging_callback_does_not_hold_the_stop_up(fleet):
     assert not over.is_set()
     assert fleet.pids() == []
     hang.set()
-
-
-def test_nothing_of_the_guard_is_left_after_a_stop(fleet):
-    fleet.add('node', FOREVER)
-    with fleet.launcher() as launcher:
-        guard = launcher._guard._popen.pid
-        assert Path(f'/proc/{guard}').exists()
-    assert not Path(f'/proc/{guard}').exists()
