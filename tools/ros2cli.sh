@@ -3,7 +3,8 @@
 #
 #   tools/ros2cli.sh [FROM]     FROM: where the repositories are, https://github.com/ros2 by default
 #
-# Its packages are plain Python; `ros2 bag` is C++ and is not among them.
+# Its packages are plain Python, but for the messages of composable nodes, which `launch_ros` imports
+# and tools/messages.py compiles. `ros2 bag` is C++ and is not among them.
 set -eu
 from=${1:-https://github.com/ros2}
 root=$(cd "$(dirname "$0")/.." && pwd -P)
@@ -24,16 +25,24 @@ clone() {
 
 clone ros2cli 0.32.2
 clone rosidl_runtime_py 0.13.1
+clone launch 3.4.3
+clone launch_ros 0.26.6
+clone rcl_interfaces 2.0.2
 set -- "$sources/rosidl_runtime_py"
 for package in cli action interface lifecycle node param pkg run service topic; do
     set -- "$@" "$sources/ros2cli/ros2$package"
 done
+for package in launch/launch launch/launch_xml launch/launch_yaml launch_ros/launch_ros launch_ros/ros2launch; do
+    set -- "$@" "$sources/$package"
+done
+AMENT_PREFIX_PATH=$root/.venv "$root/.venv/bin/python" "$root/tools/messages.py" \
+    "$sources/rcl_interfaces/composition_interfaces" || stop 'ros2: no messages for launch; see above.'
 pip() {
     "$root/.venv/bin/python" -P -m pip install --quiet --disable-pip-version-check \
         --ignore-installed --prefix "$sources/made" "$@" || stop 'ros2: pip failed; see above.'
 }
 pip --no-deps --no-build-isolation "$@"
-pip --no-deps argcomplete importlib-metadata psutil zipp
+pip --no-deps argcomplete importlib-metadata osrf-pycommon psutil zipp
 rm -rf "$target"
 mv "$sources/made" "$target"
 echo 'ros2: ready; ./ros2 topic list shows the topics of a running graph.'

@@ -3,7 +3,8 @@ The programs of a genuine ROS 2 that the wheels lack, from a folder of checkouts
 
 LTA_ROS_CHECKOUTS names the folder. It holds, by these names, ros2/ros2cli (tried: 0.32.2),
 ros2/launch (3.4.3), ros2/launch_ros (0.26.6), osrf/osrf_pycommon (2.1.6) and
-ros2/rosidl_runtime_py (0.13.1); for the test of the rosdep keys also ros/rosdistro.
+ros2/rosidl_runtime_py (0.13.1); for the test of `make ros2` also ros2/rcl_interfaces (2.0.2), for
+that of the rosdep keys ros/rosdistro.
 """
 
 import os

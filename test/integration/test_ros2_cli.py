@@ -279,10 +279,15 @@ def test_make_ros2_installs_the_command(tmp_path, domain_id):
     command = shutil.copy(ROOT / 'ros2', tmp_path)
     place = Path(CHECKOUTS).resolve().as_uri()
     subprocess.run([tmp_path / 'tools/ros2cli.sh', place], check=True)
-    words = (command, 'topic', 'list', '--no-daemon')
     environment = {**os.environ, 'ROS_DOMAIN_ID': str(domain_id)}
-    done = subprocess.run(words, capture_output=True, text=True, env=environment, check=True)
-    assert '/rosout' in done.stdout.split()
+
+    def run(*words):
+        return subprocess.run(
+            (command, *words), capture_output=True, text=True, env=environment, check=True
+        ).stdout
+
+    assert '/rosout' in run('topic', 'list', '--no-daemon').split()
+    assert "'scenario':" in run('launch', 'lta_bringup', 'fly.launch.py', '--show-args')
 
 
 @pytest.mark.skipif(
