@@ -3,11 +3,13 @@
 from contextlib import ExitStack
 import time
 
-from lta_graph.ros.contained_node import ContainedNode, give_arguments
+from lta_control.nodes.navigator import Navigator
+from lta_graph.ros.contained_node import ContainedNode
 from lta_graph.ros.process import finish_waiting_events, open_executor, POLL, spin_for
 import pytest
 import rclpy
 from rclpy.clock import Clock, ClockType
+from rclpy.parameter import Parameter
 from rclpy.qos import qos_profile_sensor_data
 from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
@@ -159,8 +161,8 @@ def test_the_events_that_wait_are_finished(executor, node):
 
 @pytest.mark.parametrize('kind', ['message', 'timer', 'service'])
 def test_an_exception_is_the_fault_of_its_node(executor, node, kind):
-    with give_arguments(['--ros-args', '-r', '__node:=other']):
-        other = ContainedNode('named')
+    own = ['--ros-args', '-r', '__node:=other']
+    other = ContainedNode('named', cli_args=own, use_global_arguments=False)
     assert other.get_name() == 'other'
     executor.add_node(other)
     ticks = []
@@ -203,3 +205,13 @@ def test_data_that_are_no_message_are_counted(executor, node):
     assert [message.data for message in heard] == [0.25]
     assert node.undecodable.count == 1
     assert 'in: it is no message of type Float64' in node.undecodable.why
+
+
+def test_a_node_of_ours_takes_what_a_node_of_rclpy_takes(executor):
+    lower = Parameter('altitude', value=0.75)
+    made = Navigator(namespace='/lta7', parameter_overrides=[lower])
+    try:
+        assert made.get_fully_qualified_name() == '/lta7/navigator'
+        assert made.get_parameter('altitude').value == 0.75
+    finally:
+        made.destroy_node()

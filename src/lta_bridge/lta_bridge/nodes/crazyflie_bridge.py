@@ -11,6 +11,7 @@ import math
 import os
 import threading
 import time
+from typing import Unpack
 
 from geometry_msgs.msg import Point, PoseStamped, TwistStamped
 from lta_bridge.crazyflie import messages, readings
@@ -38,6 +39,7 @@ from lta_graph.health import HealthLevel
 from lta_graph.inbox import InboxStep
 from lta_graph.reach import describe_reach
 from lta_graph.ros.command_mux import CommandMux
+from lta_graph.ros.contained_node import NodeOptions
 from lta_graph.ros.device import DeviceNode
 from lta_graph.ros.message_validation import find_fault
 from lta_graph.ros.parameters import NodeParameters
@@ -61,8 +63,8 @@ DEAD = 2.0  # s of silence before reconnecting: log blocks may be gone (firmware
 class CrazyflieBridge(DeviceNode):
     """Publish the sensor data of a Crazyflie, and send it the graph's commands."""
 
-    def __init__(self) -> None:
-        super().__init__('crazyflie_bridge', 'Crazyflie')
+    def __init__(self, **options: Unpack[NodeOptions]) -> None:
+        super().__init__('crazyflie_bridge', 'Crazyflie', **options)
         self.health.set_fact(describe_reach(os.environ))
         check_log_table(BLOCKS)
         self._outputs = {

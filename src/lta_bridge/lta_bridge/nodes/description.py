@@ -7,11 +7,12 @@ odom -> base_link on /tf; with the parameter `pose` this node does it for a grap
 estimator. The simulator or a tracker publishes map -> odom; without both, `map` does.
 """
 
-from typing import Literal
+from typing import Literal, Unpack
 
 from lta_bridge.description.messages import iterate_descriptions
 from lta_config.settings import setting, Settings
 from lta_graph.health import HealthLevel
+from lta_graph.ros.contained_node import NodeOptions
 from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
@@ -47,8 +48,8 @@ class DescriptionSettings(Settings):
 class DescriptionNode(GraphNode):
     """Publish URDF, scene and transforms."""
 
-    def __init__(self) -> None:
-        super().__init__('description')
+    def __init__(self, **options: Unpack[NodeOptions]) -> None:
+        super().__init__('description', **options)
         outputs = {
             name: self.create_output(name) for name in self.table.published_by('description')
         }

@@ -9,7 +9,7 @@ Periodic topics are shown at the rate of a screen; what is left out is counted i
 
 from collections import defaultdict, deque
 from collections.abc import Callable
-from typing import Final
+from typing import Final, Unpack
 
 from lta_bridge.bag.schemas import generate_definition
 from lta_bridge.live.feed import TopicThrottle
@@ -19,6 +19,7 @@ from lta_bridge.log_time_assigner import read_stamp
 from lta_config.settings import setting, Settings
 from lta_config.topics import robot_topic, Topic
 from lta_graph.health import HealthLevel
+from lta_graph.ros.contained_node import NodeOptions
 from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
@@ -57,8 +58,8 @@ def select_viewer_profile(name: str, topic: Topic) -> QoSProfile:
 class LiveViewNode(GraphNode):
     """Show raw messages to viewers."""
 
-    def __init__(self) -> None:
-        super().__init__('live')
+    def __init__(self, **options: Unpack[NodeOptions]) -> None:
+        super().__init__('live', **options)
         settings = NodeParameters(self, LiveSettings).value
         self._robot = self.get_namespace().strip('/')
         self._feed = TopicThrottle(self.table)

@@ -12,7 +12,7 @@ from collections.abc import Generator, Iterator
 import math
 import sys
 import time
-from typing import Any
+from typing import Any, Unpack
 
 from geometry_msgs.msg import PoseStamped
 from lta_bridge.teleop.steering import check_time_mode
@@ -22,6 +22,7 @@ from lta_config.settings import setting, Settings
 from lta_control.messages import to_tracked
 from lta_control.odometry.tracked_motion import TrackedMotion
 from lta_graph.health import HealthLevel
+from lta_graph.ros.contained_node import NodeOptions
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
@@ -75,8 +76,8 @@ Steps = Generator[None, None, str]
 class Pilot(GraphNode):
     """Fly once, and end."""
 
-    def __init__(self) -> None:
-        super().__init__('pilot')
+    def __init__(self, **options: Unpack[NodeOptions]) -> None:
+        super().__init__('pilot', **options)
         check_time_mode(lockstep=self.lockstep)
         self._settings = NodeParameters(self, PilotSettings).value
         self._joy = self.create_publisher(Joy, JOY, 1)

@@ -13,6 +13,7 @@ import math
 from pathlib import Path
 import sys
 import time
+from typing import Unpack
 
 from lta_bridge.bag.metadata import build_offered_qos, OfferedQos
 from lta_bridge.playback.answer_bag import AnswerBag
@@ -30,6 +31,7 @@ from lta_config.errors import BadInput
 from lta_config.limits import limit_memory
 from lta_graph.health import HealthLevel
 from lta_graph.quality import select_quality
+from lta_graph.ros.contained_node import NodeOptions
 from lta_graph.ros.node import GraphNode, LONG_ACKNOWLEDGE_TIME
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.peer_listener import OVER_VALUE
@@ -51,8 +53,8 @@ LAST_ANSWER_TIME = 0.5  # wall seconds to wait for answers after the last messag
 class Player(GraphNode):
     """Publish a recording, and receive the nodes' answers."""
 
-    def __init__(self) -> None:
-        super().__init__('player', role='vehicle')
+    def __init__(self, **options: Unpack[NodeOptions]) -> None:
+        super().__init__('player', role='vehicle', **options)
         settings = self._settings = NodeParameters(self, PlayerSettings).value
         check_playback(settings)
         own = self.get_namespace().strip('/')

@@ -11,7 +11,7 @@ from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
 import time
-from typing import Any
+from typing import Any, Unpack
 
 from lta_bridge.bag.background_writer import BackgroundWriter
 from lta_bridge.bag.metadata import has_mixed_durability, OfferedQos
@@ -31,6 +31,7 @@ from lta_config.settings import setting, Settings
 from lta_config.topics import ALL_TOPICS, is_name, select_topics
 from lta_graph.health import HealthLevel
 from lta_graph.interrupts import hold_interrupts
+from lta_graph.ros.contained_node import NodeOptions
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
@@ -76,8 +77,8 @@ def declare_origins(node: GraphNode, robots: list[str]) -> dict[str, RobotOrigin
 class Recorder(GraphNode):
     """Write raw messages to a bag."""
 
-    def __init__(self) -> None:
-        super().__init__('recorder')
+    def __init__(self, **options: Unpack[NodeOptions]) -> None:
+        super().__init__('recorder', **options)
         settings = self._settings = NodeParameters(self, RecorderSettings).value
         origin = self._collect_origin()
         robots = self._robots = settings.robots.split() or [self.get_namespace().strip('/')]

@@ -6,6 +6,7 @@ It is a lifecycle node: `configure` opens the link and synchronizes with the boa
 """
 
 import time
+from typing import Unpack
 
 from builtin_interfaces.msg import Time
 from lta_bridge.teensy.light_board import LightBlock, LightBoard, LightPeaks
@@ -15,6 +16,7 @@ from lta_config.schema.crazyflie_file import hash_diodes
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.settings import setting, Settings
 from lta_graph.health import HealthLevel
+from lta_graph.ros.contained_node import NodeOptions
 from lta_graph.ros.device import DeviceNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
@@ -74,8 +76,8 @@ class TeensyBridgeSettings(Settings):
 class TeensyBridge(DeviceNode):
     """Publish the light board's blocks, or the results of its own peak detection."""
 
-    def __init__(self) -> None:
-        super().__init__('teensy_bridge', 'light board')
+    def __init__(self, **options: Unpack[NodeOptions]) -> None:
+        super().__init__('teensy_bridge', 'light board', **options)
         self._settings = NodeParameters(self, TeensyBridgeSettings).value
         if self._settings.peaks:  # as a demodulator
             answers = self.table.published_by('demodulator')

@@ -8,6 +8,7 @@ and bridge follow these instead of the navigator's, with all their safety checks
 from pathlib import Path
 import sys
 import time
+from typing import Unpack
 
 from geometry_msgs.msg import TwistStamped
 from lta_bridge.teleop.messages import (
@@ -37,6 +38,7 @@ from lta_bridge.teleop.sticks import (
 from lta_config.settings import setting, Settings
 from lta_control.messages import from_setpoint
 from lta_graph.health import HealthLevel
+from lta_graph.ros.contained_node import NodeOptions
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
@@ -81,8 +83,8 @@ class TeleopSettings(Settings):
 class Teleop(GraphNode):
     """Publish the operator's setpoints."""
 
-    def __init__(self) -> None:
-        super().__init__('teleop')
+    def __init__(self, **options: Unpack[NodeOptions]) -> None:
+        super().__init__('teleop', **options)
         check_time_mode(lockstep=self.lockstep)
         self._held = self.create_output('teleop/held')
         self._pose, self._velocity = (

@@ -7,7 +7,7 @@ capture of Crazyswarm2), or as a frame on /tf. With the estimate on `odom`, the 
 drone it also publishes `ground_truth/odom`, for evaluation and viewers.
 """
 
-from typing import Any, Literal
+from typing import Any, Literal, Unpack
 
 from lta_bridge.tracking.messages import (
     find_pose_type,
@@ -20,6 +20,7 @@ from lta_bridge.tracking.pose import build_level_pose, MapCorrection, TrackerPos
 from lta_bridge.tracking.tracked_drone import TrackedDrone
 from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
+from lta_graph.ros.contained_node import NodeOptions
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
@@ -83,8 +84,8 @@ class TrackerSettings(Settings):
 class TrackerNode(GraphNode):
     """Publish the tracked pose and motion of the drone."""
 
-    def __init__(self) -> None:
-        super().__init__('tracker', role='vehicle')
+    def __init__(self, **options: Unpack[NodeOptions]) -> None:
+        super().__init__('tracker', role='vehicle', **options)
         if self.lockstep:
             raise BadInput('A real tracker works only in real time; remove time:=lockstep.')
         self._motion = self.create_output('tracker/odom')

@@ -7,6 +7,7 @@ steer it, and while the airspeed that it had is missing.
 """
 
 import math
+from typing import Unpack
 
 from geometry_msgs.msg import TwistWithCovarianceStamped
 from lta_config.settings import setting, Settings
@@ -33,6 +34,7 @@ from lta_control.odometry.airspeed import step_duration
 from lta_graph.health import HealthLevel
 from lta_graph.inbox import InboxStep
 from lta_graph.ros.command_mux import CommandMux
+from lta_graph.ros.contained_node import NodeOptions
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
@@ -70,8 +72,8 @@ class ControllerSettings(Settings):
 class Controller(GraphNode):
     """Publish duties for each estimate."""
 
-    def __init__(self) -> None:
-        super().__init__('controller')
+    def __init__(self, **options: Unpack[NodeOptions]) -> None:
+        super().__init__('controller', **options)
         self._motors = self.create_output('motors')
         settings = NodeParameters(self, ControllerSettings, self._apply_settings).value
         vehicle = load_vehicle(settings.vehicle)

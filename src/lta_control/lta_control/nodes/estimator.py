@@ -5,6 +5,7 @@ Each estimate is published twice: on `odom`, and as the transform odom -> base_l
 """
 
 import math
+from typing import Unpack
 
 from lta_config.settings import setting
 from lta_control.bias_calibration import is_tilted, is_turning, largest_deviation, MOST_RATE
@@ -31,6 +32,7 @@ from lta_control.sighting import LampSighting
 from lta_control.vehicle_parameters import build_estimator_model
 from lta_graph.health import HealthLevel
 from lta_graph.inbox import InboxStep
+from lta_graph.ros.contained_node import NodeOptions
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
@@ -50,8 +52,8 @@ class EstimatorParameters(EstimatorSettings):
 class Estimator(GraphNode):
     """Publish an estimate for each IMU sample."""
 
-    def __init__(self) -> None:
-        super().__init__('estimator')
+    def __init__(self, **options: Unpack[NodeOptions]) -> None:
+        super().__init__('estimator', **options)
         self._airspeed = self.create_output('airspeed')
         self._odom = self.create_output('odom')
         self._tf = self.create_output('/tf')

@@ -3,6 +3,7 @@
 from functools import partial
 import math
 import time
+from typing import Unpack
 
 from lta_config.errors import BadInput
 from lta_config.settings import setting
@@ -44,6 +45,7 @@ from lta_control.strategies import check_route, find_navigation_strategy
 from lta_control.strategies.protocol import LightMeasurement
 from lta_graph.health import HealthLevel
 from lta_graph.inbox import InboxStep
+from lta_graph.ros.contained_node import NodeOptions
 from lta_graph.ros.goal_server import GoalServer
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
@@ -81,8 +83,8 @@ class NavigatorParameters(MissionSettings):
 class Navigator(GraphNode):
     """Publish setpoints for each light estimate."""
 
-    def __init__(self) -> None:
-        super().__init__('navigator')
+    def __init__(self, **options: Unpack[NodeOptions]) -> None:
+        super().__init__('navigator', **options)
         self._pose = self.create_output('setpoint/pose')
         self._velocity = self.create_output('setpoint/velocity')
         self._beacon = self.create_output('light/beacon')

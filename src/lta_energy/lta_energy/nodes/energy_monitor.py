@@ -1,6 +1,6 @@
 """Run the energy monitor as a ROS node; it reports when the reserve is reached."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Unpack
 
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.settings import setting
@@ -8,6 +8,7 @@ from lta_energy import messages
 from lta_energy.monitoring.meters import PowerSystem
 from lta_energy.monitoring.monitor import EnergyEstimate, MonitorSettings, update_estimate
 from lta_energy.monitoring.report import report_energy
+from lta_graph.ros.contained_node import NodeOptions
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
@@ -27,8 +28,8 @@ class EnergyMonitorParameters(MonitorSettings):
 class EnergyMonitor(GraphNode):
     """Answer every battery message with charge, balance and reserve, under the same stamp."""
 
-    def __init__(self) -> None:
-        super().__init__('energy_monitor')
+    def __init__(self, **options: Unpack[NodeOptions]) -> None:
+        super().__init__('energy_monitor', **options)
         self._battery = self.create_output('energy/battery')
         self._status = self.create_output('energy/status')
         self._reserve = self.create_output('energy/reserve')

@@ -1,28 +1,26 @@
 """A node whose callbacks keep their exceptions, for a process that runs several nodes."""
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from contextvars import ContextVar
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypedDict, Unpack
 
 from lta_graph.health import RejectionCount
 from lta_graph.ros.message_validation import decode_message
+from rclpy.context import Context
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 from rclpy.service import Service
 from rclpy.subscription import Subscription
 from rclpy.timer import Timer
 
-_ARGUMENTS: ContextVar[list[str] | None] = ContextVar('arguments', default=None)
 
+class NodeOptions(TypedDict, total=False):
+    """What whoever makes a node may give it, as rclpy's Node takes it."""
 
-@contextmanager
-def give_arguments(arguments: list[str]) -> Iterator[None]:
-    """Give the node that is created meanwhile a command line of its own."""
-    token = _ARGUMENTS.set(arguments)
-    try:
-        yield
-    finally:
-        _ARGUMENTS.reset(token)
+    namespace: str
+    parameter_overrides: list[Parameter]
+    cli_args: list[str]  # its own command line
+    use_global_arguments: bool  # whether that of the process counts, too
+    context: Context
 
 
 class ContainedNode(Node):
@@ -38,15 +36,11 @@ class ContainedNode(Node):
 
     """
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, **options: Unpack[NodeOptions]) -> None:
         # rclpy's constructor creates services already
         self.fault: Exception | None = None
         self.undecodable = RejectionCount()
-        own = _ARGUMENTS.get()
-        more: dict[str, Any] = (
-            {} if own is None else {'cli_args': own, 'use_global_arguments': False}
-        )
-        super().__init__(name, **more)
+        super().__init__(name, **options)
 
     def create_subscription(
         self,

@@ -2,8 +2,10 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
+from typing import Unpack
 
 from lta_config.errors import BadInput
+from lta_graph.ros.contained_node import NodeOptions
 from lta_graph.ros.node import GraphNode
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState, TransitionCallbackReturn
@@ -38,9 +40,9 @@ class DeviceNode(LifecycleNodeMixin, GraphNode, ABC):
 
     """
 
-    def __init__(self, name: str, device: str) -> None:
+    def __init__(self, name: str, device: str, **options: Unpack[NodeOptions]) -> None:
         # Explicit calls: the mixin's constructor does not call the next one in the MRO
-        GraphNode.__init__(self, name, role='vehicle')
+        GraphNode.__init__(self, name, role='vehicle', **options)
         LifecycleNodeMixin.__init__(self)
         if self.lockstep:
             raise BadInput(f'A real {device} works only in real time; remove time:=lockstep.')

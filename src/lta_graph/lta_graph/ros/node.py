@@ -10,14 +10,14 @@ logged.
 from collections.abc import Callable, Iterator
 from functools import partial
 import time
-from typing import Any, cast, Literal
+from typing import Any, cast, Literal, Unpack
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from lta_config.settings import setting, Settings
 from lta_config.topics import load_topic_table
 from lta_graph.health import Health, HealthLevel, HealthLog
 from lta_graph.inbox import Inbox, InboxStep
-from lta_graph.ros.contained_node import ContainedNode
+from lta_graph.ros.contained_node import ContainedNode, NodeOptions
 from lta_graph.ros.message_validation import find_message_type, MESSAGES, MessageValidator
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.publisher_conflict import PublisherConflict
@@ -80,11 +80,12 @@ class GraphNode(ContainedNode):
     """
     A node with a role in the topic table.
 
-    `name`: name of the node. `role`: role in the topic table; None if it is the name.
+    `name`: name of the node. `role`: role in the topic table; None if it is the name. `options`:
+    as rclpy's Node takes them.
     """
 
-    def __init__(self, name: str, role: str | None = None) -> None:
-        super().__init__(name)
+    def __init__(self, name: str, role: str | None = None, **options: Unpack[NodeOptions]) -> None:
+        super().__init__(name, **options)
         self.table = load_topic_table()
         self.role = role or name
         graph = NodeParameters(self, GraphSettings).value

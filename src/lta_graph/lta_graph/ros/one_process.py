@@ -28,7 +28,6 @@ from lta_graph.launch_plan import LaunchProcess, parse_arguments
 from lta_graph.launches import find_launch
 from lta_graph.reach import PROFILE_VARIABLE
 from lta_graph.ros.command_line import initialize_ros, reject_unknown_parameters
-from lta_graph.ros.contained_node import give_arguments
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.process import (
     asks_for_help,
@@ -213,8 +212,8 @@ class NodeGroup:
     def create_node(self, process: LaunchProcess, teardown: ExitStack) -> None:
         """Create a node with the command line of a process."""
         kind = load_node_class(process)
-        with give_arguments(list(process.arguments)):
-            node = kind()  # type: ignore[call-arg]
+        own = list(process.arguments)
+        node = kind(cli_args=own, use_global_arguments=False)  # type: ignore[call-arg]
         teardown.callback(node.destroy_node)
         self._running[node] = RunningNode(node, process, node.run())
         reject_unknown_parameters(node, [process.executable, *process.arguments])

@@ -15,6 +15,7 @@ import operator
 import os
 import sys
 import time
+from typing import Unpack
 
 from builtin_interfaces.msg import Time
 from lta_config.errors import unknown_name_error
@@ -22,6 +23,7 @@ from lta_config.topics import is_selected
 from lta_graph.health import HealthLevel
 from lta_graph.inbox import InboxStep
 from lta_graph.reach import describe_reach
+from lta_graph.ros.contained_node import NodeOptions
 from lta_graph.ros.node import GraphNode, LONG_ACKNOWLEDGE_TIME
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.peer_listener import OVER_VALUE, PeerListener, PULSE_TOPIC
@@ -53,8 +55,8 @@ GRAPH_START_TIME = 20.0  # wall seconds for the graph of one drone to come up
 class Simulator(GraphNode):
     """Publish the sensor readings of a `World` and apply the duties received in answer."""
 
-    def __init__(self) -> None:
-        super().__init__('simulator', role='vehicle')
+    def __init__(self, **options: Unpack[NodeOptions]) -> None:
+        super().__init__('simulator', role='vehicle', **options)
         self.health.set_fact(describe_reach(os.environ))
         self._settings = NodeParameters(self, SimulatorSettings).value
         offset = self._settings.offset_x, self._settings.offset_y

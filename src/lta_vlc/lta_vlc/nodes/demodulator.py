@@ -1,9 +1,12 @@
 """Demodulate ADC blocks to peaks, bearing and lamp position in a ROS node."""
 
+from typing import Unpack
+
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.settings import setting
 from lta_graph.health import HealthLevel
 from lta_graph.inbox import InboxStep
+from lta_graph.ros.contained_node import NodeOptions
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
@@ -30,8 +33,8 @@ class DemodulatorParameters(DemodulationSettings):
 class Demodulator(GraphNode):
     """Answer each ADC block with peaks, the paper's bearing vector and the lamp position."""
 
-    def __init__(self) -> None:
-        super().__init__('demodulator')
+    def __init__(self, **options: Unpack[NodeOptions]) -> None:
+        super().__init__('demodulator', **options)
         self._peaks = self.create_output('light/peaks')
         self._bearing = self.create_output('light/bearing')
         self._estimate = self.create_output('light/estimate')
