@@ -95,25 +95,17 @@ def triggers(node):
     return found
 
 
-def declared(node, text, query):
-    """Return whether a node asks the table for its topics by `self.table.QUERY(role)`."""
-    role = ROLES.get(node, node)
-    return f"self.table.{query}('{role}')" in text
-
-
 def published(node):
     """Return the topics that a node makes publishers for."""
     found = {item.value for item in calls(node, 'create_output') if isinstance(item, ast.Constant)}
-    if declared(node, FILES[node].read_text(encoding='utf-8'), 'published_by'):
-        found |= set(TABLE.published_by(ROLES.get(node, node)))
+    role = ROLES.get(node, node)
+    if f"self.table.published_by('{role}')" in FILES[node].read_text(encoding='utf-8'):
+        found |= set(TABLE.published_by(role))
     return found
 
 
 def read(node):
     """Return the topics that a node listens to."""
-    text = FILES[node].read_text(encoding='utf-8')
-    if declared(node, text, 'read_by'):
-        return set(TABLE.read_by(ROLES.get(node, node)))
     lists = [item for item in calls(node, 'subscribe_inputs') if isinstance(item, ast.List)]
     return {item.value for each in lists for item in each.elts}
 

@@ -111,7 +111,7 @@ class CrazyflieBridge(DeviceNode):
 
     def _subscribe_inputs(self) -> None:
         self.subscribe_inputs(
-            self.table.read_by('vehicle'), trigger='motors', on_step=self._on_motors
+            ['motors', 'energy/reserve'], trigger='motors', on_step=self._on_motors
         )
         for name, callback in (
             ('odom', self._on_odom),

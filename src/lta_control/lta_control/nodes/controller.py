@@ -92,7 +92,9 @@ class Controller(GraphNode):
         self.create_service(SetBool, 'arm', self._on_arm)
         self.create_service(Trigger, 'emergency_stop', self._on_emergency_stop)
         self.subscribe_inputs(
-            self.table.read_by('controller'), trigger='odom', on_step=self._on_step
+            ['odom', 'airspeed', 'setpoint/pose', 'setpoint/velocity'],
+            trigger='odom',
+            on_step=self._on_step,
         )
         self._helm = CommandMux(self)
 

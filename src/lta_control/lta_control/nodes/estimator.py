@@ -72,7 +72,9 @@ class Estimator(GraphNode):
         self._last_ns: int | None = None
         self._refused = 0
         self.subscribe_inputs(
-            self.table.read_by('estimator'), trigger='imu', on_step=self._on_step
+            ['imu', 'range', 'pressure', 'motors', 'light/peaks', 'light/estimate'],
+            trigger='imu',
+            on_step=self._on_step,
         )
         if not self.lockstep:  # in which no tracker works
             self.subscribe_topic('tracker/odom', self._on_tracked)

@@ -109,7 +109,16 @@ class Navigator(GraphNode):
         self._reckoning = AirReckoning(control_ns, 3 * self._block_ns // control_ns)
         self._airspeeds = MessagePairing()
         self.subscribe_inputs(
-            self.table.read_by('navigator'), trigger='light/estimate', on_step=self._on_step
+            [
+                'odom',
+                'airspeed',
+                'light/peaks',
+                'light/estimate',
+                'energy/status',
+                'energy/reserve',
+            ],
+            trigger='light/estimate',
+            on_step=self._on_step,
         )
         self._guidance: Guidance | CommandedFlight = Guidance(self._course, self._route)
         self._servers: list[GoalServer[FlightTask]] = []

@@ -40,8 +40,9 @@ class EnergyMonitor(GraphNode):
         self._estimate = EnergyEstimate()
         self._odom: Odometry | None = None
         self._airspeed: TwistWithCovarianceStamped | None = None
-        inputs = self.table.read_by('energy_monitor')
-        self.subscribe_inputs(inputs, 'battery', self._on_step)
+        self.subscribe_inputs(
+            ['illuminance', 'battery', 'panel', 'odom', 'airspeed'], 'battery', self._on_step
+        )
 
     def _on_step(self, step: 'InboxStep') -> None:
         measured = step.last_message('battery')

@@ -73,8 +73,9 @@ class Simulator(GraphNode):
         self._outputs = {name: self.create_output(name) for name in names}
         self._publish_start()
         self._awaited = self._list_awaited_roles()
-        inputs = self.table.read_by('vehicle')
-        self.subscribe_inputs(inputs, trigger='motors', on_step=self._on_motors)
+        self.subscribe_inputs(
+            ['motors', 'energy/reserve'], trigger='motors', on_step=self._on_motors
+        )
         self._peers = PeerListener(self, self._settings.peers.split(), self._on_peer_update)
         self._rotors = vehicle.rotor_names
         self._duties = [0.0] * len(self._rotors)

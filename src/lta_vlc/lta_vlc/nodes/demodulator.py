@@ -50,8 +50,9 @@ class Demodulator(GraphNode):
         self._finder = LampFinder(build_diode_array(entry))
         self._listener.prepare()  # the first block must be answered at once
         self._finder.prepare()
-        inputs = self.table.read_by('demodulator')
-        self.subscribe_inputs(inputs, trigger='photodiodes', on_step=self._on_step)
+        self.subscribe_inputs(
+            ['photodiodes', 'light/beacon'], trigger='photodiodes', on_step=self._on_step
+        )
 
     def _build_receiver(self, settings: DemodulatorParameters) -> BeaconReceiver:
         light, entry = self.table.light, load_vehicle_file(settings.vehicle).sensors.diodes
