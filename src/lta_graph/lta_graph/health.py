@@ -154,7 +154,7 @@ class HealthLog:
     """
     The lines of some tasks: each change to WARN or ERROR once, and the return to OK.
 
-    A status that comes and goes gets `LINES` lines in a `WINDOW`; its other changes are counted,
+    A status that comes and goes gets `LINES_PER_STATUS` lines in a `LOG_WINDOW`; its other changes are counted,
     and one line a window says how many there were.
     """
 
@@ -219,7 +219,9 @@ def find_role(node: str) -> str:
     return robot + slash + OTHER_ROLES.get(name, name)
 
 
-LONGEST_REASON: Final = 200  # characters of a reason, whose length the faulty sender controls
+LONGEST_REJECTION_REASON: Final = (
+    200  # characters of a reason, whose length the faulty sender controls
+)
 
 
 @final
@@ -238,7 +240,11 @@ class RejectionCount:
     def add(self, why: str) -> None:
         """Count one invalid input."""
         self.count += 1
-        self.why = why if len(why) <= LONGEST_REASON else f'{why[:LONGEST_REASON]} ...'
+        self.why = (
+            why
+            if len(why) <= LONGEST_REJECTION_REASON
+            else f'{why[:LONGEST_REJECTION_REASON]} ...'
+        )
 
     def build_fact(self, task: str, fine: str = 'all valid') -> HealthFact:
         """Return the count as the fact of a task, with the message `fine` if it is 0."""

@@ -72,7 +72,7 @@ class NodeEntry:
         )
 
 
-RECORDER = NodeEntry(
+RECORDER_ENTRY = NodeEntry(
     'lta_bridge',
     'recorder',
     lambda a: a.record and a.recorder,
@@ -142,7 +142,7 @@ DRONE_NODES = (
         # shifts the voltage by 0.15 ohm of that [V]
         lambda a: {'belief.voltage_noise': 0.04 if a.source == 'crazyflie' else 0.01},
     ),
-    RECORDER,
+    RECORDER_ENTRY,
     NodeEntry(
         'lta_bridge',
         'live',
@@ -291,11 +291,11 @@ def select_in_turn(values: str, k: int) -> str:
 def build_recorder(drones: list[FlyArguments]) -> LaunchProcess:
     """Return the recorder of several drones, which gets the origin of each."""
     origin = {*PER_DRONE, 'scenario', 'commanded'}
-    process = RECORDER.build_process(drones[0])
+    process = RECORDER_ENTRY.build_process(drones[0])
     parameters = {name: value for name, value in process.parameters.items() if name not in origin}
     parameters['robots'] = ' '.join(drone.robot for drone in drones)
     for drone in drones:
-        for name, value in RECORDER.build_process(drone).parameters.items():
+        for name, value in RECORDER_ENTRY.build_process(drone).parameters.items():
             if name in origin:
                 parameters[f'{drone.robot}.{name}'] = value
     return replace(process, namespace='/', parameters=parameters)

@@ -2,7 +2,12 @@
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from lta_graph.ros import listener
-from lta_graph.ros.listener import ALL_NODES_TIME, DiagnosticsListener, LOADING_TIME, SILENCE_TIME
+from lta_graph.ros.listener import (
+    ALL_NODES_TIME,
+    DiagnosticsListener,
+    LOADING_TIME,
+    NODE_SILENCE_TIME,
+)
 import pytest
 
 
@@ -51,7 +56,7 @@ def test_silence_means_nothing_before_all_have_spoken_and_could_speak_again(cloc
     assert ears.find_silent_nodes(nodes) == []
     ears._on_diagnostics(said('lta2/estimator'))
     assert ears.find_silent_nodes(nodes) == []
-    clock[0] += SILENCE_TIME + 0.01
+    clock[0] += NODE_SILENCE_TIME + 0.01
     assert ears.find_silent_nodes(nodes) == nodes
 
 
@@ -60,7 +65,7 @@ def test_one_that_never_speaks_does_not_keep_silence_meaningless_for_ever(clock)
     ears._on_diagnostics(said('lta1/estimator'))
     clock[0] += ALL_NODES_TIME + 0.01
     assert ears.find_silent_nodes(['estimator', 'theirs']) == []
-    clock[0] += SILENCE_TIME + 0.01
+    clock[0] += NODE_SILENCE_TIME + 0.01
     assert ears.find_silent_nodes(['estimator', 'theirs']) == ['estimator']
     ears._on_diagnostics(said('lta1/estimator'))
     assert ears.find_silent_nodes(['estimator', 'theirs']) == []

@@ -2,7 +2,7 @@
 
 from types import SimpleNamespace
 
-from lta_graph.ros.stamps import MessagePairing, OLDEST_NS, to_stamp
+from lta_graph.ros.stamps import MessagePairing, OLDEST_STAND_IN_NS, to_stamp
 
 
 def stamped(*stamps_ns):
@@ -24,7 +24,7 @@ def test_the_last_partner_stands_in_for_a_while():
     assert pairing.pair_messages([first], []) == [(1_000_000_000, first, None)]
     (partner,) = stamped(1_010_000_000)
     assert pairing.pair_messages([second], [partner]) == [(1_010_000_000, second, partner)]
-    near, far = stamped(1_010_000_000 + OLDEST_NS, 1_010_000_001 + OLDEST_NS)
+    near, far = stamped(1_010_000_000 + OLDEST_STAND_IN_NS, 1_010_000_001 + OLDEST_STAND_IN_NS)
     assert [found for _, _, found in pairing.pair_messages([near, far], [])] == [partner, None]
 
 

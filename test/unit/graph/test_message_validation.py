@@ -6,7 +6,7 @@ from geometry_msgs.msg import Vector3
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.topics import load_topic_table
-from lta_graph.health import HealthLevel, LONGEST_REASON, RejectionCount
+from lta_graph.health import HealthLevel, LONGEST_REJECTION_REASON, RejectionCount
 from lta_graph.ros.message_validation import (
     FAULT_FINDERS,
     find_fault,
@@ -121,7 +121,7 @@ def test_whoever_sends_nonsense_does_not_decide_how_much_of_it_is_told():
         refused.add('x' * 10**6)
     fact = refused.build_fact('messages')
     assert fact.level == HealthLevel.WARN
-    assert len(fact.message) < LONGEST_REASON + 100
+    assert len(fact.message) < LONGEST_REJECTION_REASON + 100
     assert fact.values == {'count': '3'}
 
 

@@ -17,6 +17,7 @@ from lta_report.results_folder import resolve_folder
 import typer
 
 PILOT = 'pilot'  # the node that ends a flight
+ARMING_NODE = 'crazyflie_bridge'  # the node that arms a real drone
 
 
 def fly(
@@ -89,6 +90,9 @@ def fly(
     bags = []
     for k, plan in enumerate(plans):
         console.print(f'Flight {k + 1} of {flights}', highlight=False)
+        if any(process.executable == ARMING_NODE for process in plan.processes):
+            arm = format_lta_command('call', f'{ARMING_NODE}/arm', 'true')
+            console.print(f'In another terminal, within a minute of take_off: {arm}')
         end = run_graph(plan, print_node_line, print_event)
         if is_refusal(end):
             raise BadInput(end.lines[-1])

@@ -93,7 +93,7 @@ def call_service(name: str, data: bool | None) -> ServiceResponse:
 
 
 def find_service_class(node: Node, name: str) -> Any:  # noqa: ANN401 - a generated class
-    """Return the class of a service, waiting up to `PATIENCE` for discovery."""
+    """Return the class of a service, waiting up to `DISCOVERY_TIME`."""
     deadline = time.monotonic() + DISCOVERY_TIME
     while True:
         there = dict(node.get_service_names_and_types())
@@ -121,7 +121,7 @@ LAUNCHER_TASK = 'launcher: processes'  # task under which the launcher reports f
 RECEIPT_TIME = Duration(
     seconds=0.5
 )  # for all readers to acknowledge an error; a dead one never does
-SILENCE_TIME = 2.25  # wall s after which a node counts as silent: two reports and some delay
+NODE_SILENCE_TIME = 2.25  # wall s after which a node counts as silent: two reports and some delay
 
 
 @final
@@ -165,7 +165,7 @@ class DiagnosticsListener:
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         ours = [status for status in message.status if status.hardware_id in self._robots]
         if ours:
-            # Time of the first report of any node; discovery is allowed DISCOVERY from then
+            # Time of the first report of any node; discovery is allowed ALL_NODES_TIME from then
             self._begun = self._begun or time.monotonic()
             self._stamp = message.header.stamp
         for status in ours:
@@ -224,8 +224,8 @@ class DiagnosticsListener:
             name
             for name in nodes
             # A node that never reported counts as silent only once LOADING_TIME is over
-            if now - self._received_at.get(name, begun + LOADING_TIME - SILENCE_TIME)
-            > SILENCE_TIME
+            if now - self._received_at.get(name, begun + LOADING_TIME - NODE_SILENCE_TIME)
+            > NODE_SILENCE_TIME
             and name not in pending
         )
 
@@ -241,8 +241,8 @@ class DiagnosticsListener:
         nodes must have reported once, and have had time to report again.
         """
         now = time.monotonic()
-        # After DISCOVERY a node that never reported no longer delays the others
+        # After ALL_NODES_TIME a node that never reported no longer delays the others
         patient = self._begun is not None and now - self._begun > ALL_NODES_TIME
         if self._complete is None and (patient or not self.find_pending_nodes(nodes)):
             self._complete = now
-        return self._complete is not None and now - self._complete > SILENCE_TIME
+        return self._complete is not None and now - self._complete > NODE_SILENCE_TIME

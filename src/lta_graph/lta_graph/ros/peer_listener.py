@@ -130,7 +130,7 @@ class PeerListener:
         return not held
 
     def list_missing_pulses(self) -> list[str]:
-        """Return the pulses that the node has been waiting for longer than `PATIENCE`."""
+        """Return the pulses that the node has been waiting for longer than `REPORTED_WAIT`."""
         if not self._held or time.monotonic() - self._since < REPORTED_WAIT:
             return []
         # A robot without a pulse may still load; the launcher reports it if it is silent

@@ -19,7 +19,7 @@ def from_stamp(stamp: Time) -> int:
     return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
 
 
-OLDEST_NS = 250_000_000  # ns; a partner whose stamp differs by more does not stand in
+OLDEST_STAND_IN_NS = 250_000_000  # ns; a partner whose stamp differs by more does not stand in
 
 
 @final
@@ -62,4 +62,4 @@ class MessagePairing:
         if self._last is None:
             return None
         apart = abs(from_stamp(self._last.header.stamp) - stamp_ns)
-        return self._last if apart <= OLDEST_NS else None
+        return self._last if apart <= OLDEST_STAND_IN_NS else None

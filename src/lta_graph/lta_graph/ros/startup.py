@@ -122,7 +122,7 @@ def wait_until_settled(
     node: GraphNode, awaited: Collection[str], patience: float
 ) -> Iterator[None]:
     """
-    Wait until the graph has not changed for `SETTLED`, and the known endpoints have matched.
+    Wait until the graph has not changed for `SETTLED_TIME`, and the known endpoints have matched.
 
     After `patience` the flight begins anyway, and warns in the task `start` which topics may not
     reach all readers.
