@@ -154,8 +154,8 @@ class HealthLog:
     """
     The lines of some tasks: each change to WARN or ERROR once, and the return to OK.
 
-    A status that comes and goes gets `LINES_PER_STATUS` lines in a `LOG_WINDOW`; its other changes are counted,
-    and one line a window says how many there were.
+    A status that comes and goes gets `LINES_PER_STATUS` lines in a `LOG_WINDOW`; its other changes
+    are counted, and one line a window says how many there were.
     """
 
     def __init__(self) -> None:
