@@ -39,6 +39,7 @@ LONGEST_TRACKER_GAP = 1.0
 COASTING_TIME = 8.0  # s for which a blimp flies on, as it has to turn about to brake
 # Wall s in which a goal is accepted: nodes load a vehicle, and calibrate the estimator
 GOAL_PATIENCE = 120.0
+LANDING_PATIENCE = 10.0  # the same for a landing, which a drone that stands refuses
 HANDOVER_PATIENCE = 10.0  # wall s in which teleop takes the sticks, or hands them back
 GOAL_PAUSE = 1.0  # wall s between two requests for a goal that was refused
 PILOT_ACTIONS = {'take_off': TakeOff, 'go_to_pose': GoToPose, 'land': Land}
@@ -97,10 +98,10 @@ class Pilot(GraphNode):
         self._held = held.data
 
     def _on_tracked(self, odom: Odometry) -> None:
-        self._tracked = to_tracked(odom)
-        if self._tracked is not None:
-            self._tracked_at = time.monotonic()
-        self._above = odom.pose.pose.position.z - self._settings.height
+        tracked = to_tracked(odom)
+        if tracked is not None:
+            self._tracked, self._tracked_at = tracked, time.monotonic()
+            self._above = odom.pose.pose.position.z - self._settings.height
 
     def run(self) -> Iterator[None]:
         """Fly to the end; exit with status 1 if the flight did not reach it."""
@@ -141,11 +142,16 @@ class Pilot(GraphNode):
             if failure:
                 break
         back = yield from self._hand_back()
-        landing = yield from self._command('land', Land.Goal())
+        landing = yield from self._command('land', Land.Goal(), LANDING_PATIENCE)
         return failure or back or landing
 
-    def _command(self, name: str, goal: Any) -> Steps:  # noqa: ANN401 - of an action
-        """Fly by an action to its end."""
+    def _command(
+        self,
+        name: str,
+        goal: Any,  # noqa: ANN401 - of an action
+        patience: float = GOAL_PATIENCE,
+    ) -> Steps:
+        """Fly by an action to its end, if it is accepted in time. [wall s]"""
         self._tell(f'{name} begins')
         action, since = self._actions[name], time.monotonic()
         while True:
@@ -158,8 +164,8 @@ class Pilot(GraphNode):
             if handle is not None and handle.accepted:
                 break
             # The navigator logs why it refuses
-            if time.monotonic() - since > GOAL_PATIENCE:
-                return f'{name} was refused for {GOAL_PATIENCE:.0f} s'
+            if time.monotonic() - since > patience:
+                return f'{name} was refused for {patience:.0f} s'
             yield from self._wait(GOAL_PAUSE)
         ended: Future = handle.get_result_async()
         while not ended.done():
@@ -215,7 +221,7 @@ class Pilot(GraphNode):
 
     def _tell(self, what: str) -> None:
         """Report what the drone does next."""
-        self.health.report('flight', HealthLevel.OK, what)
+        self.health.report('tests', HealthLevel.OK, what)
         self.get_logger().info(what)
 
 
