@@ -40,12 +40,20 @@ compared() {
     ./lta compare "$1.a" "$1.b" --out "$1"
 }
 
+is_wanted() {
+    case "$wanted" in '  ' | *" $1 "*) ;; *) return 1 ;; esac
+}
+
 draw quick flight top ./lta fly --seed 1 --out
-./lta simulate --seed 3 --out "$made/film"
-./lta report "$made/film" --video docs/images/flight.gif
+if is_wanted film; then
+    ./lta simulate --seed 3 --out "$made/film"
+    ./lta report "$made/film" --video docs/images/flight.gif
+fi
 draw quick compare top compared
-./lta discover --demo --seed 5 --out "$made/discover"
-cp "$made/discover/picture.svg" docs/images/discover.svg
+if is_wanted discover; then
+    ./lta discover --demo --seed 5 --out "$made/discover"
+    cp "$made/discover/picture.svg" docs/images/discover.svg
+fi
 draw quick platforms top ./lta platforms --seeds 2 --out
 draw quick cells top ./lta cells --out
 draw quick energy_budget top ./lta energy budget --out

@@ -405,7 +405,8 @@ def describe_error(error: Exception) -> str | None:
     """Return the sentence for an error that the user can fix; None for any other."""
     # Click's usage errors are vendored by Typer; only this method identifies them.
     if (message := getattr(error, 'format_message', None)) is not None:
-        text = ' '.join(message().split()).rstrip('.')
+        # Pydantic, which checks values for Typer, says first what it calls a wrong one
+        text = ' '.join(message().split()).rstrip('.').replace('Value error, ', '')
         return f'{text}; see --help.' if text else ''
     if isinstance(error, ModuleNotFoundError) and is_ros_module(error.name):
         return str(missing_ros_error(error))

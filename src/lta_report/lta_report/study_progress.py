@@ -1,4 +1,4 @@
-"""The progress bar of a study: items, rate, remaining time and outcomes."""
+"""The progress bar of a study: items, share, elapsed and remaining time, rate and outcomes."""
 
 from collections import Counter
 import time
@@ -6,7 +6,13 @@ from typing import Final, final
 
 from lta_report.progress_bar import ProgressBar
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 
 LOOK: Final = 0.1  # wall s between two updates of the bar
 RECENT: Final = 60.0  # s over which the rate is averaged
@@ -27,8 +33,12 @@ class StudyProgress(ProgressBar):
             TextColumn('{task.description}'),
             BarColumn(),
             MofNCompleteColumn(),
-            TextColumn('{task.fields[rate]}'),
+            # The first item may take minutes, in which only these two tell that it goes on
+            TextColumn('{task.percentage:.0f} % after'),
+            TimeElapsedColumn(),
             TimeRemainingColumn(),
+            TextColumn('left'),
+            TextColumn('{task.fields[rate]}'),
             TextColumn('{task.fields[detail]}'),
             begin=unit,
             total=total,

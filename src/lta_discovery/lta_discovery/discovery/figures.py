@@ -105,7 +105,9 @@ def _draw_wrench(
                 showlegend=row == 1, row=row, col=1,
             )  # fmt: skip
         unit = 'mN' if row < 4 else 'mN m'
-        figure.update_yaxes(title=f'{axis} [{unit}]', nticks=4, row=row, col=1)
+        figure.update_yaxes(
+            title=f'{axis} [{unit}]', title_standoff=6, automargin=True, nticks=4, row=row, col=1,
+        )  # fmt: skip
     figure.update_xaxes(title='time [s]', row=6, col=1)
     caption = (
         f'{name}: force and moment that the model of the vehicle does not explain, as the '

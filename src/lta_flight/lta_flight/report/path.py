@@ -16,6 +16,7 @@ BEADS = 700  # points of the path, which together look like a ribbon
 MARGIN = 0.25  # m around the room
 STEPS = (1, 2, 5, 10, 20, 60)  # s between the time labels of the path
 MOST_STEPS = 7  # labels
+NEAR = 0.1  # of the longer side of the room or path, in which two labels would overlap on a phone
 LENGTH = 0.75  # m of a ray; long enough to show a direction, short enough not to hide the next
 PERIOD = 1.0  # s between two rays
 
@@ -58,8 +59,8 @@ def set_axis_ranges(figure: Figure, view: FlightView) -> None:
 
 
 def draw_estimate(figure: Figure, view: FlightView) -> None:
-    """Draw the path by dead reckoning, with a label."""
-    estimate, truth = view.estimate, view.truth
+    """Draw the path by dead reckoning."""
+    estimate = view.estimate
     # Every n-th point, for about BEADS in all
     keep = slice(None, None, max(1, len(estimate.time) // BEADS))
     figure.add_trace(
@@ -72,36 +73,6 @@ def draw_estimate(figure: Figure, view: FlightView) -> None:
             hoverinfo='skip',
         )
     )
-    place, away = find_farthest_point(
-        np.stack([estimate.x[keep], estimate.y[keep]], axis=1),
-        np.stack([truth.x, truth.y], axis=1)[:: max(1, len(truth.time) // BEADS)],
-    )
-    draw_label(figure, place, 'dead reckoning', ESTIMATE, 52.0 * away[0], 16.0 * away[1])
-
-
-def find_farthest_point(
-    path: Array, other: Array
-) -> tuple[tuple[float, float], tuple[float, float]]:
-    """
-    Return where a path is farthest from another one, and the direction away from that.
-
-    Parameters
-    ----------
-    path, other : ndarray, shape (n, 2) and (m, 2)
-        Points. [m]
-
-    Returns
-    -------
-    place, direction : tuple of 2 floats
-        Where a label has space. [m, 1]
-
-    """
-    gaps = path[:, None, :] - other[None, :, :]
-    distances = np.hypot(gaps[..., 0], gaps[..., 1])
-    k = int(distances.min(axis=1).argmax())
-    nearest = int(distances[k].argmin())
-    x, y = gaps[k, nearest] / (distances[k, nearest] or 1.0)
-    return (float(path[k, 0]), float(path[k, 1])), (float(x), float(y))
 
 
 def build_colored_path(view: FlightView) -> Scatter:
@@ -132,6 +103,10 @@ def draw_times(figure: Figure, view: FlightView) -> None:
         STEPS[-1] * math.ceil(length / (STEPS[-1] * MOST_STEPS)),
     )
     truth = view.truth
+    size = max(map(np.ptp, (truth.x, truth.y)))
+    if view.scene.scenario is not None:
+        size = max(view.scene.scenario.room.size.vector[:2])
+    labelled: list[tuple[float, float]] = []
     for time in np.arange(np.ceil(start / step) * step, phases.end, step):
         # Position now and half a second later, for the direction of flight
         x, y, ahead_x, ahead_y = (
@@ -139,6 +114,9 @@ def draw_times(figure: Figure, view: FlightView) -> None:
             for when in (time, time + 0.5)
             for part in (truth.x, truth.y)
         )
+        if any(math.dist((x, y), other) < NEAR * size for other in labelled):
+            continue
+        labelled.append((x, y))
         course = np.arctan2(ahead_y - y, ahead_x - x)
         # Unit vector to the left of the path
         across, up = -np.sin(course), np.cos(course)

@@ -244,10 +244,10 @@ def tune_once(order: TuningRequest, console: Console) -> TuningResult:
             )
             # The comparison would take another minute
             raise KeyboardInterrupt
-        progress.show_detail(f'flying {order.draws} new random flights with old and new gains')
+        progress.wait_for(f'flying {order.draws} new random flights with old and new gains')
         fresh = draw_cases(order.least, order.most, order.draws, order.seed)
         both = fly_comparison(scene, (old, new), fresh, workers)
-        progress.show_detail('margins and limits')
+        progress.wait_for('computing margins and the helium limit of both')
         before, after = (
             evaluate_gain_set(scene, gains, own, order)
             for gains, own in zip((old, new), both, strict=True)

@@ -7,7 +7,7 @@ limit at which its motors stop. Several airspeed commands are tried and the best
 limit is found by bisection, which assumes that a drone that flies in a wind also flies in less.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 import math
 from typing import Any, final
@@ -98,6 +98,7 @@ def find_flyable_wind(
     airspeeds: Sequence[float],
     seeds: Sequence[int],
     steps: int,
+    report: Callable[[float], object] = lambda share: None,
 ) -> FlyableWind:
     """
     Find the largest flyable wind.
@@ -114,6 +115,8 @@ def find_flyable_wind(
         Random seeds; the drone must make headway with all of them.
     steps : int
         Steps of each bisection.
+    report : callable
+        Called with the finished share, before each airspeed.
 
     """
     best = FlyableWind(0.0, airspeeds[0], most)
@@ -124,7 +127,8 @@ def find_flyable_wind(
         flight = set_wind(commanded, wind, ground)
         return all(makes_headway(flight, seed) for seed in seeds)
 
-    for airspeed in airspeeds:
+    for place, airspeed in enumerate(airspeeds):
+        report(place / len(airspeeds))
         # Only winds above the best so far can improve the result.
         low, high = best.wind, most
         # Skip the bisection if this airspeed cannot beat the best one by one step.

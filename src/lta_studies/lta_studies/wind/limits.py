@@ -202,14 +202,13 @@ def measure_limits(request: WindStudyRequest, name: str) -> PlatformWindLimits:
     grounds = 1 + len(request.roughness)
 
     def find_wind_over_ground(place: int, ground: GroundWind, share: float) -> FlyableWind | None:
-        report_progress(place / grounds)
         if flight is None:
             return None
         # 10 % above the static limit, so that the bisection can end above it.
         return find_flyable_wind(
             flight, ground, 1.1 * min(thrust, FASTEST) / share,
             _list_airspeeds(request, flight, thrust), range(1, request.seeds + 1),
-            _bisection_steps(request),
+            _bisection_steps(request), lambda part: report_progress((place + part) / grounds),
         )  # fmt: skip
 
     over = []

@@ -3,7 +3,7 @@
 import re
 
 from lta_data.bag import open_flight
-from lta_flight.report import light_panels, path
+from lta_flight.report import light_panels
 from lta_flight.report.light_panels import select_sample_blocks
 from lta_flight.report.panels import PANELS
 from lta_flight.report.path import assign_shades, select_per_period
@@ -114,14 +114,6 @@ def test_extent_shows_all_that_is_finite():
 def test_grades_run_from_the_least_to_the_greatest():
     assert assign_shades(np.array([0.0, 0.3, 0.6, 1.0])).tolist() == [0, 1, 2, 3]
     assert assign_shades(np.array([5.0, 5.0])).tolist() == [0, 0]
-
-
-def test_word_goes_where_the_paths_are_farthest_apart():
-    other = np.array([[x, 0.0] for x in np.linspace(0.0, 4.0, 401)])
-    bulge = np.array([[0.0, 0.0], [1.0, 0.1], [2.0, -0.5], [3.0, 0.2]])
-    place, direction = path.find_farthest_point(bulge, other)
-    assert place == (2.0, -0.5)
-    assert direction == pytest.approx((0.0, -1.0), abs=1e-6)
 
 
 def test_moments_are_the_ends_of_the_search(view):
