@@ -45,8 +45,7 @@ def measure_pace(count: float, begin: float) -> float:
 
 # Where the figures of each kind are: a function of the kind's name
 KINDS: Final = {
-    'kernel': 'bench_kernel', 'fleet': 'bench_kernel', 'gpu': 'bench_kernel',
-    'loop': 'bench_loop', 'vlc': 'bench_loop', 'supply': 'bench_loop', 'discover': 'bench_loop',
+    'kernel': 'bench_kernel', 'loop': 'bench_loop', 'vlc': 'bench_loop',
     'graph': 'bench_graph', 'recorder': 'bench_graph', 'command': 'bench_graph',
     'reading': 'bench_reading', 'tables': 'bench_reading',
     'mujoco': 'bench_simulators', 'crazyflow': 'bench_simulators',
@@ -114,5 +113,5 @@ def format_value(value: float) -> str:
 
 CAMPAIGN: Final = Campaign(
     lambda options: list(KINDS), run, list_table, each=5, page='validation.md',
-    smoke='--kinds supply rotorpy --each 1',
+    smoke='--kinds vlc rotorpy --each 1',
 )  # fmt: skip

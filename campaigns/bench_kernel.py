@@ -1,11 +1,6 @@
-"""
-Measure the kernel: one vehicle on one core, many on all, closed loops in a batch, and a GPU.
+"""Measure the kernel: one vehicle on one core, and many on all. The vehicle is GT-MAB."""
 
-The vehicle is GT-MAB as its file has it, every other effect at its null values, one number away.
-With every effect on (`_all`), those others are a tenth of their prior spread away from null.
-"""
-
-from functools import cache, partial
+from functools import cache
 import os
 from pathlib import Path
 import subprocess
@@ -13,15 +8,9 @@ import sys
 import tempfile
 import time
 
-from lta_config.topics import load_topic_table
-from lta_flight.batch.batch_flight import BatchFlight, build_flight
-from lta_flight.batch.flight_loop import FIGURES
-from lta_flight.batch.fly import Device, fly_many
-from lta_flight.flight_spec import build_vehicle_scenario_stack, load_spec
-from lta_model.effects import EFFECTS, initial_memory
-from lta_model.effects.protocol import Effect
+from lta_model.effects import initial_memory
 from lta_model.model import VehicleModel
-from lta_model.state import pack_state, ROTOR_PLACE, SURROUNDINGS
+from lta_model.state import pack_state, ROTOR_PLACE
 from lta_model.vehicle import load_vehicle
 from lta_sim.kernels.cpu_batch import advance_many
 from lta_sim.kernels.kernel import advance
@@ -32,24 +21,8 @@ from campaigns.bench import Figure, measure_pace
 
 STEP = 2e-3
 DUTY = np.array([0.145, 0.145, 0.2, 0.2])  # forward, and slowly up
-# Wind, noise, sunlight and a cell that is not full: for whatever effect looks at them.
+# Wind, noise, sunlight and a cell that is not full
 SURROUNDED = np.array([0.1, 0.05, 0.0, 0.3, -0.2, 0.1, 300.0, 3.8, 0.02, 0.01, 0.0])
-SHARE = 0.1
-HOVER = (0.13, 0.13, 0.0, 0.0)  # of GT-MAB's vertical pair, about
-FLIGHTS = 200  # of a batch
-MILLION = 1_000_000  # flights on a GPU
-MINUTE = round(60.0 / STEP)  # steps
-
-# What a small step from null cannot say: a room that the vehicle fits into, air that knows it.
-HULL = {'radius': 0.5, 'half_height': 0.3}
-ROOM = {'x_low': -500.0, 'x_high': 500.0, 'y_low': -500.0, 'y_high': 500.0, 'ceiling': 500.0}
-GIVEN: dict[str, dict[str, float]] = {
-    'walls': ROOM | HULL | {'stiffness': 20.0, 'relaxation': 0.2, 'friction': 0.5},
-    'ceiling_effect': {'radius': 0.025, 'height': 100.0},
-    'ground_effect': {'radius': 0.025},
-    'turbulence': {f'{axis}_length': 5.0 for axis in ('along', 'across', 'up')},
-    'wind_profile': {'half_height': HULL['half_height']},
-}
 FIRST = """
 import time; begin = time.perf_counter()
 import numpy as np
@@ -64,29 +37,10 @@ import sys; sys.stdout.write(str(time.perf_counter() - begin))
 """
 
 
-def nearby(effect: Effect) -> dict[str, float]:
-    """Return values of an effect that turn it on and change little."""
-    values = {
-        one.name: float(np.clip(one.null + SHARE * one.spread, one.low, one.high))
-        for one in effect.parameters
-    }
-    return values | GIVEN.get(effect.name, {})
-
-
 @cache
-def build_vehicle(every: bool = False) -> VehicleModel:
-    """Return GT-MAB, with its own effects or with every one."""
-    loaded = load_vehicle('gtmab')
-    on = loaded.build_model().effect_parameters
-    others = {name: nearby(effect) for name, effect in EFFECTS.items() if name not in on}
-    return VehicleModel.build(
-        loaded.collect_effects() | (others if every else {}),
-        mass=loaded.mass,
-        cg=loaded.cg,
-        inertia=loaded.inertia,
-        displaced=loaded.displaced_mass,
-        rotors=[(rotor.place, rotor.axis) for rotor in loaded.rotors],
-    )
+def build_vehicle() -> VehicleModel:
+    """Return the model of GT-MAB."""
+    return load_vehicle('gtmab').build_model()
 
 
 def build_start() -> np.ndarray:
@@ -95,16 +49,14 @@ def build_start() -> np.ndarray:
 
 
 @cache
-def scatter_vehicles(
-    count: int, every: bool = False
-) -> tuple[np.ndarray, VehicleBatch, np.ndarray, np.ndarray]:
-    """Return states, different vehicles, their duties and what surrounds them."""
+def scatter_vehicles(count: int) -> tuple[np.ndarray, VehicleBatch, np.ndarray]:
+    """Return states, different vehicles, and their duties."""
     generator = np.random.default_rng(1)
 
     def about(values: np.ndarray, size: int) -> np.ndarray:
         return values * generator.uniform(0.95, 1.05, (count, size))
 
-    model = build_vehicle(every)
+    model = build_vehicle()
     parameters = about(model.parameters, len(model.parameters))
     # Heavier or lighter as a whole, air and inertia with it: the mass matrix stays consistent.
     heavier = generator.uniform(0.95, 1.05, (count, 1))
@@ -116,7 +68,7 @@ def scatter_vehicles(
     states = np.repeat(build_start()[np.newaxis], count, axis=0)
     states[:, :3] += generator.uniform(-0.3, 0.3, (count, 3))
     states[:, 7:13] = generator.uniform(-0.3, 0.3, (count, 6))
-    return states, fleet, about(DUTY, len(DUTY)), about(SURROUNDED, SURROUNDINGS)
+    return states, fleet, about(DUTY, len(DUTY))
 
 
 def check_flight(states: np.ndarray) -> None:
@@ -125,120 +77,43 @@ def check_flight(states: np.ndarray) -> None:
         raise FloatingPointError('the vehicle left the numbers')
 
 
-def measure_single(every: bool, steps: int, calls: int = 1) -> float:
-    """Return the pace of one vehicle, called in a loop inside. [steps/s]"""
-    model, state = build_vehicle(every), build_start()
+def measure_single(steps: int = 300_000) -> float:
+    """Return the pace of one vehicle. [steps/s]"""
+    model, state = build_vehicle(), build_start()
     begin = time.process_time()
-    for _ in range(calls):
-        last = advance(state, model, DUTY, SURROUNDED, STEP, steps)
+    last = advance(state, model, DUTY, SURROUNDED, STEP, steps)
     taken = time.process_time() - begin
     check_flight(last)
-    return calls * steps / taken
+    return steps / taken
 
 
-def measure_batch(every: bool, count: int = 10_000, steps: int = 500) -> float:
+def measure_batch(count: int = 10_000, steps: int = 500) -> float:
     """Return the pace of many vehicles together, on all cores. [steps/s]"""
-    states, fleet, duties, surroundings = scatter_vehicles(count, every)
+    states, fleet, duties = scatter_vehicles(count)
+    around = np.tile(SURROUNDED, (count, 1))
     begin = time.process_time()
-    last = advance_many(states, fleet, duties, surroundings, STEP, steps)
+    last = advance_many(states, fleet, duties, around, STEP, steps)
     reached = measure_pace(count * steps, begin)
     check_flight(last)
     return reached
 
 
-def measure_first_step(warm: bool) -> float:
-    """Return the time of a new process from import to its first step, by its cache. [s]"""
+def measure_first_step() -> float:
+    """Return the time of a new process from import to its first step, with no cache. [s]"""
     path = os.pathsep.join(filter(None, sys.path))
     with tempfile.TemporaryDirectory() as cache_folder:
         environment = os.environ | {'PYTHONPATH': path, 'XDG_CACHE_HOME': str(Path(cache_folder))}
         command = [sys.executable, '-c', FIRST]
-        times = [
-            float(subprocess.check_output(command, env=environment, text=True))
-            for _ in range(3 if warm else 1)
-        ]
-    return min(times)
+        return float(subprocess.check_output(command, env=environment, text=True))
 
 
 def list_kernel() -> list[Figure]:
     """Return the figures of the kernel."""
-    one, many = 'steps/s', 'vehicle-steps/s'
     return [
-        Figure('kernel.single', one, partial(measure_single, False, 300_000),
+        Figure('kernel.single', 'steps/s', measure_single,
                "one vehicle on one core, RK4 in double precision, with GT-MAB's effects on"),
-        Figure('kernel.single_all', one, partial(measure_single, True, 300_000),
-               'one vehicle with every effect on'),
-        Figure('kernel.control_step', 'calls/s',
-               lambda: measure_single(False, 5, 10_000) / 5, 'calls of 5 steps'),
-        Figure('kernel.batched', many, partial(measure_batch, False),
+        Figure('kernel.batched', 'vehicle-steps/s', measure_batch,
                'many vehicles on all cores; each equals a single run to the last bit'),
-        Figure('kernel.batched_all', many, partial(measure_batch, True),
-               'the same with every effect on'),
-        Figure('kernel.cold', 's', partial(measure_first_step, False),
+        Figure('kernel.cold', 's', measure_first_step,
                'from the first import to the first step with an empty cache', min),
-        Figure('kernel.warm', 's', partial(measure_first_step, True),
-               'the same with a filled cache', min),
-    ]  # fmt: skip
-
-
-def build_paper_flight(duties: tuple[float, ...] = ()) -> BatchFlight:
-    """Return the flight of GT-MAB to the lamp, or one at constant duties."""
-    spec = load_spec('gtmab', 'lamp_room', 'bag', 'gtmab')
-    return build_flight(*build_vehicle_scenario_stack(spec), load_topic_table(), duties)
-
-
-def measure_fleet(device: Device, flights: int, duties: tuple[float, ...] = ()) -> float:
-    """Return seconds of flight flown in a second, of a whole call."""
-    flight, which = build_paper_flight(duties), np.zeros(flights, dtype=np.intp)
-    begin = time.perf_counter()
-    results = fly_many([flight], range(flights), device, closed=not duties, which=which)
-    return float(results[:, FIGURES.index('end')].sum()) / (time.perf_counter() - begin)
-
-
-def list_fleet() -> list[Figure]:
-    """Return the figures of a batch of flights."""
-    unit = 'vehicle s/s'
-    return [
-        Figure('fleet.closed', unit, partial(measure_fleet, 'cpu-batch', FLIGHTS),
-               'closed loops in a batch on all cores, with the statistics of the light'),
-        Figure('fleet.open', unit, partial(measure_fleet, 'cpu-batch', FLIGHTS, HOVER),
-               'the same at constant duties'),
-    ]  # fmt: skip
-
-
-def list_gpu() -> list[Figure]:
-    """
-    Return the figures of a GPU (requirements-gpu.txt), copying included.
-
-    Raises
-    ------
-    BadInput
-        If there is no GPU that numba-cuda can use.
-
-    """
-    from lta_sim.kernels import gpu
-
-    def advance_copies(count: int, steps: int) -> float:
-        states, fleet, duties, surroundings = scatter_vehicles(1000)
-        rows = np.arange(count) % 1000
-        flights = states[rows], fleet.select_vehicles(rows), duties[rows], surroundings[rows]
-        begin = time.perf_counter()
-        gpu.advance_many(*flights, STEP, steps)
-        return time.perf_counter() - begin
-
-    def measure_difference() -> float:
-        states, *others = scatter_vehicles(1000)
-        risen = states.copy()
-        risen[:, 2] += 100.0
-        there = gpu.advance_many(risen, *others, STEP, MINUTE)
-        return float(np.max(abs(there - advance_many(risen, *others, STEP, MINUTE))))
-
-    advance_copies(1, 1)
-    return [
-        Figure('gpu.batched', 'vehicle-steps/s',
-               lambda: MILLION * MINUTE / advance_copies(MILLION, MINUTE),
-               'a million flights of 60 s'),
-        Figure('gpu.closed', 'vehicle s/s', partial(measure_fleet, 'gpu', MILLION),
-               'closed loops on a GPU'),
-        Figure('gpu.difference', 'SI', measure_difference,
-               "largest deviation of 1000 states from the CPU's after 60 s in the air"),
     ]  # fmt: skip

@@ -1,22 +1,18 @@
-"""Measure the closed loop, the light's way to an estimate, the supply, and discovery."""
+"""Measure the closed loop, and the light's way to an estimate."""
 
 from collections.abc import Callable
 from functools import cache, partial
 from importlib.metadata import version
-import sys
 import time
 
 from lta_config.topics import load_topic_table
 from lta_control.gains_file import load_gains
 from lta_control.strategies import find_navigation_strategy
-from lta_discovery.flights.measured_flight import MeasuredFlight, resample_flight
-from lta_discovery.posterior.missing_elements import MissingElementSearch
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_stack import FlightStack
-from lta_model.scenario import load_scenario, SupplyFaults
+from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from lta_sim.readings import FlightOutcome
-from lta_sim.supply import Supply
 from lta_sim.world import World
 from lta_vlc.diodes import build_even_ring
 from lta_vlc.direction import DirectionFinder
@@ -26,7 +22,6 @@ from lta_vlc.settings import DemodulationSettings
 import numpy as np
 from scipy import fft
 
-from campaigns import ROOT
 from campaigns.bench import Figure
 
 SAMPLE_RATE = 10_000.0  # of each diode, as in config/topics.yaml [1/s]
@@ -34,8 +29,6 @@ SAMPLES = 1000  # of a light block
 BLOCKS = 50
 BEACONS = (150.0, 250.0)  # [Hz]
 WINDOW = 2  # bins beside a beacon
-STEPS = 20_000  # of the supply
-THRUSTS = (0.05, 0.05, 0.02, 0.02, 0.0, 0.0, 0.0, 0.0)  # [N]
 
 
 def fly_to_lamp() -> float:
@@ -129,59 +122,8 @@ def list_vlc() -> list[Figure]:
     return [
         Figure('vlc.realtime', 's/s', partial(estimate_lamps, 8),
                'from ADC block to lamp estimate: 8 diodes, one beacon'),
-        Figure('vlc.realtime_16', 's/s', partial(estimate_lamps, 16),
-               'the same with 16 diodes'),
         Figure('vlc.demodulation', 's/s', demodulate,
                'demodulation of 16 diodes and two beacons, between bins, with tracking and fault '
                'detection; the peer gives whole bins and the SNR only'),
         Figure('vlc.plain', 's/s', demodulate_plainly, of='vlc.demodulation', peer=peer),
     ]  # fmt: skip
-
-
-def feed_supply(lit: bool) -> float:
-    """Return the time of a control step of the electricity. [us]"""
-    chance = {name: np.random.default_rng(0) for name in ('battery', 'panel')}
-    supply = Supply(load_vehicle('gtmab'), 0.8, chance, SupplyFaults().times)
-    supply.feed_loads(THRUSTS, 0.01)  # loads what is compiled
-    begin = time.process_time()
-    for k in range(STEPS):
-        if lit:
-            supply.set_irradiance(100.0 + 1e-3 * k)
-        supply.feed_loads(THRUSTS, 0.01)
-    return 1e6 * (time.process_time() - begin) / STEPS
-
-
-def list_supply() -> list[Figure]:
-    """Return the figures of the electricity."""
-    unit = 'us of a control step'
-    return [
-        Figure('supply.dark', unit, partial(feed_supply, False),
-               'loads, charger, cell and energy balance', min),
-        Figure('supply.lit', unit, partial(feed_supply, True),
-               "the same with a search for the array's largest power", min),
-    ]  # fmt: skip
-
-
-@cache
-def record_flights(length: int) -> list[MeasuredFlight]:
-    """Return two flights in which nothing is hidden. [s]"""
-    sys.path.append(str(ROOT / 'test/unit'))
-    from discovery.hidden_flight import flown
-
-    return [resample_flight(flown({}, seed, length)) for seed in (1, 2)]
-
-
-def search(length: int) -> float:
-    """Return the processor time of a search for missing elements. [s]"""
-    flights = record_flights(length)
-    from discovery.hidden_flight import nominal
-
-    begin = time.process_time()
-    MissingElementSearch(load_vehicle('gtmab'), flights, nominal()[1]).run()
-    return time.process_time() - begin
-
-
-def list_discover() -> list[Figure]:
-    """Return the figure of discovery."""
-    return [Figure('discover.search_60', 's', partial(search, 60),
-                   'discovery: the search in two flights of 60 s', min)]  # fmt: skip

@@ -4,7 +4,6 @@ import json
 from pathlib import Path
 import subprocess
 
-from lta_cli.app import run_command_line
 from lta_discovery.demo.hidden_effect import DemoEffect, fly_hidden
 from lta_discovery.model.nominal import NominalVehicle
 from lta_model.vehicle import load_vehicle
@@ -60,24 +59,3 @@ def test_the_demonstration_names_what_it_has_hidden(tmp_path):
     far = next(gap for gap in told['gaps'] if gap['horizon_s'] == 3.0)
     assert far['before'] >= 4.0 * far['after']
     assert told['hidden']['name'].partition('.')[0] in (out / 'vehicle.yaml').read_text()
-
-
-@pytest.mark.parametrize(
-    ('words', 'said'),
-    [
-        (('--train', 'A', '--confirm', 'B'), 'A vehicle file to compare'),
-        (('--vehicle', 'gtmab'), 'no training flight'),
-        (('--vehicle', 'gtmab', '--train', 'A', 'B', '--confirm', 'A'), 'is given twice'),
-        (('--vehicle', 'sblimp', '--train', 'A', '--confirm', 'B'), 'has no commands for'),
-        (('--demo', '--train', 'A'), '--demo simulates its own flights'),
-    ],
-)
-def test_what_cannot_be_studied_is_one_sentence(bags, words, said, tmp_path, monkeypatch, capsys):
-    paths = {bag.name: str(bag) for bag in bags}
-    told = [paths.get(word, word) for word in words]
-    monkeypatch.setattr('sys.argv', ['lta', 'discover', *told, '--out', str(tmp_path / 'none')])
-    assert run_command_line() == 2
-    heard = capsys.readouterr().err
-    assert said in heard
-    assert heard.count('\n') == 1
-    assert not (tmp_path / 'none').exists()

@@ -129,35 +129,6 @@ def test_ctrl_c_at_any_moment_leaves_no_process_and_no_torn_bag(lta, tmp_path, s
         assert read_bag(out / 'bag').is_complete
 
 
-@pytest.mark.long  # test_launcher_stop.py has the order of signals, of small processes
-@pytest.mark.parametrize(
-    ('number', 'status'),
-    [(signal.SIGTERM, 143), (signal.SIGHUP, 129)],
-)
-def test_who_ends_or_hangs_up_a_flight_stops_it_in_order(lta, flying, tmp_path, number, status):
-    out = tmp_path / 'out'
-    flight = lta.start('fly', '--no-page', '--time', 'realtime', '--out', out)
-    flying(0.1)
-    os.kill(flight.popen.pid, number)
-    assert (flight.end(), last_line(flight)) == (status, 'Stopped.')
-    assert read_bag(out / 'bag').is_complete
-
-
-@pytest.mark.long
-def test_a_second_ctrl_c_changes_nothing(lta, flying, tmp_path):
-    out = tmp_path / 'out'
-    flight = lta.start('fly', '--no-page', '--out', out)
-    flying(1.0)
-    flight.interrupt()
-    time.sleep(0.1)
-    flight.interrupt()
-    assert flight.end() == 130
-    assert last_line(flight) == 'Stopped.'
-    bag = read_bag(out / 'bag')
-    assert bag.is_complete
-    assert bag.topics['/lta1/imu'].count > 50  # a second was flown
-
-
 @pytest.mark.long
 def test_a_node_that_never_comes_back_is_given_up_and_leaves(lta, flying, tmp_path):
     flight = lta.start('fly', '--no-page', '--out', tmp_path / 'out')
@@ -166,3 +137,15 @@ def test_a_node_that_never_comes_back_is_given_up_and_leaves(lta, flying, tmp_pa
     assert flight.end() == 1
     assert 'The ROS graph made no progress for 10 s and is stopped.' in flight.text
     assert lta.left() == []
+
+
+@pytest.mark.long
+def test_fly_names_the_bag_of_an_interrupted_flight(lta, flying, scenario, tmp_path):
+    room = scenario(radius='0.01 m', time_limit='600 s')
+    command = lta.start('fly', '--time', 'realtime', '--scenario', room, '--out', tmp_path / 'run')
+    flying(0.5)
+    os.kill(command.popen.pid, signal.SIGINT)
+    assert command.end() == 130
+    bag = tmp_path / 'run' / 'bag'
+    assert f'Bag  {bag}  (its page: ' in command.text
+    assert lta.run('report', bag).returncode == 0

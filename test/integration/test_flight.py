@@ -35,27 +35,6 @@ def fly(lta, scenario, tmp_path):
     return run
 
 
-@pytest.mark.long  # the next test holds one flight of the graph to the loop, which repeats itself
-def test_one_seed_is_one_flight_and_another_is_another(fly):
-    """Byte for byte in every repeatable topic."""
-    goal = {'time_limit': '8 s'}
-    first, again = (fly(name, '--seed', '7', **goal) for name in ('first', 'again'))
-    assert (first['outcome'], first['status']) == ('timeout', 3), first['said']
-    one, two = contents(Path(first['bag'])), contents(Path(again['bag']))
-    for topic in REPEATABLE:
-        if topic == '/tf_static':  # by the description and by the simulator, in either order
-            assert sorted(one[topic]) == sorted(two[topic])
-            continue
-        assert one[topic] == two[topic], topic  # log times as well
-        assert one[topic], topic
-
-    third = fly('other', '--seed', '8', **goal)
-    assert third['outcome'] == 'timeout', third['said']
-    other = contents(Path(third['bag']))
-    for topic in ('/lta1/imu', '/lta1/photodiodes', '/lta1/motors', '/lta1/odom'):
-        assert [data for _, data in other[topic]] != [data for _, data in one[topic]], topic
-
-
 def test_a_flight_to_the_lamp_is_whole_and_that_of_one_process(lta, call, tmp_path):
     """
     From rest to the lamp: every repeatable topic has the same messages, bytes and log times.

@@ -1,10 +1,5 @@
 """`lta report`: the page from a bag, and its pictures."""
 
-from lta_config.errors import BadInput
-from lta_flight.report.panels import PANELS
-from lta_report.browser import find_chromium
-import pytest
-
 from ..unit.report_flight import write_flight  # noqa: TID252 - `test` is Python's own
 
 
@@ -33,17 +28,3 @@ def test_what_cannot_be_is_one_sentence_and_makes_nothing(call, tmp_path):
         assert sentence in said.err
         assert said.err.count('\n') == 1
     assert sorted(path.name for path in tmp_path.iterdir()) == ['bag', 'mine']
-
-
-@pytest.mark.long  # test_page.py draws the same pictures without the command
-def test_every_panel_becomes_a_picture(lta, tmp_path):
-    try:
-        find_chromium()
-    except BadInput as reason:
-        pytest.skip(str(reason))
-    bag = write_flight(tmp_path / 'bag')
-    result = lta.run('report', bag, '--pictures', tmp_path / 'figures')
-    assert result.returncode == 0
-    names = {'top', *(panel.name for panel in PANELS)}
-    found = {path.stem: path.read_bytes()[:8] for path in (tmp_path / 'figures').glob('*.png')}
-    assert found == dict.fromkeys(names, b'\x89PNG\r\n\x1a\n')

@@ -73,8 +73,3 @@ def test_only_what_is_assumed_is_left_on_demand(browser, pages):
             windowsVirtualKeyCode=32,
         )  # fmt: skip
     browser.wait_until(f'{rows} === {assumed}')
-
-
-def test_warnings_stand_on_the_page(browser, pages):
-    open_page(browser, pages / 'gtmab.html', 'light', 1280)
-    assert WARNING in browser.evaluate('document.body.textContent')
