@@ -93,7 +93,6 @@ def list_page(kept: FrozenClasses) -> Iterator[str]:
     for kind, found in kept.kinds.items():
         lines += [f'## {kind}: {TOLD[kind]}', '', 'One name to such data:', '']
         lines += [f'- {", ".join(f"`{name}`" for name in group)}' for group in found.classes]
-        lines += ['', f'Not seen at all: {", ".join(f"`{n}`" for n in found.unseen) or "none"}.']
         near = '; '.join(f'{_names(pair)} {cosine:.2f}' for pair, cosine in found.near.items())
         lines += ['', f'Told apart only when large (cosine from {NEAR:g}): {near or "none"}.', '']
     lines += [
@@ -102,7 +101,8 @@ def list_page(kept: FrozenClasses) -> Iterator[str]:
         'Deviations of a typical size (the spread that the registry declares), the tolerances of '
         'the vehicle file among them: in these flights, and at most, with all sensors and however '
         'long they are. What stays below 6 there is capped by its own tolerance: only a better '
-        'known vehicle would show it, or an effect that is larger than typical.',
+        'known vehicle would show it, or an effect that is larger than typical. A dash: not seen at '
+        'all.',
         '',
         '| name | ' + ' | '.join(kept.kinds) + ' | at most |',
         '|' + '---|' * (2 + len(kept.kinds)),

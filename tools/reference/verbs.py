@@ -1,7 +1,7 @@
 """
 Generate the page of the `lta` verbs from their help texts.
 
-It leaves to `lta VERB --help` what follows the first paragraph, except examples, and prints the
+It leaves to `lta VERB --help` what follows the first paragraph, examples as well, and prints the
 options that many verbs share once.
 """
 
@@ -16,7 +16,7 @@ HEAD: Final = """# Verbs
 
 Generated from the command line by `make reference`.
 
-The verbs are grouped as in `lta --help`; `lta VERB --help` says more about each. Results go to
+The verbs are grouped as in `lta --help`; `lta VERB --help` says more, with examples. Results go to
 `runs/<time>-<name>/`. Exit status 0: done. 1: the run failed. 2: bad input, one sentence on
 stderr. 130: Ctrl-C. Flights also end with 3: out of time, or 4: the drone left the room.
 
@@ -81,17 +81,8 @@ def format_verb_section(title: str, verb: Any, common: Collection[str]) -> str: 
 
 
 def format_docstring(text: str) -> str:
-    """Format a docstring as Markdown, with examples as code."""
-    first, *others = (' '.join(part.split()) for part in text.split('\n\n'))
-    lines = [escape_markdown(first)]
-    lines += [format_example(part) for part in others if part.startswith('Example')]
-    return '\n\n'.join(lines) + '\n'
-
-
-def format_example(paragraph: str) -> str:
-    """Format an example with its command as code."""
-    word, _, command = paragraph.partition(': ')
-    return f'{word}: `{command}`'
+    """Format the first paragraph of a docstring as Markdown."""
+    return escape_markdown(text.split('\n\n', maxsplit=1)[0]) + '\n'
 
 
 def format_argument_row(param: Any) -> str:  # noqa: ANN401 - a parameter of Typer
