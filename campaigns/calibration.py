@@ -1,20 +1,15 @@
 """
 Score calibrations that are hidden in flights of the independent simulator.
 
-`calibration`: gains of 0.2 to 3 of either sign, markers up to 20 degrees and 15 cm off, a net lift
+Gains of 0.2 to 3 of either sign, markers up to 20 degrees and 15 cm off, a net lift
 of up to 25 mN in each flight, and commands up to 0.4 s late; two of three vehicles are commanded
 by a wrench, the third by duties. `lta calibrate` sees two training flights and a confirming one.
 Its intervals are compared with the truth, and its forecasts of the confirming flight with those of
 the oracle, the vehicle file with all true values.
-
-`closed-loop`: a controller flies by the state alone, without dither, at rest, in a circle or from
-place to place; every second case has a draught of 1 cm/s, which its commands answer. A gain of
-0.3, 20 mN of lift, markers turned by 8 degrees and commands 0.2 s late are hidden, and no effect:
-`lta calibrate` has to find them, and `lta discover` may name nothing.
 """
 
 from argparse import Namespace
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 import math
 from pathlib import Path
 import tempfile
@@ -25,14 +20,10 @@ from lta_config.files import find_file
 from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle
 from lta_discovery.calibration.calibration import calibrate_flights
 from lta_discovery.calibration.result import Calibration, find_main_score, ForecastScore
-from lta_discovery.discovery.conclusion import draw_conclusion
 from lta_discovery.discovery.forecast_comparison import (
-    COASTING,
     compare_forecasts,
     ComparedModel,
 )
-from lta_discovery.discovery.run import DiscoveryRequest, study_usable_flights
-from lta_discovery.discovery.study import Discovery, TUNED
 from lta_discovery.flights.bags import read_bags, Role
 from lta_discovery.flights.usable_flights import select_usable_flights, UsableFlights
 from lta_discovery.model.calibration_parameters import list_calibration_parameters
@@ -51,13 +42,9 @@ from campaigns.challenge.calibration_case import (
     SECONDS,
 )
 from campaigns.challenge.recording import write_bag
-from campaigns.challenge.wrench_flight import Course
 from campaigns.harness import Campaign, Case, Row, Rows
 
 ROLES: Final = ('train', 'train', 'confirm')
-COURSES: Final[tuple[Course, ...]] = ('hover', 'circle', 'places')
-AHEAD: Final = 3.0  # s
-SHORTER: Final = (40.0, 60.0)  # s; flights in closed loop
 
 
 def is_driven(number: int) -> bool:
@@ -66,17 +53,11 @@ def is_driven(number: int) -> bool:
 
 
 def record_case(
-    seed: int,
-    number: int,
-    folder: Path,
-    course: Course | None = None,
+    seed: int, number: int, folder: Path
 ) -> tuple[CalibrationCase, Path, dict[Role, list[Path]]]:
     """Generate a case; write its bags and its vehicle file."""
-    vehicle, rotors = load_vehicle('gtmab'), is_driven(number) and course is None
-    seconds = SHORTER if course else SECONDS
-    case = generate_calibration_case(
-        vehicle, seed, number, ROLES, seconds, rotors, with_flows=not course, course=course
-    )
+    vehicle, rotors = load_vehicle('gtmab'), is_driven(number)
+    case = generate_calibration_case(vehicle, seed, number, ROLES, SECONDS, rotors)
     text = find_file('vehicle', 'gtmab').read_text(encoding='utf-8')
     if rotors:
         text = misstate_thrusts(text, vehicle, draw_calibration(vehicle, seed, number, rotors))
@@ -179,57 +160,6 @@ def run_case(seed: int, number: int) -> Row:
     return {**row, 'cpu_s': time.process_time() - began}
 
 
-def study_closed_loop(seed: int, number: int) -> Row:
-    """Return what a calibration and a discovery make of flights in closed loop."""
-    began, course = time.process_time(), COURSES[number % len(COURSES)]
-    with tempfile.TemporaryDirectory() as place:
-        case, path, bags = record_case(seed, number, Path(place), course)
-        vehicle = load_vehicle(str(path))
-        usable = select_usable_flights(read_bags(bags), vehicle)
-        found = calibrate_flights(vehicle, str(path), usable.flights, lambda _what, _part: None)
-        study = study_usable_flights(
-            DiscoveryRequest.of_bags(str(path), bags), vehicle, usable, lambda _what, _part: None
-        )[0]
-        return {
-            'course': course,
-            'draught': number % 2 == 1,
-            'method': found.method,
-            'values': list_intervals(case, found),
-            'scores': encode_score(find_main_score(found.scores['confirm'])),
-            'oracle': score_oracle(case, vehicle, usable, found),
-            'verdict': draw_conclusion(study).verdict,
-            'named': list_names(study),
-            'calibrated': study.first.calibration is not None,
-            'final': [
-                (one.errors[TUNED].position, one.errors[COASTING].position)
-                for one in study.comparison.scores
-                if one.horizon == AHEAD
-            ],
-            'cpu_s': time.process_time() - began,
-        }
-
-
-def list_closed_loop_table(rows: Sequence[Row]) -> Iterator[str]:
-    """Yield the lines of the table of cases in closed loop."""
-    yield f'effects named in {sum(bool(row["named"]) for row in rows)}'
-    for air in (False, True):
-        some = [row for row in rows if row['draught'] is air]
-        values = [one for row in some for one in row['values']]
-        inside = sum(map(is_inside, values))
-        verdicts = sorted(row['verdict'] for row in some)
-        final = [pair for row in some for pair in row['final']]
-        yield (
-            f'{"with" if air else "without"} a draught: {inside} of {len(values)} inside; '
-            f'{", ".join(f"{verdicts.count(one)} {one}" for one in dict.fromkeys(verdicts))}; '
-            f'final model better than coasting in {sum(a < b for a, b in final)} of {len(final)}'
-        )
-
-
-def list_names(study: Discovery) -> list[str]:
-    """Return the names of effects and numbers in a study."""
-    return [one.present.names[0] for one in study.named if one.estimates]
-
-
 def is_inside(value: Row) -> bool:
     """Return whether an interval contains the truth."""
     return bool(value['ci95'][0] <= value['truth'] <= value['ci95'][1])
@@ -270,34 +200,21 @@ def list_calibration_table(rows: Sequence[Row]) -> Iterator[str]:
 
 def run(case: Case, options: Namespace) -> Row:
     """Return the row of a case."""
-    row = RUNS[case.kind](options.seed, case.number)
-    return {**row, 'driven': is_driven(case.number)}
+    return {**run_case(options.seed, case.number), 'driven': is_driven(case.number)}
 
 
 def list_table(rows: Rows, options: Namespace) -> Iterator[str]:
-    """Yield the tables by kind, those of calibrations by kind of command as well."""
-    tables = [
-        ('calibration', 'wrench', list_calibration_table),
-        ('calibration', 'rotors', list_calibration_table),
-        ('closed-loop', '', list_closed_loop_table),
-    ]
-    for kind, command, lines in tables:
-        some = [
-            row
-            for case, row in rows.items()
-            if case.kind == kind
-            and (not command or is_driven(case.number) is (command == 'rotors'))
-        ]
+    """Yield the tables by kind of command."""
+    for command in ('wrench', 'rotors'):
+        driven = command == 'rotors'
+        some = [row for case, row in rows.items() if is_driven(case.number) is driven]
         if some:
-            yield f'**{kind} {command}**: {len(some)} cases, seed {options.seed}'
+            yield f'**{command}**: {len(some)} cases, seed {options.seed}'
             yield ''
-            yield from (f'- {line}' for line in lines([row for row in some if 'driven' in row]))
+            whole = [row for row in some if 'driven' in row]
+            yield from (f'- {line}' for line in list_calibration_table(whole))
 
 
-RUNS: Final[Mapping[str, Callable[[int, int], Row]]] = {
-    'calibration': run_case, 'closed-loop': study_closed_loop,
-}  # fmt: skip
 CAMPAIGN: Final = Campaign(
-    lambda options: ['calibration'], run, list_table, each=20, alone=True,
-    hidden=('closed-loop',),
+    lambda options: ['calibration'], run, list_table, each=20, alone=True
 )  # fmt: skip

@@ -101,8 +101,8 @@ def list_page(kept: FrozenClasses) -> Iterator[str]:
         'Deviations of a typical size (the spread that the registry declares), the tolerances of '
         'the vehicle file among them: in these flights, and at most, with all sensors and however '
         'long they are. What stays below 6 there is capped by its own tolerance: only a better '
-        'known vehicle would show it, or an effect that is larger than typical. A dash: not seen at '
-        'all.',
+        'known vehicle would show it, or an effect that is larger than typical. A dash: not seen '
+        'at all.',
         '',
         '| name | ' + ' | '.join(kept.kinds) + ' | at most |',
         '|' + '---|' * (2 + len(kept.kinds)),

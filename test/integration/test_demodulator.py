@@ -82,13 +82,13 @@ def vehicle(domain_id):
         yield made
 
 
-def vehicle_of(folder, diodes, bits=12):
-    """Return a vehicle file with that many diodes, behind such a converter."""
+def vehicle_of(folder, diodes):
+    """Return a vehicle file with that many diodes."""
     text = (share_folder() / 'vehicles' / 'gtmab.yaml').read_text(encoding='utf-8')
     assert text.count('    count: 8\n') == 1
     path = folder / 'many.yaml'
-    few = f'    count: {diodes}\n    bits: {bits}\n'
-    path.write_text(text.replace('    count: 8\n', few), encoding='utf-8')
+    text = text.replace('    count: 8\n', f'    count: {diodes}\n')
+    path.write_text(text, encoding='utf-8')
     return path
 
 
@@ -160,14 +160,4 @@ def test_the_wanted_beacon_is_the_one_that_is_estimated(vehicle):
 
     vehicle.until(turned)
     vehicle.until(lambda: 'demodulator: beacon at 150 Hz' in vehicle.facts)
-    ended(process)
-
-
-@pytest.mark.long
-def test_where_a_reading_clips_is_said_by_the_vehicle(vehicle, tmp_path):
-    process = start(NODE, '-p', f'vehicle:={vehicle_of(tmp_path, 8, bits=10)}')
-    vehicle.block[:] = vehicle.block.clip(0, 1023)
-    vehicle.block[::2, 4] = 1023
-    vehicle.meet()
-    vehicle.until(lambda: vehicle.light().values.get('saturated_diodes') == '1')
     ended(process)

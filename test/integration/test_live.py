@@ -6,7 +6,6 @@ import os
 from pathlib import Path
 import re
 import signal
-import socket
 
 from lta_bridge.bag.schemas import load_jazzy_types
 from lta_bridge.live.server import LiveServer
@@ -213,21 +212,3 @@ def test_a_view_that_hangs_and_dies_changes_no_value_of_a_flight(
     assert not any('live' in line for line in named)
     assert lta.run('simulate', '--bag', '--scenario', scene, '--out', alone).returncode == 3
     assert repeatable(out / 'bag') == repeatable(alone / 'bag')
-
-
-@pytest.mark.long
-def test_a_port_that_is_taken_is_refused_before_the_flight(lta, tmp_path, port):
-    sentence = f'Port {port} cannot be used for the live view (Address already in use); stop the'
-    with socket.socket() as holder:
-        holder.bind(('127.0.0.1', port))
-        holder.listen()
-        out = tmp_path / 'out'
-        result = lta.run('fly', '--live', '--live-port', port, '--out', out)
-        assert (result.returncode, result.stdout) == (2, '')
-        assert result.stderr.startswith(sentence)
-        assert result.stderr.count('\n') == 1
-        assert not out.exists()
-        words = ('live:=true', f'live_port:={port}', f'bag:={out}')
-        assert lta.run('launch', 'fly', *words).stderr == result.stderr
-        alone = lta.run('run', 'lta_bridge', 'live', '--ros-args', '-p', f'port:={port}')
-        assert (alone.returncode, alone.stderr) == (2, result.stderr)

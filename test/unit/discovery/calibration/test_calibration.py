@@ -29,7 +29,6 @@ from lta_discovery.calibration.result import (
     ForecastScore,
 )
 from lta_discovery.calibration.verdict import format_forecast_sentence, format_inseparable
-from lta_discovery.discovery.conclusion import draw_conclusion
 from lta_discovery.discovery.forecast_comparison import COASTING
 from lta_discovery.discovery.run import DiscoveryRequest, study_usable_flights
 from lta_discovery.discovery.study import Discovery, TUNED
@@ -38,7 +37,6 @@ from lta_discovery.flights.usable_flights import select_usable_flights
 from lta_discovery.model.calibration_parameters import list_calibration_parameters
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import list_free_parameters
-from lta_model.effects.commands import WRENCH_GAIN
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
@@ -218,31 +216,6 @@ def test_a_drag_is_found_in_single_steps(tmp_path: Path, share: float) -> None:
     assert far.after.nose < min(0.1, far.before.nose)
 
 
-def test_the_file_does_not_hold_back_another_pendulum(tmp_path: Path) -> None:
-    """Its centre of gravity is 6 cm lower, where 2 cm are assumed, and its inertia 0.4 of it."""
-    vehicle = load_vehicle('gtmab')
-    file = build_vehicle_truth(vehicle)
-    blimp = replace(
-        file,
-        cg=(0.0, 0.0, file.cg[2] - 0.06),
-        inertia=to_triple([0.4 * each for each in file.inertia]),
-        lift=9.80665 * (file.mass - file.displaced),
-    )
-    for name, tilt in (('wide', 0.4), ('narrow', 0.2)):
-        swing = record_poses(name, blimp, PushingPilot(), tilt, 14.0)
-        write_bag(tmp_path / name, swing.streams, vehicle.rotor_names, {})
-    bags: dict[Role, list[Path]] = {'train': sorted(tmp_path.iterdir())}
-    flights = select_usable_flights(read_bags(bags), vehicle).flights
-    found = calibrate_flights(vehicle, 'gtmab', flights, lambda _what, _part: None)
-    for name, truth in (('vehicle.pitch', 0.4), ('cg_height.z', -0.06)):
-        one = found.find(name)
-        assert one is not None
-        assert one.is_known
-        assert abs(one.value - truth) < 2.5 * one.deviation, name
-    main = find_main_score(found.scores['train'])
-    assert main.after.attitude < 0.1 * main.before.attitude
-
-
 def test_the_first_line_says_what_is_wrong(
     calibrated: tuple[CalibrationCase, Calibration],
 ) -> None:
@@ -300,7 +273,7 @@ def study_case(case: CalibrationCase, folder: Path) -> Discovery:
 def test_flights_in_closed_loop_are_calibrated_and_nothing_is_named(
     tmp_path: Path, course: Course
 ) -> None:
-    """A controller without dither; `make campaign calibration` has more, also with a draught."""
+    """A controller without dither."""
     case, found = calibrate_case(6, tmp_path, course=course)
     # A hover is nearly a coast: the share was 0.56 there
     assert_truth_is_found(case, found, share=0.75)
@@ -310,15 +283,6 @@ def test_flights_in_closed_loop_are_calibrated_and_nothing_is_named(
     assert study.comparison.main is not None
     errors = study.comparison.main.errors
     assert errors[TUNED].position < errors[COASTING].position
-
-
-@pytest.mark.long
-@pytest.mark.parametrize('course', ['hover', 'places'])
-def test_a_controller_in_a_draught_shows_no_effect(tmp_path: Path, course: Course) -> None:
-    """All that it commands is an answer to the air, which looks like anything."""
-    case, _ = calibrate_case(6, tmp_path, course=course, number=1)
-    study = study_case(case, tmp_path)
-    assert not draw_conclusion(study).writes_file
 
 
 def test_the_gain_of_a_controller_that_dithers_nothing_is_found(tmp_path: Path) -> None:
@@ -336,40 +300,6 @@ def test_the_gain_of_a_controller_that_dithers_nothing_is_found(tmp_path: Path) 
     for axis in ('surge', 'sway', 'heave'):
         k = [one.name for one in prepared.parameters].index(f'wrench_gain.{axis}')
         assert 1.0 + start.values[k] == pytest.approx(0.3, abs=0.15), axis
-
-
-@pytest.mark.long
-def test_thrust_by_a_power_of_the_command_is_found(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Of motors that push by the command to the power 1.7, and 0.6 of it in reverse."""
-
-    def push(self: WrenchActuators, seconds: float) -> list[float]:
-        out = []
-        for gain, told, size in zip(self._gains, self._wrench, SIZES, strict=True):
-            force = size * abs(gain * told / size) ** 1.7
-            out.append(math.copysign(force if told > 0.0 else 0.6 * force, gain * told))
-        return out
-
-    monkeypatch.setattr(WrenchActuators, 'thrusts_after_command', push)
-    _, found = calibrate_case(3, tmp_path)
-    for name, truth in (('exponent_surge', 1.7), ('exponent_heave', 1.7), ('reverse_surge', 0.6)):
-        one = found.find(f'wrench_gain.{name}')
-        assert one is not None, name
-        assert one.is_known, name
-        assert abs(one.value - truth) < 3.0 * one.deviation < 0.3, name
-    main = find_main_score(found.scores['confirm'])
-    assert main.after.position < 0.3 * min(main.before.position, main.coast.position)
-    text = format_calibrated_vehicle(
-        find_file('vehicle', 'gtmab').read_text(encoding='utf-8'),
-        load_vehicle('gtmab'), found, 'a test',
-    )  # fmt: skip
-    (tmp_path / 'calibrated.yaml').write_text(text)
-    written = NominalVehicle.from_vehicle(load_vehicle(str(tmp_path / 'calibrated.yaml')))
-    for known in WRENCH_GAIN.parameters:
-        assert written.parameter_value('wrench_gain', known.name) == pytest.approx(
-            found.calibrated.parameter_value('wrench_gain', known.name)
-        )
 
 
 def test_nothing_tells_the_heading_of_the_tracker_in_still_air(

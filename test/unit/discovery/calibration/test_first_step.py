@@ -148,57 +148,6 @@ def test_what_calls_for_a_calibration(
     assert decide(found).calibration == (found if called else None)
 
 
-@pytest.mark.parametrize(('after', 'called'), [(0.05, True), (0.25, False)])
-def test_a_rough_calibration_has_to_forecast_much_better(
-    vehicle: Vehicle,
-    decide: Decide,
-    after: float,
-    *,
-    called: bool,
-) -> None:
-    """A drag that is skewed looks like markers turned by 6 degrees, and halves the errors."""
-    found = make_calibration(NominalVehicle.from_vehicle(vehicle), GAIN, after=after)
-    found = replace(found, method='forecasts')
-    assert decide(found).calibration == (found if called else None)
-
-
-@pytest.mark.parametrize(
-    ('before', 'after', 'called'),
-    [
-        ((0.12, 0.2), 0.07, True),  # 0.6 of the error of coasting, and much of it removed
-        ((0.12, 0.2), 0.10, False),
-        ((0.08, 0.2), 0.04, False),  # a file that predicts well
-        ((0.19, 0.2), 0.15, True),  # one that predicts nothing
-    ],
-)
-def test_a_rough_calibration_replaces_a_file_that_predicts_poorly(
-    vehicle: Vehicle,
-    decide: Decide,
-    before: tuple[float, float],
-    after: float,
-    *,
-    called: bool,
-) -> None:
-    """Coasting has an error of 20 cm; the attitudes are predicted as well as before."""
-    found = make_calibration(NominalVehicle.from_vehicle(vehicle), GAIN)
-    score = make_score((0.2, 0.3), before, (after, 0.15))
-    found = replace(found, method='forecasts', scores={'train': (score,)})
-    assert decide(found).calibration == (found if called else None)
-
-
-def test_the_first_line_names_the_reason(vehicle: Vehicle, decide: Decide) -> None:
-    """Half of a force calls for a calibration within three tolerances of a gain."""
-    half = replace(make_value('wrench_gain.surge', 1.0, 0.5, 0.01), is_far=False)
-    other = replace(make_value('wrench_gain.heave', 1.0, 0.9, 0.01), is_far=False)
-    found = make_calibration(NominalVehicle.from_vehicle(vehicle), half, other)
-    assert list_differences(found) == []
-    result = decide(found).calibration
-    assert result is not None
-    assert list_differences(result) == ['surge: 50 % of the commanded force arrives']
-    unknown = make_calibration(found.nominal, half, after=math.nan)
-    assert decide(unknown) == FirstStep(alternative=unknown)
-
-
 def test_every_number_beyond_tolerance_is_reported(vehicle: Vehicle) -> None:
     """Numbers without words of their own by their value, the clearest first."""
     drag, lever, lift = (
@@ -213,16 +162,6 @@ def test_every_number_beyond_tolerance_is_reported(vehicle: Vehicle) -> None:
     assert third.startswith('wrench gain (pitch from surge) 0.020')
     assert fourth.startswith('linear drag (sway) 0.050')
     assert fourth.endswith('(vehicle file: 0)')
-
-
-def test_a_discovery_does_not_go_on_from_what_confirming_flights_contradict(
-    vehicle: Vehicle, decide: Decide
-) -> None:
-    found = make_calibration(NominalVehicle.from_vehicle(vehicle), GAIN)
-    for after, called in ((0.52, True), (0.56, False)):  # 1.05 times the file's 0.5 m between
-        score = replace(found.scores['train'][0], after=ForecastRms(after, 0.1, *3 * [after]))
-        found = replace(found, scores=found.scores | {'confirm': (score,)})
-        assert (decide(found).calibration is not None) == called
 
 
 @pytest.mark.parametrize(

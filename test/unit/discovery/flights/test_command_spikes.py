@@ -24,15 +24,6 @@ def test_a_spike_of_a_moment_is_clipped_to_the_largest_other_command() -> None:
                                   np.delete(told, 400, 0))  # fmt: skip
 
 
-def test_a_duty_beyond_full_is_clipped() -> None:
-    duties = np.full((len(TIME), 4), 0.5)
-    duties[[10, 300], [0, 3]] = 5.0, -3.0
-    streams, count = clip_command_spikes(FlightStreams(POSE, Stream(TIME, duties)))
-    assert count == 2
-    assert streams.commands.values[10, 0] == 1.0
-    assert streams.commands.values[300, 3] == -1.0
-
-
 def test_long_commands_stay_however_large() -> None:
     told = np.zeros((len(TIME), 6))
     told[:, 0] = 0.01 * np.cos(TIME)

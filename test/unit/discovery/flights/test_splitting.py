@@ -1,6 +1,5 @@
 """Bags, which of them teach, confirm and are held out, and what is said of several."""
 
-from dataclasses import replace
 import shutil
 
 from lta_config.errors import BadInput
@@ -77,36 +76,6 @@ def test_what_is_given_stays_and_nothing_to_learn_from_is_refused(flight: Measur
         assign_roles([('B', 'confirm', flight)])
 
 
-def _usable(flight: MeasuredFlight, count: int) -> MeasuredFlight:
-    """Return the flight with `count` usable points: 100, 103, 106, ..."""
-    usable = np.zeros(len(flight.usable), dtype=bool)
-    usable[100 : 100 + 3 * count : 3] = True
-    return replace(flight, usable=usable)
-
-
-def test_ten_usable_points_make_three_parts_of_four_three_and_three(
-    flight: MeasuredFlight,
-) -> None:
-    """The parts end at 40, 70 and 100 % of the points; a point at an end belongs to that part."""
-    found, _ = assign_roles([('A', 'train', _usable(flight, 10))])
-    where = [np.flatnonzero(each.usable).tolist() for _, _, each in found]
-    assert where == [[100, 103, 106, 109], [112, 115, 118], [121, 124, 127]]
-
-
-def test_ten_usable_points_make_two_parts_of_six_and_four(flight: MeasuredFlight) -> None:
-    found, _ = assign_roles([('A', 'train', _usable(flight, 10)), ('H', 'holdout', flight)])
-    assert [int(each.usable.sum()) for _, _, each in found[:2]] == [6, 4]
-    assert found[1][2].usable[[118, 121, 124, 127]].all()
-
-
-@pytest.mark.parametrize(('count', 'kept'), [(0, 0), (1, 1), (2, 1)])
-def test_the_second_half_of_at_most_two_points_is_the_last_one(
-    flight: MeasuredFlight, count: int, kept: int
-) -> None:
-    """The first of two points ends the first half, to which it therefore belongs."""
-    assert restrict_to_interval(_usable(flight, count), 0.5, 1.0).usable.sum() == kept
-
-
 @pytest.mark.parametrize(('count', 'teach'), [(2, 1), (3, 2), (4, 2), (5, 3)])
 def test_of_an_odd_number_of_flights_one_more_trains_than_confirms(
     flight: MeasuredFlight, count: int, teach: int
@@ -142,16 +111,6 @@ def test_a_bag_has_one_role(hidden_bags, role):
                    **({role: [file]} if role != 'train' else {})})  # fmt: skip
 
 
-def test_there_has_to_be_something_to_learn_from(hidden_bags):
-    with pytest.raises(BadInput, match='no training flight'):
-        read_bags({'confirm': [hidden_bags[0]]})
-
-
-def test_what_is_no_bag_is_said(tmp_path):
-    with pytest.raises(BadInput, match='does not exist'):
-        read_bags({'train': [tmp_path / 'nothing']})
-
-
 def test_the_same_of_several_is_said_once_and_the_rest_as_it_was() -> None:
     late = [f'{name} is late, which is odd.' for name in 'ABCDE']
     other = ['B: a gap of 2 s is cut out.', 'F is late.', 'No flight was held out.']
@@ -172,26 +131,3 @@ def test_what_differs_in_numbers_alone_is_a_range() -> None:
         'In 3 of 28 flights (data_1, data_2, data_4): 4 to 12.5 % is lost in 2 gaps.',
         'data_3: the clock drifts.',
     ]
-
-
-def test_the_number_of_flights_is_given_if_there_is_more_than_one() -> None:
-    odd = ['A: 3 are odd.', 'B: 3 are odd.']
-    assert merge_sentences(odd, 2) == ['In 2 of 2 flights (A, B): 3 are odd.']
-    assert merge_sentences(odd, 1) == merge_sentences(odd) == ['A, B: 3 are odd.']
-
-
-def test_only_separate_numbers_after_a_colon_become_ranges() -> None:
-    """Sentences that differ in digits within a word, or have 'is' for the colon, stay apart."""
-    said = ['A: lost_3 misses 1.5 s.', 'B: lost_3 misses 0.5 s.', 'C: lost_4 misses 1 s.']
-    assert merge_sentences(said, 3) == [
-        'In 2 of 3 flights (A, B): lost_3 misses 0.5 to 1.5 s.', 'C: lost_4 misses 1 s.',
-    ]  # fmt: skip
-    assert merge_sentences(['A is 1 s late.', 'B is 2 s late.']) == [
-        'A is 1 s late.',
-        'B is 2 s late.',
-    ]
-
-
-def test_a_sentence_that_begins_with_no_name_is_only_deduplicated() -> None:
-    said = ['The flight, A: is odd.', 'The other flight is odd.', 'A 1: 2 are odd.']
-    assert merge_sentences(said * 2, 2) == said

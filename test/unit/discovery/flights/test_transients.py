@@ -3,8 +3,7 @@
 from dataclasses import replace
 
 from lta_discovery.flights.measured_flight import FlightStreams, resample_flight, Stream
-from lta_discovery.flights.sentence_merger import merge_sentences
-from lta_discovery.flights.transients import find_transients, format_cut, Transient
+from lta_discovery.flights.transients import find_transients
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -103,16 +102,3 @@ def test_a_catch_at_the_end_of_a_short_flight_is_cut() -> None:
     (caught,) = find_transients(grid, streams)
     assert caught.from_s == pytest.approx(8.4, abs=0.4)
     assert caught.to_s == pytest.approx(14.0, abs=0.1)
-
-
-def test_cuts_of_several_flights_are_said_by_one_range_each() -> None:
-    begins = [Transient(0.0, end, 'it stands') for end in (4.12, 4.68)]
-    inside = [Transient(begin, begin + 2.0, 'a hand') for begin in (10.0, 12.0)]
-    words = [
-        f'{name}: {format_cut(part, 0.0)}'
-        for name, part in zip('ABAB', [*begins, *inside], strict=True)
-    ]
-    assert merge_sentences(words, 2) == [
-        'In 2 of 2 flights (A, B): the first 4.1 to 4.7 s are cut: it stands.',
-        'In 2 of 2 flights (A, B): 2.0 s are cut, beginning at 10.0 to 12.0 s: a hand.',
-    ]

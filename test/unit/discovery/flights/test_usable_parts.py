@@ -329,43 +329,6 @@ def test_too_little_that_can_be_used_is_refused(flights, gtmab):
         _believed(flights, gtmab, one)
 
 
-def test_a_short_flight_among_others_is_left_out(flights, gtmab):
-    one = _changed(flights[1], lambda c: _only(c, c.time < c.time[0] + 1.0), TRUTH)
-    found = select_usable_flights([flights[0], one, replace(flights[2], role='confirm')], gtmab)
-    assert [name for name, _, _ in found.flights] == ['A', 'C']
-    assert any(word.startswith('B: only ') for word in found.warnings)
-
-
-def test_poses_without_noise_that_nobody_calls_simulated_are_a_warning(flights, gtmab):
-    def smooth(channel):
-        kernel = np.hanning(41) / np.hanning(41).sum()
-        # Beyond its ends a flight stays where it is
-        values = np.pad(channel.values, 20, mode='edge')
-        return replace(channel, values=np.convolve(values, kernel, 'valid'))
-
-    one = _changed(flights[0], smooth, f'{TRUTH}pose.pose.position')
-    one = replace(one, recording=replace(one.recording, provenance={}))
-    found = _believed(flights, gtmab, one)
-    assert any('less noise than any real sensor' in word for word in found.warnings)
-
-
-def test_stamps_that_are_wrong_in_a_pattern_cost_nothing_and_are_said(flights, gtmab):
-    """The errors of 120 Hz in steps of 2 ms."""
-    wrong = np.array([0.0, -1.0, 2.0, 1.0, -2.0, 3.0]) / 3.0 * 1e-3  # s
-
-    def shake(channel):
-        return replace(channel, time=channel.time + np.resize(wrong, len(channel.time)))
-
-    plain = select_usable_flights(flights, gtmab)
-    found = _believed(flights, gtmab, _changed(flights[0], shake, TRUTH))
-    assert any("A: the tracker's timestamps jitter" in word for word in found.warnings)
-    was, now = plain.flights[0][2], found.flights[0][2]
-    steps = np.round((now.time - was.time[0]) / 0.04).astype(int)
-    inside = (steps >= 0) & (steps < len(was.time)) & now.usable
-    off = now.position[inside] - was.position[steps[inside]]
-    assert np.nanstd(off) < 7e-5  # 0.14 mm with the stamps as they are
-
-
 def test_single_lost_poses_cost_themselves(flights, gtmab):
     """Every seventh pitch is not a number, as a tracker writes for a lost marker."""
 

@@ -5,13 +5,12 @@ import math
 
 from lta_config.course import Course
 from lta_config.errors import BadInput
-from lta_config.files import find_file, load_yaml
+from lta_config.files import find_file
 from lta_config.vehicle_edit import set_yaml_values
 from lta_discovery.changed_quantities import format_hypothesis
 from lta_discovery.flights.measured_flight import FlightStreams, Stream
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.planning import next_flight
 from lta_discovery.planning.candidate_maneuvers import (
     AltitudeRange,
     build_maneuver,
@@ -25,7 +24,6 @@ from lta_discovery.planning.flight_choice import (
     WANTED,
 )
 from lta_discovery.planning.next_flight import (
-    NextFlightPlan,
     plan_next_flight,
     plan_separating_flight,
     suggest_measurement,
@@ -179,38 +177,11 @@ def test_what_cannot_be_planned_is_refused() -> None:
         plan_separating_flight('gtmab', 'cg_offset.x', 'cg_offset.x')
 
 
-def test_a_scenario_is_written_with_what_it_is_for(tmp_path) -> None:
-    content = load_yaml(find_file('scenario', 'hall'))
-    content['course'] = dict(build_maneuver('heights', SPACE, 20.0, 0.2).course)
-    path = tmp_path / 'next_flight.yaml'
-    path.write_text(NextFlightPlan('To tell a from b, climb.', content, 20.0).format_scenario())
-    assert path.read_text().startswith('# To tell a from b, climb.\n')
-    assert load_scenario(str(path)).course == Course.model_validate(content['course'])
-
-
 def test_what_no_flight_separates_is_said_of_names_of_a_study() -> None:
     names = ('net_lift.force', 'payload.mass', 'ballast.mass')
     plan = plan_next_flight('gtmab', TEXT, names, {'net_lift.force': -0.01}, 'all')
     assert plan.scenario is None
     assert plan.text.startswith('No flight separates net_lift.force, payload.mass and')
-
-
-def test_the_plan_after_a_calibration_flies_the_calibrated_file(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    class Planner(Exception):
-        """What the planner was built with."""
-
-    def build(*arguments: object) -> None:
-        raise Planner(*arguments)
-
-    monkeypatch.setattr(next_flight, 'NextFlightPlanner', build)
-    text = TEXT.replace('name: gtmab', 'name: calibrated', 1)
-    with pytest.raises(Planner) as caught:
-        plan_next_flight('gtmab', text, ('net_lift.force', 'payload.mass'), {}, 'pose')
-    spec, own, sensors, _ = caught.value.args
-    assert (own, sensors) == (text, 'pose')
-    assert spec.contents['vehicle']['name'] == 'calibrated'
 
 
 def test_a_rehearsed_command_is_what_makes_the_rotor_wrench_by_the_gains_of_the_file(
