@@ -49,7 +49,6 @@ KINDS: Final = {
     'graph': 'bench_graph', 'recorder': 'bench_graph', 'command': 'bench_graph',
     'reading': 'bench_reading', 'tables': 'bench_reading',
     'mujoco': 'bench_simulators', 'crazyflow': 'bench_simulators',
-    'rotorpy': 'bench_simulators',
 }  # fmt: skip
 
 
@@ -113,5 +112,5 @@ def format_value(value: float) -> str:
 
 CAMPAIGN: Final = Campaign(
     lambda options: list(KINDS), run, list_table, each=5, page='validation.md',
-    smoke='--kinds vlc rotorpy --each 1',
+    smoke='--kinds vlc --each 1',
 )  # fmt: skip

@@ -5,7 +5,7 @@ MuJoCo has a lighter-than-air vehicle as well as its fluid model can: an ellipso
 0.6 m with drag, lift and added mass, buoyancy as a constant force, a gondola, four rotors with a
 lag, wind and a floor. crazyflow has many Crazyflies side by side in single precision, with rotor
 speeds as states, thrust and linear drag; no hull, no added mass, no wind. It runs in a process of
-its own, as JAX has threads. RotorPy has one Crazyflie with its own aerodynamics and integrator.
+its own, as JAX has threads.
 """
 
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
@@ -137,24 +137,3 @@ def list_crazyflow() -> list[Figure]:
                of='kernel.batched', peer=f'{program}, {integrator}, fp32')
         for integrator in ('euler', 'rk4')
     ]  # fmt: skip
-
-
-def hover_rotorpy() -> float:
-    """Return the pace of RotorPy's Crazyflie. [1/s]"""
-    import numpy as np
-    from rotorpy.vehicles.crazyflie_params import quad_params
-    from rotorpy.vehicles.multirotor import Multirotor
-
-    vehicle = Multirotor(quad_params)
-    state = vehicle.initial_state
-    command = {'cmd_motor_speeds': np.array(state['rotor_speeds'])}
-    begin = time.process_time()
-    for _ in range(500):
-        state = vehicle.step(state, command, STEP)
-    return 500 / (time.process_time() - begin)
-
-
-def list_rotorpy() -> list[Figure]:
-    """Return the figure of RotorPy."""
-    peer = f'RotorPy {version("rotorpy")}, RK45'
-    return [Figure('rotorpy.single', 'steps/s', hover_rotorpy, of='kernel.single', peer=peer)]

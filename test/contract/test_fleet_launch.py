@@ -84,25 +84,12 @@ def test_the_recorder_is_told_all_of_both_and_knows_every_word():
         }
 
 
-def test_without_a_recording_nobody_waits_for_a_recorder():
-    found = nodes(FLEET, record='false')
-    assert 'recorder' not in found
-    assert all(found[f'{robot}/simulator']['record'] is False for robot in ROBOTS)
-
-
 def test_each_has_a_live_view_of_its_own_where_one_is_asked_for():
     assert not any('live' in name.split('/') for name in nodes(FLEET))
     found = nodes(FLEET, live='true', live_port='9000')
     alone = nodes(FLY, live='true', live_port='9000', frame_prefix='lta1/')['live']
     assert found['lta1/live'] == alone
     assert found['lta2/live'] == {**alone, 'frame_prefix': 'lta2/', 'port': 9001}
-
-
-def test_the_frames_of_each_have_its_name():
-    found = nodes(FLEET, robot='blimp')
-    for name in {name.rpartition('/')[2] for name in found} - {'recorder'}:
-        for robot in ('blimp1', 'blimp2'):
-            assert found[f'{robot}/{name}']['frame_prefix'] == f'{robot}/'
 
 
 def test_the_end_of_either_simulator_ends_the_launch_for_each_waits_for_the_other():

@@ -94,58 +94,9 @@ def sweep(folder, call):
     (folder / 'out' / 'report.html').rename(folder / 'report.html')
 
 
-def wind(folder, call):
-    call('wind', 'gtmab', 'skye', '--no-fly', '--out', folder / 'out')
-    (folder / 'out' / 'report.html').rename(folder / 'report.html')
-
-
-def bearing(folder, call):
-    call(
-        'light',
-        'bearing',
-        '--diodes',
-        '8',
-        '--range',
-        '3',
-        '--poses',
-        '3',
-        '--out',
-        folder / 'out',
-    )
-    (folder / 'out' / 'report.html').rename(folder / 'report.html')
-
-
-def study(folder, call):
-    call('light', 'study', '--readings', '1', '--out', folder / 'out')
-    (folder / 'out' / 'report.html').rename(folder / 'report.html')
-
-
 def platforms(folder, call):
     (folder / 'few.yaml').write_text(yaml.safe_dump(PLATFORMS))
     call('platforms', folder / 'few.yaml', '--workers', '1', '--out', folder / 'out')
-    (folder / 'out' / 'report.html').rename(folder / 'report.html')
-
-
-def light_plan(folder, call):
-    call('light', 'plan', '--cell', '2', '--lamps', '3', '--out', folder / 'out')
-    (folder / 'out' / 'report.html').rename(folder / 'report.html')
-
-
-def cells(folder, call):
-    call('cells', '--out', folder / 'out')
-    (folder / 'out' / 'report.html').rename(folder / 'report.html')
-
-
-def breakeven(folder, call):
-    call('energy', 'breakeven', '--out', folder / 'out')
-    (folder / 'out' / 'report.html').rename(folder / 'report.html')
-
-
-def light_link(folder, call):
-    call(
-        'light', 'link', '--scenario', 'lamp_room', '--distance', '3', '--distance', '7',
-        '--blocks', '2', '--out', folder / 'out',
-    )  # fmt: skip
     (folder / 'out' / 'report.html').rename(folder / 'report.html')
 
 
@@ -212,14 +163,19 @@ PAGES = {
     'cfd': run_quickly('cfd', 'run', '--quick'),
     'tests_plan': run_quickly('tests', 'plan', 'gtmab'),
     'mission': run_quickly('mission', '--seeds', '1', '--workers', '1'),
-}
+    'wind': run_quickly('wind', 'gtmab', 'skye', '--no-fly'),
+    'bearing': run_quickly('light', 'bearing', '--diodes', '8', '--range', '3', '--poses', '3'),
+    'study': run_quickly('light', 'study', '--readings', '1'),
+    'light_plan': run_quickly('light', 'plan', '--cell', '2', '--lamps', '3'),
+    'light_link': run_quickly('light', 'link', '--scenario', 'lamp_room', '--distance', '3',
+                              '--distance', '7', '--blocks', '2'),
+    'cells': run_quickly('cells'),
+    'breakeven': run_quickly('energy', 'breakeven'),
+}  # fmt: skip
 PAGES |= {
     made.__name__: made
-    for made in (
-        flight, plot, vehicle, sweep, wind, light_plan, light_link, bearing, study, platforms,
-        evaluate, tune, replay, cells, breakeven,
-    )
-}  # fmt: skip
+    for made in (flight, plot, vehicle, sweep, platforms, evaluate, tune, replay)
+}
 
 
 def typed(*words):

@@ -311,15 +311,6 @@ def test_the_ros2_command_says_how_to_install_it(tmp_path):
     assert done.stderr == f"The ros2 command is not installed; run 'make ros2' in {tmp_path}.\n"
 
 
-def test_command_explains_itself(installed, environment, tmp_path):
-    command = [installed / 'lta_cli' / 'lib' / 'lta_cli' / 'lta', '--help']
-    result = subprocess.run(
-        command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=START
-    )
-    assert (result.returncode, result.stderr) == (0, '')
-    assert 'fly' in result.stdout
-
-
 def carried(environment: dict[str, str], installed: Path) -> dict[str, str]:
     """Return an environment in which only the packages of a drone's computer are found."""
     kept = dict(environment)

@@ -1,16 +1,13 @@
 """What spoils messages, flies without end, and sees a leak or a lost message."""
 
 import math
-import struct
-from types import SimpleNamespace
 
 from builtin_interfaces.msg import Time
-from campaigns import soak
 from campaigns.chaos_spoilt import AGE_NS, spoil, SPOILT
 from campaigns.graph_trial import write_endless_flight
 from campaigns.soak import fit_slope, LEAK
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_config.topics import load_topic_table, robot_topic
+from lta_config.topics import load_topic_table
 from lta_control.messages import from_duties
 from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.stamps import from_stamp
@@ -67,47 +64,3 @@ def test_the_soak_flies_for_longer_than_a_day(tmp_path):
     assert scenario.room.walls == 'solid'  # nobody escapes
     assert load_vehicle_file(vehicle).energy.battery.capacity.si == 250.0 * 3600.0  # C
     assert strategy == 'homing'
-
-
-STEPS = 100  # of control, in a bag of one second
-
-
-def of_one_second(topic, row):
-    """Return the messages of a topic in a bag of one second: topic, log time, bytes."""
-    stamps = range(TABLE.start_ns, TABLE.start_ns + STEPS * TABLE.control_ns, row.period_ns)
-    head = b'\x00\x01\x00\x00'  # little-endian
-    return [(topic, 0, head + struct.pack('<iI', *divmod(at, 1_000_000_000))) for at in stamps]
-
-
-@pytest.mark.parametrize(
-    ('spoilt', 'word'),
-    [
-        (lambda found: found, ''),
-        (lambda found: found[:50] + found[51:], 'is due'),
-        (lambda found: found[:50] + found[49:], 'is due'),
-        (lambda found: found[:60], 'ended early'),
-        (lambda found: found[40:], 'began late'),
-        (lambda found: [], 'began late'),
-    ],
-)
-@pytest.mark.parametrize('name', ['imu', 'motors', 'ground_truth/odom'])
-def test_the_soak_sees_each_message_that_is_not_there(monkeypatch, tmp_path, name, spoilt, word):
-    told = []
-    for other in soak.PERIODIC:
-        topic = robot_topic(soak.ROBOT, other)
-        whole = of_one_second(topic, TABLE[other])
-        told += spoilt(whole) if other == name else whole
-    bag = SimpleNamespace(is_complete=True, iterate_messages=lambda names: iter(told))
-    monkeypatch.setattr(soak, 'read_bag', lambda path: bag)
-    assert (word in soak.lost(tmp_path, STEPS)) if word else not soak.lost(tmp_path, STEPS)
-
-
-@pytest.mark.parametrize('name', ['light/beacon', 'energy/reserve'])
-def test_the_soak_counts_what_has_no_stamp(monkeypatch, tmp_path, name):
-    told = []
-    for other in soak.PERIODIC:
-        whole = of_one_second(robot_topic(soak.ROBOT, other), TABLE[other])
-        told += whole[2:] if other == name else whole
-    bag = SimpleNamespace(is_complete=True, iterate_messages=lambda names: iter(told))
-    monkeypatch.setattr(soak, 'read_bag', lambda path: bag)
-    assert f'/lta1/{name} has 8 messages' in soak.lost(tmp_path, STEPS)

@@ -96,11 +96,3 @@ def test_every_area_has_sources_and_the_likeliest_tests_come_first():
     )
     assert tests[0] == 'test/unit/control/test_pid.py'
     assert len(tests) == len(set(tests)) > 1
-
-
-def test_an_area_counts_as_it_says():
-    fates = [mutation.KILLED] * 7 + [mutation.ENDLESS, mutation.SURVIVED]
-    rows = {mutation.Case('vlc', k): {'fate': fate} for k, fate in enumerate(fates)}
-    # 8 of 9: Wilson's interval from its own formula is 0.56499 to 0.98011
-    (*_, line) = mutation.list_table(rows, None)
-    assert line == '| vlc | 9 | 8 | 1 | 1 | 89 % (57 to 98) |'

@@ -4,7 +4,7 @@ from typing import Final
 
 from lta_config.errors import BadInput
 from lta_data.bag.channels import SignalChannel
-from lta_data.scene import find_tracker_prefix, has_newton_commands
+from lta_data.scene import find_tracker_prefix
 from lta_discovery.flights.measured_flight import FlightStreams, Stream
 from lta_discovery.flights.streams import build_streams, convert_to_duties
 from lta_discovery.model.nominal import NominalVehicle
@@ -107,35 +107,6 @@ def test_commands_beside_a_wrench_and_zero_commands_are_not_converted() -> None:
     push = Stream(np.zeros(1), np.ones((1, 6)))
     assert duties('rgblimp', [[0.03, 0.03]], push).tolist() == [[0.03, 0.03]]
     assert duties('rgblimp', [[0.0, 0.0]]).tolist() == [[0.0, 0.0]]
-
-
-def motors(actuators: str, topic: str = 'motors') -> str:
-    """Return an import mapping with one topic of these actuators."""
-    return f'topics: [{{topic: {topic}, actuators: {actuators}}}]'
-
-
-@pytest.mark.parametrize(
-    ('mapping', 'newtons'),
-    [
-        ('', None),
-        ('topics: 7', None),
-        ('5', None),
-        ('topics: [', None),
-        (motors('{left: {effort: {column: a, unit: N}}}'), True),
-        (motors('[{effort: {column: a, unit: mN}}]'), True),
-        (motors("{left: {effort: {column: a, unit: '1'}}}"), False),
-        (motors("{left: {effort: {unit: '1'}}, right: {effort: {unit: N}}}"), True),
-        (motors('{left: {effort: 7}, right: {}}'), False),
-        (motors('7'), False),
-        (motors('{left: {effort: {unit: N}}}', 'servos'), None),
-        ('topics: {one: {topic: motors, actuators: [{effort: {unit: N}}]}}', True),
-    ],
-)
-def test_the_unit_of_efforts_is_read_from_the_import_mapping(
-    mapping: str, newtons: bool | None
-) -> None:
-    assert has_newton_commands({'mapping_file': mapping}) is newtons
-    assert has_newton_commands({}) is None
 
 
 def pose(topic: str) -> dict[str, SignalChannel]:
