@@ -13,7 +13,6 @@ from lta_config.topics import load_topic_table
 from lta_control.messages import from_duties
 from lta_emulation.crazyflie.commander import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
-from lta_emulation.crazyflie.parameters import APP
 from lta_emulation.crazyflie.server import CrazyflieServer
 from lta_graph.health import HealthLevel
 from lta_graph.ros.message_validation import find_message_type
@@ -21,7 +20,6 @@ from lta_graph.ros.publisher_conflict import COMMAND_TOPICS
 from lta_graph.ros.qos import select_profile
 from lta_graph.ros.stamps import from_stamp
 from lta_model.vehicle import load_vehicle
-from nav_msgs.msg import Odometry
 import pytest
 from rcl_interfaces.msg import Log
 from rcl_interfaces.srv import GetParameters
@@ -228,45 +226,6 @@ def test_a_silent_drone_is_let_down_and_found_again(peer, drone, bridge, hear):
     drone.down.silent = False
     fly(peer, drone)
     peer.until(lambda: not drone.firmware.supervisor.armed)  # for want of commands
-
-
-@pytest.mark.long
-def test_without_an_estimate_it_is_not_armed_and_a_tracker_is_one(peer, pair):
-    pair.renew('-p', 'blind:=false')
-    heard, tracked = [], peer.publisher('ground_truth/odom')
-    peer.hear('battery', heard.append)
-    peer.until(lambda: heard)
-    refused = peer.ask(SetBool, ARM, data=True)
-    while 'not reported' in refused.message or 'connect' in refused.message:  # it has just begun
-        refused = peer.ask(SetBool, ARM, data=True)
-    assert not refused.success
-    assert 'the position of the drone is not known' in refused.message
-
-    def track():
-        odom = Odometry()
-        odom.header.stamp = peer.node.get_clock().now().to_msg()
-        tracked.publish(odom)
-
-    peer.node.create_timer(0.02, track)
-    # Its first poses may come after the first request
-    peer.until(lambda: peer.ask(SetBool, ARM, data=True).success)
-    pair.after.close()
-    pair.drone = None
-
-
-@pytest.mark.long
-def test_a_drone_of_another_vehicle_is_not_armed(peer, pair):
-    pair.after.close()
-    build = APP._replace(airframe=0xABC)
-    with CrazyflieServer(Firmware(BenchBody(), build=build)) as drone:
-        with running(NODE, '-p', f'uri:={drone.uri}', '-p', 'blind:=true'):
-            refused = peer.ask(SetBool, ARM, data=True)
-            while 'connecting' in refused.message:
-                refused = peer.ask(SetBool, ARM, data=True)
-            assert not refused.success
-            assert 'was built for another vehicle or wiring (00000abc)' in refused.message
-        assert not drone.firmware.supervisor.armed
-    pair.drone = None
 
 
 def test_unknown_commanders_are_an_error_that_ends_the_flight(peer, pair, hear):

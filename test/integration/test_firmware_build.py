@@ -9,7 +9,6 @@ import subprocess
 import sys
 
 from lta_config.errors import BadInput
-from ports import free_port, UDP
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -61,31 +60,6 @@ def test_a_rehearsal_refuses_the_port_of_an_earlier_one(firmware):
             firmware.require_free_ports((port,))
         assert f'has the UDP port {port}, probably the firmware of an earlier' in str(caught.value)
     firmware.require_free_ports((port,))
-
-
-@pytest.mark.parametrize('since', ['before', 'during'])
-@pytest.mark.parametrize('which', ['PORT', 'BENCH'])
-def test_a_rehearsal_looks_for_old_firmware_before_and_after_the_build(
-    firmware, monkeypatch, which, since
-):
-    """The build takes minutes; a firmware that comes meanwhile would answer as well."""
-    monkeypatch.setattr(firmware, 'PORT', free_port(UDP))
-    monkeypatch.setattr(firmware, 'BENCH', free_port(UDP))
-    built = []
-    monkeypatch.setattr(subprocess, 'Popen', lambda *words, **_: pytest.fail(f'started {words}'))
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as old:
-
-        def occupy(*words):
-            built.append(words)
-            if since == 'during':
-                old.bind(('0.0.0.0', getattr(firmware, which)))
-
-        monkeypatch.setattr(firmware, 'run_make', occupy)
-        if since == 'before':
-            old.bind(('0.0.0.0', getattr(firmware, which)))
-        with pytest.raises(BadInput, match=f'has the UDP port {getattr(firmware, which)}'):
-            firmware.rehearse(ROOT, (0, 0), 'gtmab')
-    assert len(built) == (since == 'during')
 
 
 @pytest.mark.long

@@ -18,20 +18,26 @@ ROTORS = ['up_left', 'up_right', 'forward_left', 'forward_right']
 EXAMPLES = ROOT / 'examples'
 
 
-def test_the_simulator_flies_alone_by_anybodys_motors(lta, domain_id):
+def test_the_simulator_flies_alone_by_anybodys_motors_and_sinks_without(lta, domain_id):
+    """A command counts for 0.3 s; a drone that is 2 g heavy then sinks."""
     words = ('--ros-args', '-r', '__ns:=/lta1')
     simulator = lta.start('run', 'lta_sim', 'simulator', *words)
     with Peer(domain_id) as peer:
         motors = peer.node.create_publisher(find_message_type(TABLE['motors']), 'motors', 10)
 
+        is_commanded = True
+
         def climb(message: Imu) -> None:
-            motors.publish(from_duties(message.header.stamp, ROTORS, (0.6, 0.6, 0.0, 0.0)))
+            if is_commanded:
+                motors.publish(from_duties(message.header.stamp, ROTORS, (0.6, 0.6, 0.0, 0.0)))
 
         heights: list[float] = []
         peer.hear('imu', climb)
         peer.hear('ground_truth/odom', lambda m: heights.append(m.pose.pose.position.z))
         peer.until(lambda: len(heights) > 300)  # three seconds
         assert max(heights) > heights[0] + 0.2
+        is_commanded = False
+        peer.until(lambda: heights[-1] < max(heights) - 0.1)
     simulator.interrupt()
     simulator.end()
 
