@@ -53,6 +53,14 @@ def test_what_was_done_before_says_nothing_about_the_pace(capsys, clock):
     assert capsys.readouterr().err == 'flights: 90 %, about 1.0 min left ...\n'
 
 
+def test_a_terminal_shows_the_share_of_a_first_item_and_the_time_that_has_passed():
+    shown = io.StringIO()
+    progress = StudyProgress(Console(file=shown, force_terminal=True, width=120), 4)
+    with progress:
+        progress.show_part(0.5)
+    assert ' 0/4 12 % after 0:00:00 ' in shown.getvalue()
+
+
 def test_a_long_step_without_an_update_is_not_silent(capsys, monkeypatch):
     monkeypatch.setattr(progress_bar, 'EVERY', 0.01)
     said = []

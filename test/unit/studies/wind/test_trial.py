@@ -77,7 +77,11 @@ def made_up(monkeypatch, limit_of):
 def test_bisection_finds_the_limit_of_the_worst_seed_and_the_best_airspeed(flight, monkeypatch):
     tops = {0.5: 0.31, 1.0: 0.74, 1.5: 0.58}
     made_up(monkeypatch, lambda speed, seed: tops[speed] + 0.01 * seed)
-    best = find_flyable_wind(flight, GroundWind(None), 2.0, (0.5, 1.0, 1.5), (3, 1, 2), 6)
+    shares: list[float] = []
+    best = find_flyable_wind(
+        flight, GroundWind(None), 2.0, (0.5, 1.0, 1.5), (3, 1, 2), 6, shares.append
+    )
+    assert shares == [0.0, 1.0 / 3.0, 2.0 / 3.0]
     assert best.airspeed == 1.0
     assert best.wind <= 0.75 < best.wind + best.fine
     assert best.fine <= 2.0 / 64
