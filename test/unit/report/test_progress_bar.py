@@ -55,7 +55,9 @@ def test_what_was_done_before_says_nothing_about_the_pace(capsys, clock):
 
 def test_a_terminal_shows_the_share_of_a_first_item_and_the_time_that_has_passed():
     shown = io.StringIO()
-    progress = StudyProgress(Console(file=shown, force_terminal=True, width=120), 4)
+    progress = StudyProgress(
+        Console(file=shown, force_terminal=True, color_system=None, width=120), 4
+    )
     with progress:
         progress.show_part(0.5)
     assert ' 0/4 12 % after 0:00:00 ' in shown.getvalue()
