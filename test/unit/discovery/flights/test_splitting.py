@@ -1,5 +1,6 @@
 """Bags, which of them teach, confirm and are held out, and what is said of several."""
 
+from dataclasses import replace
 import shutil
 
 from lta_config.errors import BadInput
@@ -72,6 +73,22 @@ def test_what_is_given_stays_and_nothing_to_learn_from_is_refused(flight: Measur
     assert assign_roles(flights) == (flights, [])
     with pytest.raises(BadInput, match='no training flight'):
         assign_roles([('B', 'confirm', flight)])
+
+
+def _usable(flight: MeasuredFlight, count: int) -> MeasuredFlight:
+    """Return the flight with `count` usable points: 100, 103, 106, ..."""
+    usable = np.zeros(len(flight.usable), dtype=bool)
+    usable[100 : 100 + 3 * count : 3] = True
+    return replace(flight, usable=usable)
+
+
+def test_ten_usable_points_make_three_parts_of_four_three_and_three(
+    flight: MeasuredFlight,
+) -> None:
+    """The parts end at 40, 70 and 100 % of the points; a point at an end belongs to that part."""
+    found, _ = assign_roles([('A', 'train', _usable(flight, 10))])
+    where = [np.flatnonzero(each.usable).tolist() for _, _, each in found]
+    assert where == [[100, 103, 106, 109], [112, 115, 118], [121, 124, 127]]
 
 
 @pytest.mark.parametrize(('count', 'teach'), [(2, 1), (3, 2), (4, 2), (5, 3)])
