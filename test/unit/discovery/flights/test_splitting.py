@@ -146,3 +146,5 @@ def test_what_differs_in_numbers_alone_is_a_range() -> None:
         'In 3 of 28 flights (data_1, data_2, data_4): 4 to 12.5 % is lost in 2 gaps.',
         'data_3: the clock drifts.',
     ]
+    odd = ['A: 3 are odd.', 'B: 3 are odd.']
+    assert merge_sentences(odd, 2) == ['In 2 of 2 flights (A, B): 3 are odd.']
