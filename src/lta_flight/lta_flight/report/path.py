@@ -103,7 +103,7 @@ def draw_times(figure: Figure, view: FlightView) -> None:
         STEPS[-1] * math.ceil(length / (STEPS[-1] * MOST_STEPS)),
     )
     truth = view.truth
-    size = max(map(np.ptp, (truth.x, truth.y)))
+    size = max(float(np.ptp(part)) for part in (truth.x, truth.y))
     if view.scene.scenario is not None:
         size = max(view.scene.scenario.room.size.vector[:2])
     labelled: list[tuple[float, float]] = []
