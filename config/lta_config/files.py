@@ -7,6 +7,7 @@ Every file is validated as a whole against its pydantic model before anything st
 
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 import copy
+from difflib import get_close_matches
 from functools import cache, lru_cache
 import io
 import os
@@ -59,12 +60,17 @@ def format_errors(error: ValidationError) -> list[str]:
     missing = [problem for problem in problems if problem['type'] == 'missing']
     lines = []
     for problem in problems:
-        if problem['type'] == 'extra_forbidden' and any(
-            problem['loc'][:-1] == other['loc'][:-1] for other in missing
-        ):
+        if any(_is_misspelt(problem, other) for other in missing):
             continue
         lines.append(_format_problem(problem, problems))
     return lines
+
+
+def _is_misspelt(problem: Mapping[str, Any], missing: Mapping[str, Any]) -> bool:
+    """Return whether an unknown key is probably meant as a missing one at the same place."""
+    if problem['type'] != 'extra_forbidden' or problem['loc'][:-1] != missing['loc'][:-1]:
+        return False
+    return bool(get_close_matches(str(missing['loc'][-1]), [str(problem['loc'][-1])]))
 
 
 def _format_problem(first: Mapping[str, Any], problems: Sequence[Mapping[str, Any]]) -> str:
@@ -75,11 +81,10 @@ def _format_problem(first: Mapping[str, Any], problems: Sequence[Mapping[str, An
     if first['type'] == 'missing':
         # A misspelt key causes two errors at the same place: a missing and an unknown key
         for other in problems:
-            if other['type'] == 'extra_forbidden' and other['loc'][:-1] == first['loc'][:-1]:
+            if _is_misspelt(other, first):
                 return (
                     f"the key '{where}' is missing and '{locate_problem(other)}' is not known; "
-                    f'correct its '
-                    'spelling.'
+                    'correct its spelling.'
                 )
         return f"the key '{where}' is missing; add it."
     if first['type'] == 'value_error':

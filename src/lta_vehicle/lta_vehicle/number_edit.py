@@ -51,7 +51,10 @@ def edit_vehicle_file(
     try:
         text = path.read_text(encoding='utf-8')
     except (OSError, UnicodeDecodeError):
-        raise BadInput(f"'{path}' is not a file that can be read; check the path.") from None
+        raise BadInput(
+            f"'{path}' is not a file that can be read; check the path, or copy a shipped vehicle "
+            'with lta vehicle new NAME --from VEHICLE.'
+        ) from None
     edits = []
     for assignment in assignments:
         place, value = parse_assignment(assignment)

@@ -55,6 +55,7 @@ def test_a_good_file(write):
         ('name: a\ngains: {kp: 1, kp: 1}', "the key 'kp' appears twice (line 2); merge them."),
         ('{}', "the key 'name' is missing; add it."),
         ('nam: a', "the key 'name' is missing and 'nam' is not known; correct its spelling."),
+        ('seeds: a', "the key 'name' is missing; add it."),  # of another kind of file
         ('name: a\nnam: b', "the key 'nam' is not known; remove it or correct its spelling."),
         ('name: a\ngains: {ki: 1.0}', "the key 'gains.ki' is not known"),
         ('name: 5', 'name is 5, but must be text.'),
