@@ -44,7 +44,7 @@ KNOWN: Final = 0.7  # of the deviation before; a value with a larger one was not
 ALIKE: Final = 0.85  # correlation; values above it cannot be separated
 FAR: Final = 3.0  # tolerances; a value further from the file is reported first
 # Of the forecast error of a fit to all readings; a fit to the forecasts themselves needs less, as
-# it follows the noise in them, and one from another start less than that
+# it follows the noise in them
 BETTER: Final = 0.9
 MAP: Final = 'the direction of the axes of the map'
 
@@ -105,14 +105,11 @@ def _list_estimates(prepared: PreparedCalibration, fit: ParameterFit) -> list[_E
     prior = ParameterPrior.of(prepared.parameters)
     noise = average_noise(fit_forecast_noise(fit.flights, fit.noise, prior, horizons))
     out = [_Estimate('likelihood', fit.values, fit.covariance, _join(fit), noise)]
+    with contextlib.suppress(BadInput):
+        # Where nothing explains single readings, a fit to them is a poor start
+        ahead = fit_forecasts(systems, nominal, prepared.begin, fit.noise, horizons)
+        out.append(_widen_intervals(ahead, fit))
     none = np.zeros(len(fit.values))
-    # From the file as well: where nothing explains single readings, a fit to them is a poor start
-    fits = []
-    for begin in (fit.values, none):
-        with contextlib.suppress(BadInput):
-            fits.append(fit_forecasts(systems, nominal, begin, fit.noise, horizons))
-    if fits:
-        out.append(_widen_intervals(max(fits, key=lambda one: one.evidence), fit))
     unknown = np.diag([one.tolerance**2 for one in prepared.parameters])
     noise = adapt_noise(systems, nominal, average_noise(fit.noise), horizons)
     out.append(_Estimate('file', none, unknown, [(none, unknown)] * len(systems), noise))

@@ -1,6 +1,7 @@
 """Prepare the flights of a calibration, and fit their readings from wide assumptions."""
 
 from collections.abc import Mapping, Sequence
+import contextlib
 from dataclasses import dataclass, replace
 import math
 from typing import Final, final
@@ -18,12 +19,12 @@ from lta_discovery.model.calibration_parameters import (
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.state_filter.forecast_sums import choose_horizons
+from lta_discovery.state_filter.likelihood import RAN_AWAY
 from lta_discovery.state_filter.linear_flight import FlightSystem
 from lta_discovery.state_filter.noise_model import NoiseModel
 from lta_discovery.state_filter.parameter_fit import (
     fit_likelihood,
     ParameterFit,
-    ROUNDS,
 )
 from lta_model.effects.protocol import AXES
 from lta_model.vehicle import Vehicle
@@ -37,8 +38,9 @@ DELAY: Final = 'command_delay.delay'
 FIRST_DELAY: Final = 0.1  # s; a fit from no delay at all sees no slope of it
 QUICK: Final = 3  # linearizations of a first look
 FEW: Final = 2  # flights of a look at other headings
-CLEARLY: Final = 20.0  # nats; by which another heading than the file's has to be more probable
-AGAIN: Final = (3,)  # rounds before which a fit with wider assumptions learns the noise
+# Nats; by which another heading than the file's has to be more probable. Of ten simulated vehicles
+# none was more probable the wrong way round after a whole fit
+CLEARLY: Final = 20.0
 FAR: Final = 2.0  # tolerances; the assumption must not hold back what is further off
 ANY_HEADING: Final = 1.6  # standard deviation of the heading of such a marker frame [rad]
 HEADINGS: Final = (0.0, 0.5 * math.pi, math.pi, -0.5 * math.pi)  # where it is looked for [rad]
@@ -59,6 +61,7 @@ class PreparedCalibration:
     flights: Mapping[str, list[MeasuredFlight]]
     names: Mapping[str, list[str]]
     systems: list[FlightSystem]  # of the training flights
+    begin: Array  # values with which fits begin, relative to the vehicle file, shape (K,)
 
     @property
     def horizons(self) -> tuple[float, ...]:
@@ -102,21 +105,24 @@ def prepare_calibration(vehicle: Vehicle, flights: Sequence[Role]) -> PreparedCa
         roles[side].append(flight)
         names[side].append(title)
     systems = [FlightSystem(vehicle, one, parameters) for one in roles['train']]
-    return PreparedCalibration(vehicle, nominal, parameters, roles, names, systems)
+    begin = np.array([FIRST_DELAY if one.name == DELAY else 0.0 for one in parameters])
+    return PreparedCalibration(vehicle, nominal, parameters, roles, names, systems, begin)
 
 
 def fit_quickly(prepared: PreparedCalibration) -> ParameterFit:
     """Return a first look at the parameters, under the usual noise."""
-    return fit_likelihood(*_begin(prepared), QUICK, ())
+    return _look(prepared, prepared.begin, len(prepared.systems))
 
 
-def _begin(
-    prepared: PreparedCalibration,
-) -> tuple[list[FlightSystem], NominalVehicle, Array, list[NoiseModel]]:
-    """Return where a fit begins."""
-    noise = [NoiseModel.guess(prepared.nominal, one.flight) for one in prepared.systems]
-    begin = np.array([FIRST_DELAY if one.name == DELAY else 0.0 for one in prepared.parameters])
-    return prepared.systems, prepared.nominal, begin, noise
+def _look(prepared: PreparedCalibration, begin: Array, count: int) -> ParameterFit:
+    """Return a first look at the parameters from some values, with the first flights."""
+    systems, nominal = prepared.systems[:count], prepared.nominal
+    return fit_likelihood(systems, nominal, begin, _guess_noise(nominal, systems), QUICK, ())
+
+
+def _guess_noise(nominal: NominalVehicle, systems: Sequence[FlightSystem]) -> list[NoiseModel]:
+    """Return the noise of each flight before any reading."""
+    return [NoiseModel.guess(nominal, one.flight) for one in systems]
 
 
 def fit_calibration(
@@ -126,43 +132,57 @@ def fit_calibration(
     Return a fit to all readings of the training flights, and the assumptions under which.
 
     Where the marker frame is turned far, it was defined without regard to the nose, and may have
-    any heading. Where the pendulum is far off, the file is that of another vehicle.
+    any heading. Another heading than the file's has to be more probable after a whole fit: turned
+    by half a turn, a vehicle whose rotors push backwards is hardly another one.
     """
-    systems, nominal, begin, noise = _begin(prepared)
+    looks = _look_at_headings(prepared)
+    own, best = looks[0], max(looks, key=lambda look: look[1].evidence)
+    out = _fit_from_look(prepared, *own)
+    if best is not own:
+        other = _fit_from_look(prepared, *best)
+        if other[1].evidence > out[1].evidence + CLEARLY:
+            return other
+    return out
+
+
+def _look_at_headings(prepared: PreparedCalibration) -> list[tuple[Array, ParameterFit]]:
+    """
+    Look at the parameters from several headings of the marker frame, that of the file first.
+
+    Return where each look begins, and what it finds. Raise `BadInput` if the model diverges from
+    all of them.
+    """
     heading = find_index(prepared.parameters, MARKER_HEADING)
-    begin[heading] = _choose_heading(prepared)
-    fit = fit_likelihood(systems, nominal, begin, noise)
+    wide = prepared.widen({MARKER_HEADING: ANY_HEADING})
+    out = []
+    for angle in HEADINGS:
+        begin = prepared.begin.copy()
+        begin[heading] += angle
+        # A vehicle that is turned the wrong way may diverge
+        with contextlib.suppress(BadInput):
+            out.append((begin, _look(wide, begin, FEW)))
+    if not out:
+        raise BadInput(RAN_AWAY)
+    return out
+
+
+def _fit_from_look(
+    prepared: PreparedCalibration, begin: Array, look: ParameterFit
+) -> tuple[PreparedCalibration, ParameterFit]:
+    """Return a fit to all readings from a look, and the assumptions that the look calls for."""
     usual = {one.name: one.tolerance for one in prepared.parameters}
-    off = dict(zip(usual, np.abs(fit.values), strict=True))
+    off = dict(zip(usual, np.abs(look.values), strict=True))
     wider = {}
     if off[MARKER_HEADING] > FAR * usual[MARKER_HEADING]:
         wider[MARKER_HEADING] = ANY_HEADING
+    # Where the pendulum is far off, the file is that of another vehicle
     pendulum = [name for name in usual if name.startswith(PENDULUM)]
     if any(off[name] > FAR * usual[name] for name in pendulum):
         wider |= {name: WIDER * usual[name] for name in pendulum}
-    if not wider:
-        return prepared, fit
-    prepared = prepared.widen({name: float(size) for name, size in wider.items()})
-    return prepared, fit_likelihood(
-        prepared.systems, prepared.nominal, fit.values, fit.noise, ROUNDS, AGAIN
-    )
-
-
-def _choose_heading(prepared: PreparedCalibration) -> float:
-    """Return the heading of the marker frame from which a first look is best. [rad]"""
-    systems, nominal, usual, noise = _begin(prepared.widen({MARKER_HEADING: ANY_HEADING}))
-    heading = find_index(prepared.parameters, MARKER_HEADING)
-    best, most = 0.0, -np.inf
-    for angle in HEADINGS:
-        begin = usual.copy()
-        begin[heading] += angle
-        try:
-            look = fit_likelihood(systems[:FEW], nominal, begin, noise[:FEW], QUICK, ())
-        except BadInput:
-            continue
-        if look.evidence > most + CLEARLY:
-            best, most = angle, look.evidence
-    return best
+    prepared = replace(prepared.widen(wider), begin=begin)
+    systems, nominal = prepared.systems, prepared.nominal
+    noise = _guess_noise(nominal, systems)
+    return prepared, fit_likelihood(systems, nominal, look.values, noise)
 
 
 def find_index(parameters: Sequence[FreeParameter], name: str) -> int:

@@ -22,8 +22,10 @@ EVERY: Final = 0.75  # s; between the starts of the forecasts of a fit
 FIRST_START: Final = 1.0  # s; from the beginning of a run, in which the filter settles
 PARTS: Final = (slice(0, 3), slice(3, 6))  # position and attitude of an error
 ATTITUDE: Final = 0.5  # weight of an error of attitude by that of position, each in its usual size
-ROBUST: Final = 4.5  # usual sizes; larger errors have a linear cost instead of a quadratic one
+WEIGHTS: Final = np.array([1.0] * 3 + [ATTITUDE] * 3)
+ROBUST: Final = 4.5  # deviations; larger errors have a linear cost instead of a quadratic one
 BLOCK: Final = 10.0  # s; errors further apart than this are independent
+WEIGHINGS: Final = 5  # times that a step weighs linear errors anew; more change nothing
 
 
 @final
@@ -32,8 +34,23 @@ class ForecastSum(NamedTuple):
 
     inner: Array  # precision of the parameters, shape (K, K)
     pull: Array  # shape (K,)
-    cost: float  # mean logarithm of the usual errors
+    cost: float  # mean logarithm of the usual errors, attitude with its weight
     blocks: Array  # pull of each block of independent errors, shape (B, K)
+    errors: Array  # of the forecasts, shape (S, H, 6, K + 1) [m, rad]
+
+    def step(self, prior: ParameterPrior, values: Array, damping: float, longest: float) -> Array:
+        """Return the best values as far as the errors are linear; see `ParameterPrior.step`."""
+        after = prior.step(values, self.inner, self.pull, damping, longest)
+        if damping > 0.0:
+            return after
+        near = prior.limit(values, longest)
+        for _ in range(WEIGHINGS - 1):
+            errors = self.errors.copy()
+            errors[..., -1] += self.errors[..., :-1] @ (after - values)
+            inner, pulls = _sum_errors(weigh_errors(errors)[0], prior)
+            pull = pulls.sum(axis=0) - after * prior.precision
+            after = near.step(after, inner, pull)
+        return after
 
 
 def sum_forecasts(
@@ -44,25 +61,28 @@ def sum_forecasts(
     horizons: Sequence[float],
 ) -> ForecastSum:
     """Return the errors of all forecasts about some values."""
-    errors = list_errors(flights, noise, prior, horizons)
+    errors = np.concatenate(list_errors(flights, noise, prior, horizons))
     places = [
         (f, int(start * PERIOD / BLOCK))
         for f, flight in enumerate(flights)
         for start in list_starts(flight.runs, EVERY)
     ]
-    weighed, size = weigh_errors(np.concatenate(errors))
-    wide = np.where(prior.deviation > 0.0, prior.deviation, 1.0)
-    inner, pull = np.diag(wide**-2.0), -values / wide**2
-    count = len(values)
-    table = weighed.reshape(len(weighed), -1, count + 1)
-    pulls = -np.einsum('spk,sp->sk', table[..., :-1], table[..., -1])
-    flat = table[..., :-1].reshape(-1, count)
-    inner += flat.T @ flat
+    weighed, size = weigh_errors(errors)
+    inner, pulls = _sum_errors(weighed, prior)
     block = np.unique(places, axis=0, return_inverse=True)[1].ravel()
-    blocks = np.zeros((block.max() + 1, count))
+    blocks = np.zeros((block.max() + 1, len(values)))
     np.add.at(blocks, block, pulls)
-    cost = float(np.mean(np.log(size)))
-    return ForecastSum(inner, pull + pulls.sum(axis=0), cost, blocks)
+    # What the steps make smaller: a weight of an error is one of its square
+    cost = float(np.average(np.log(size).mean(axis=0), weights=WEIGHTS**2))
+    return ForecastSum(inner, pulls.sum(axis=0) - values * prior.precision, cost, blocks, errors)
+
+
+def _sum_errors(weighed: Array, prior: ParameterPrior) -> tuple[Array, Array]:
+    """Return the precision of the parameters, and the pull of each forecast, shape (S, K)."""
+    table = weighed.reshape(len(weighed), -1, weighed.shape[-1])
+    pulls = -np.einsum('spk,sp->sk', table[..., :-1], table[..., -1])
+    flat = table[..., :-1].reshape(-1, pulls.shape[1])
+    return np.diag(prior.precision) + flat.T @ flat, pulls
 
 
 def list_errors(
@@ -132,20 +152,22 @@ def settle_own(one: FilteredFlight, prior: ParameterPrior) -> Array:
 
 def weigh_errors(errors: Array) -> tuple[Array, Array]:
     """
-    Return errors of forecasts, shape (S, H, 6, K + 1), by their usual size, shape (H, 6).
+    Return errors of forecasts, shape (S, H, 6, K + 1), by their RMS size, shape (H, 6).
 
     Each horizon counts alike. Errors are 0 where unknown.
     """
     left = errors[..., -1]
     measured = np.isfinite(left)
-    size = np.zeros(left.shape[1:])
+    size, most = np.ones(left.shape[1:]), np.full(left.shape[1:], np.inf)
     for part in PARTS:
         for h in range(left.shape[1]):
-            some = left[:, h, part][measured[:, h, part]]
-            # An outlier must not hide the others
-            usual = np.median(np.abs(some)) / HALF if len(some) else 1.0
-            size[h, part] = usual if usual > 0.0 else 1.0
-    weight = np.array([1.0] * 3 + [ATTITUDE] * 3) / size / math.sqrt(left.shape[1])
-    far = np.where(measured, np.abs(left) / size, 0.0)
-    weight = weight * np.sqrt(ROBUST / np.maximum(far, ROBUST))
+            some = np.abs(left[:, h, part][measured[:, h, part]])
+            if some.any():
+                # An outlier must not hide the others (Huber, Ann. Math. Statist. 35, 1964)
+                most[h, part] = limit = ROBUST / HALF * np.median(some) or np.inf
+                near = np.minimum(some, limit)
+                size[h, part] = np.sqrt(np.mean(near * (2.0 * some - near)))
+    weight = WEIGHTS / size / math.sqrt(left.shape[1])
+    far = np.where(measured, np.abs(left) / most, 0.0)
+    weight = weight / np.sqrt(np.maximum(far, 1.0))
     return np.where(measured[..., None], errors * weight[..., None], 0.0), size

@@ -52,6 +52,17 @@ class ParameterPrior(NamedTuple):
         free: NDArray[np.bool_] = (self.deviation > 0.0) & ~self.own
         return free
 
+    @property
+    def precision(self) -> Array:
+        """Inverse variances, 1 of those that are fixed."""
+        return np.where(self.deviation > 0.0, self.deviation, 1.0) ** -2.0
+
+    def limit(self, values: Array, longest: float) -> 'ParameterPrior':
+        """Return the prior with bounds as near to some values as a step may go."""
+        most = longest * self.deviation
+        low, high = np.maximum(self.low, values - most), np.minimum(self.high, values + most)
+        return self._replace(low=low, high=high)
+
     def step(
         self,
         values: Array,
@@ -116,15 +127,17 @@ class LikelihoodSum(NamedTuple):
     evidence: float  # log density whatever the parameters, as far as they are linear [nats]
     near_evidence: float  # the same for parameters near the values [nats]
 
+    def step(self, prior: ParameterPrior, values: Array, damping: float, longest: float) -> Array:
+        """Return the best values as far as the flights are linear; see `ParameterPrior.step`."""
+        return prior.step(values, self.inner, self.pull, damping, longest)
+
 
 def sum_likelihoods(
     filtered: Sequence[FilteredFlight], prior: ParameterPrior, values: Array
 ) -> LikelihoodSum:
     """Return the likelihood of all readings about some values."""
-    wide = np.where(prior.deviation > 0.0, prior.deviation, 1.0)
-    inner, pull = np.diag(wide**-2.0), -values / wide**2.0
-    evidence = -0.5 * float(np.sum((values / wide)[prior.free] ** 2))
-    evidence -= float(np.sum(np.log(wide[prior.free])))
+    inner, pull = np.diag(prior.precision), -values * prior.precision
+    evidence = 0.5 * float(np.sum((pull * values + np.log(prior.precision))[prior.free]))
     for one in filtered:
         products, more = eliminate_own(one.products, prior)
         evidence += more - 0.5 * one.log_determinant - 0.5 * float(products[-1, -1])

@@ -266,13 +266,9 @@ class FlightSystem:
         # Differences of whole periods: what turns or shifts all motion leaves no trace, which
         # rates in the middle of a period would leave
         for k, nudge in enumerate(np.diag(NUDGE)):
-            pair = [
-                replay.integrate_pieces(
-                    about.rows, about.ready, apply_state_changes(begin, each), latent
-                )[:, -1]
-                for each in np.broadcast_to([[-nudge], [nudge]], (2, n - 1, WIDTH))
-            ]
-            step[:-1, :, k] = _change_between(*pair) / (2.0 * NUDGE[k])
+            near = apply_state_changes(begin, np.broadcast_to(nudge, (n - 1, WIDTH)))
+            ends = replay.integrate_pieces(about.rows, about.ready, near, latent)[:, -1]
+            step[:-1, :, k] = _change_between(end, ends) / NUDGE[k]
         push[:-1] = b @ inverse
         moved[:-1, :, list(about.moving)] = b @ answers
         # The wrench is part of the state, and counts from 0

@@ -47,10 +47,13 @@ LEARNING: Final = (1, 4)  # rounds before which the noise is learned
 LONGEST: Final = 1.0
 DAMPINGS: Final = (0.0, 0.1, 1.0, 10.0, 100.0)  # of a step, until it helps
 MISFIT_RISE: Final = 0.5  # nats; tolerated increase of the misfit in a step
-ERROR_RISE: Final = 0.01  # of the mean logarithm of the errors; the same for forecasts
+# Of the mean logarithm of the errors; a step of a fit to forecasts that raises it more is damped
+ERROR_RISE: Final = 0.01
 ERROR_GAIN: Final = 0.002  # of it; a fit to forecasts ends with a step that gains less
-SETTLED: Final = 0.02  # prior deviations; a fit from afar ends with a shorter step
+SETTLED: Final = 0.02  # prior deviations; a shorter step is not damped further
 SETTLED_GAIN: Final = 0.02  # nats; a fit near its end ends with a step that gains less
+# Nats; the same from afar. Then all parameters together are within about their deviation
+SETTLED_GAIN_FROM_AFAR: Final = 1.0
 
 
 @final
@@ -102,7 +105,7 @@ class _Search(Generic[Sums]):
         """Return a point whose cost is below a limit, after a step; None if no step gets there."""
         for damping in DAMPINGS:
             longest = self.longest if damping == 0.0 else math.inf
-            after = self.prior.step(at.values, at.sums.inner, at.sums.pull, damping, longest)
+            after = at.sums.step(self.prior, at.values, damping, longest)
             try:
                 there = self.look(after)
             except BadInput:
@@ -115,7 +118,7 @@ class _Search(Generic[Sums]):
 
     def expect_gain(self, at: _Point[Sums]) -> float:
         """Return by how much the best step lowers the cost, as far as the flights are linear."""
-        after = self.prior.step(at.values, at.sums.inner, at.sums.pull)
+        after = at.sums.step(self.prior, at.values, 0.0, math.inf)
         return 0.5 * float((at.sums.pull * self.prior.free) @ (after - at.values))
 
     def has_settled(self, before: Array, after: Array) -> bool:
@@ -162,11 +165,8 @@ def fit_likelihood(
             # From afar, bounded steps need not lower the misfit one by one
             lower = is_near or (bool(learning) and not left)
             after = search.step(point, point.sums.cost + MISFIT_RISE if lower else math.inf)
-            has_settled = after is None or (
-                point.sums.cost - after.sums.cost < SETTLED_GAIN
-                if is_near
-                else search.has_settled(point.values, after.values)
-            )
+            settled = SETTLED_GAIN if is_near else SETTLED_GAIN_FROM_AFAR
+            has_settled = after is None or point.sums.cost - after.sums.cost < settled
             point = point if after is None else after
         if has_settled and not left:
             break
@@ -198,7 +198,6 @@ def fit_forecasts(
         point = point._replace(sums=evaluate(point.flights, point.values))
         for _ in range(rounds):
             after = search.step(point, point.sums.cost + ERROR_RISE)
-            # What is left wanders with the weights of the errors
             if after is None or after.sums.cost > point.sums.cost - ERROR_GAIN:
                 break
             point = after

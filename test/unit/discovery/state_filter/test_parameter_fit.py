@@ -6,13 +6,15 @@ from typing import Any
 
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.state_filter.forecast_sums import weigh_errors
+from lta_discovery.state_filter.forecast_sums import ForecastSum, weigh_errors
+from lta_discovery.state_filter.likelihood import ParameterPrior
 from lta_discovery.state_filter.linear_flight import FlightSystem, LinearFlight
 from lta_discovery.state_filter.parameter_fit import fit_likelihood
 import numpy as np
 from numpy.typing import NDArray
 import pytest
 from scipy.linalg import block_diag
+from scipy.optimize import minimize_scalar
 from scipy.stats import multivariate_normal
 
 from .dense_gaussian import build_dense, build_flight, NOISE, PARAMETERS
@@ -73,18 +75,43 @@ def test_a_fit_is_the_posterior_of_the_parameters() -> None:
 
 
 def test_one_wild_forecast_weighs_like_a_linear_cost() -> None:
-    """All errors have the size 1 of a normal median; one of 45 weighs by the root of 0.1."""
+    """One of 45 has a linear cost beyond 4.5 deviations."""
     errors = np.zeros((101, 1, 6, 2))
     errors[..., -1] = 0.6745
     errors[0, ..., -1] = 45.0
     errors[1] = np.nan
     weighed, size = weigh_errors(errors)
-    np.testing.assert_allclose(size, 1.0, rtol=1e-3)
-    assert weighed[2, 0, 0, -1] == pytest.approx(0.6745, rel=1e-3)
+    usual = ((99 * 0.6745**2 + 4.5 * (90.0 - 4.5)) / 100) ** 0.5
+    np.testing.assert_allclose(size, usual, rtol=1e-3)
+    assert weighed[2, 0, 0, -1] == pytest.approx(0.6745 / usual, rel=1e-3)
     # Attitudes weigh half
-    assert weighed[2, 0, 3, -1] == pytest.approx(0.5 * 0.6745, rel=1e-3)
-    assert weighed[0, 0, 0, -1] == pytest.approx(45.0 * 0.1**0.5, rel=1e-3)
+    assert weighed[2, 0, 3, -1] == pytest.approx(0.5 * 0.6745 / usual, rel=1e-3)
+    assert weighed[0, 0, 0, -1] == pytest.approx((4.5 * 45.0) ** 0.5 / usual, rel=1e-3)
     assert not weighed[1].any()
+
+
+def test_a_step_ends_where_errors_have_the_smallest_sizes() -> None:
+    """Of 200 linear errors, a tenth is wild; a step with the first weights ends elsewhere."""
+    rng = np.random.default_rng(5)
+    errors = np.zeros((200, 1, 6, 2))
+    errors[..., 0] = rng.uniform(-1.0, 1.0, (200, 1, 6))
+    errors[..., 1] = 0.1 * rng.standard_normal((200, 1, 6)) + 3.0 * errors[..., 0]
+    errors[:20, ..., 1] += 4.0 * np.sign(errors[:20, ..., 0])
+    errors[..., 3:, :] = 0.0
+
+    def size(change: float) -> float:
+        after = errors.copy()
+        after[..., 1] += change * errors[..., 0]
+        return float(weigh_errors(after)[1][0, 0])
+
+    best = float(minimize_scalar(size, bounds=(-5.0, 0.0), method='bounded').x)
+    prior = ParameterPrior(np.array([100.0]), np.array([-9.0]), np.array([9.0]), np.array([False]))
+    slopes, values = np.moveaxis(weigh_errors(errors)[0], -1, 0)
+    inner, pull = np.array([[np.sum(slopes**2)]]), np.array([-np.sum(slopes * values)])
+    sums = ForecastSum(inner, pull, size(0.0), np.zeros((1, 1)), errors)
+    first = prior.step(np.zeros(1), inner, pull)[0]
+    assert abs(sums.step(prior, np.zeros(1), 0.0, 9.0)[0] - best) < 0.3 * abs(first - best)
+    assert sums.step(prior, np.zeros(1), 0.0, 0.01)[0] == pytest.approx(-1.0)
 
 
 Known = tuple[NominalVehicle, list[FreeParameter]]
