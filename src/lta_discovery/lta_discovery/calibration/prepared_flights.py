@@ -138,7 +138,7 @@ def fit_calibration(
     looks = _look_at_headings(prepared)
     own, best = looks[0], max(looks, key=lambda look: look[1].evidence)
     out = _fit_from_look(prepared, *own)
-    if best is not own:
+    if best[1].evidence > own[1].evidence + CLEARLY:
         other = _fit_from_look(prepared, *best)
         if other[1].evidence > out[1].evidence + CLEARLY:
             return other
