@@ -37,6 +37,7 @@ from lta_discovery.flights.usable_flights import select_usable_flights
 from lta_discovery.model.calibration_parameters import list_calibration_parameters
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import list_free_parameters
+from lta_model.effects.protocol import AXES
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
@@ -147,6 +148,55 @@ def record_poses(
     poses = SensorSet(path, blimp, 'exact', np.random.default_rng(len(name))).measure_poses()
     streams = {'ground_truth/odom': poses, 'wrench_command': (time, path.commands)}
     return CaseFlight(name, 'train', 'wrench', streams)
+
+
+class ShakenPilot:
+    """A pilot beside whose commands moments swing the hull, which no record has."""
+
+    def __init__(
+        self, pilot: DutyPilot, size: float, period: float, draw: np.random.Generator
+    ) -> None:
+        self._pilot, self._size, self._period = pilot, size, period
+        self._phases = draw.uniform(0.0, 2.0 * math.pi, 2)
+
+    def initial_duties(self) -> list[float]:
+        """Return no command."""
+        return self._pilot.initial_duties()
+
+    def compute_duties(self, time: float, state: list[float]) -> list[float]:
+        """Return the command at a time, with the moments in roll and pitch."""
+        turn = 2.0 * math.pi * time / self._period
+        shake = [0.0] * 3 + [self._size * math.sin(turn + each) for each in self._phases] + [0.0]
+        return np.add(self._pilot.compute_duties(time, state), shake).tolist()
+
+
+def test_a_swing_that_nothing_explains_hides_no_gain_drag_or_lift(tmp_path: Path) -> None:
+    """Unknown moments swing the hull by 5 degrees; 0.7 of the heave command acts."""
+    vehicle = load_vehicle('gtmab')
+    file = build_vehicle_truth(vehicle)
+    gains, drag = (1.0, 1.0, 0.7, 1.0, 1.0, 1.0), (0.05, 0.05, 0.12)
+    for number, name in enumerate(('one', 'three')):
+        blimp = replace(file, wrench_gains=gains, linear_drag=drag, lift=0.008)
+        draw = np.random.default_rng([11, 74, number])
+        pilot = ShakenPilot(WrenchPilot(file, gains, draw), 0.007, 2.3, draw)
+        flight = record_poses(name, blimp, pilot, 0.0, 30.0)
+        flight.streams['wrench_command'][1][:, 3:5] = 0.0
+        write_bag(tmp_path / name, flight.streams, vehicle.rotor_names, {})
+        turns = Rotation.from_quat(flight.streams['ground_truth/odom'][1][:, 3:7])
+        assert np.degrees(np.arccos(turns.as_matrix()[:, 2, 2])).max() > 5.0
+    bags: dict[Role, list[Path]] = {'train': sorted(tmp_path.iterdir())}
+    flights = select_usable_flights(read_bags(bags), vehicle).flights
+    found = calibrate_flights(vehicle, 'gtmab', flights, lambda _what, _part: None)
+    truth = {f'linear_drag.{axis}': each for axis, each in zip(AXES, drag, strict=False)}
+    truth['wrench_gain.heave'] = 0.7
+    for name, value in truth.items():
+        one = found.find(name)
+        assert one is not None
+        assert one.is_known
+        assert one.ci95[0] < value < one.ci95[1], name
+    for one in found.list_of_flights('net_lift.force'):
+        assert one.ci95[0] < 0.008 < one.ci95[1]
+        assert abs(one.value - 0.008) < 2e-3
 
 
 def test_a_single_swing_shows_a_pendulum_forty_percent_faster_than_the_files(
