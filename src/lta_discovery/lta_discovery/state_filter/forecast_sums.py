@@ -23,7 +23,7 @@ FIRST_START: Final = 1.0  # s; from the beginning of a run, in which the filter 
 PARTS: Final = (slice(0, 3), slice(3, 6))  # position and attitude of an error
 ATTITUDE: Final = 0.5  # weight of an error of attitude by that of position, each in its usual size
 WEIGHTS: Final = np.array([1.0] * 3 + [ATTITUDE] * 3)
-ROBUST: Final = 4.5  # deviations; larger errors have a linear cost instead of a quadratic one
+ROBUST: Final = 4.5  # usual sizes; larger errors have a linear cost instead of a quadratic one
 BLOCK: Final = 10.0  # s; errors further apart than this are independent
 WEIGHINGS: Final = 5  # times that a step weighs linear errors anew; more change nothing
 
@@ -152,22 +152,20 @@ def settle_own(one: FilteredFlight, prior: ParameterPrior) -> Array:
 
 def weigh_errors(errors: Array) -> tuple[Array, Array]:
     """
-    Return errors of forecasts, shape (S, H, 6, K + 1), by their RMS size, shape (H, 6).
+    Return errors of forecasts, shape (S, H, 6, K + 1), by their usual size, shape (H, 6).
 
     Each horizon counts alike. Errors are 0 where unknown.
     """
     left = errors[..., -1]
     measured = np.isfinite(left)
-    size, most = np.ones(left.shape[1:]), np.full(left.shape[1:], np.inf)
+    size = np.zeros(left.shape[1:])
     for part in PARTS:
         for h in range(left.shape[1]):
-            some = np.abs(left[:, h, part][measured[:, h, part]])
-            if some.any():
-                # An outlier must not hide the others (Huber, Ann. Math. Statist. 35, 1964)
-                most[h, part] = limit = ROBUST / HALF * np.median(some) or np.inf
-                near = np.minimum(some, limit)
-                size[h, part] = np.sqrt(np.mean(near * (2.0 * some - near)))
+            some = left[:, h, part][measured[:, h, part]]
+            # An outlier must not hide the others
+            usual = np.median(np.abs(some)) / HALF if len(some) else 1.0
+            size[h, part] = usual if usual > 0.0 else 1.0
     weight = WEIGHTS / size / math.sqrt(left.shape[1])
-    far = np.where(measured, np.abs(left) / most, 0.0)
-    weight = weight / np.sqrt(np.maximum(far, 1.0))
+    far = np.where(measured, np.abs(left) / size, 0.0)
+    weight = weight * np.sqrt(ROBUST / np.maximum(far, ROBUST))
     return np.where(measured[..., None], errors * weight[..., None], 0.0), size

@@ -75,18 +75,17 @@ def test_a_fit_is_the_posterior_of_the_parameters() -> None:
 
 
 def test_one_wild_forecast_weighs_like_a_linear_cost() -> None:
-    """One of 45 has a linear cost beyond 4.5 deviations."""
+    """All errors have the size 1 of a normal median; one of 45 weighs by the root of 0.1."""
     errors = np.zeros((101, 1, 6, 2))
     errors[..., -1] = 0.6745
     errors[0, ..., -1] = 45.0
     errors[1] = np.nan
     weighed, size = weigh_errors(errors)
-    usual = ((99 * 0.6745**2 + 4.5 * (90.0 - 4.5)) / 100) ** 0.5
-    np.testing.assert_allclose(size, usual, rtol=1e-3)
-    assert weighed[2, 0, 0, -1] == pytest.approx(0.6745 / usual, rel=1e-3)
+    np.testing.assert_allclose(size, 1.0, rtol=1e-3)
+    assert weighed[2, 0, 0, -1] == pytest.approx(0.6745, rel=1e-3)
     # Attitudes weigh half
-    assert weighed[2, 0, 3, -1] == pytest.approx(0.5 * 0.6745 / usual, rel=1e-3)
-    assert weighed[0, 0, 0, -1] == pytest.approx((4.5 * 45.0) ** 0.5 / usual, rel=1e-3)
+    assert weighed[2, 0, 3, -1] == pytest.approx(0.5 * 0.6745, rel=1e-3)
+    assert weighed[0, 0, 0, -1] == pytest.approx(45.0 * 0.1**0.5, rel=1e-3)
     assert not weighed[1].any()
 
 
