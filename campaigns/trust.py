@@ -13,9 +13,9 @@ from functools import cache
 from typing import Any, Final
 
 from lta_data.data_quality.duplicate_runs import find_duplicate_runs
-from lta_data.data_quality.recording import ChannelRecording
 from lta_data.data_quality.registry import QualityReport, run_checks
 from lta_data.data_quality.roles import vector_name
+from lta_data.flight import Flight
 from lta_flight.sweep.statistics import wilson_interval
 import numpy as np
 from numpy.random import Generator
@@ -32,13 +32,13 @@ NEVER = 'not applicable'
 
 
 @cache
-def pooled(number: int) -> ChannelRecording:
+def pooled(number: int) -> Flight:
     """Return a simulated flight that corruptions are done to; none of the clean set."""
     return flights.simulated(10_000 + number)
 
 
 @cache
-def real(number: int) -> ChannelRecording:
+def real(number: int) -> Flight:
     """Return a real flight by number, Crazyflie first."""
     crazy, blimp = flights.crazyflie_files(), flights.rgblimp_files()
     return (
@@ -48,7 +48,7 @@ def real(number: int) -> ChannelRecording:
     )
 
 
-def drawn(source: str, rng: Generator) -> ChannelRecording:
+def drawn(source: str, rng: Generator) -> Flight:
     """Draw a flight to be corrupted: a piece of 15 to 30 s of a real one, of both sets alike."""
     if source == 'simulated':
         return pooled(int(rng.integers(POOL)))
@@ -119,7 +119,7 @@ def judge_twin(source: str, rng: Generator) -> dict[str, Any]:
     return {'found': False, 'told': [], 'how': NEVER}
 
 
-def same(first: ChannelRecording, second: ChannelRecording) -> bool:
+def same(first: Flight, second: Flight) -> bool:
     """Whether two pieces may be of one flight: then a twin is right."""
     shared = [name for name in first.channels if name in second.channels]
     return any(

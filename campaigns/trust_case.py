@@ -4,8 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Final
 
-from lta_data.bag.channels import SignalChannel
-from lta_data.data_quality.recording import ChannelRecording
+from lta_data.flight import Channel, Flight
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
@@ -24,17 +23,17 @@ FORCE: Final = 'imu/linear_acceleration'
 class Corrupted:
     """A corrupted recording, and what should be found: any of these names, in this interval."""
 
-    recording: ChannelRecording
+    recording: Flight
     names: tuple[str, ...]
     from_s: float
     to_s: float
     how: str
 
 
-Corruption = Callable[[ChannelRecording, Generator], Corrupted | None]
+Corruption = Callable[[Flight, Generator], Corrupted | None]
 
 
-def changed(flight: ChannelRecording, new: Mapping[str, Array]) -> ChannelRecording:
+def changed(flight: Flight, new: Mapping[str, Array]) -> Flight:
     """Return a recording with other values in some channels."""
     channels = dict(flight.channels)
     for name, values in new.items():
@@ -42,12 +41,12 @@ def changed(flight: ChannelRecording, new: Mapping[str, Array]) -> ChannelRecord
     return replace(flight, channels=channels)
 
 
-def scaled(flight: ChannelRecording, names: list[str], factor: float) -> ChannelRecording:
+def scaled(flight: Flight, names: list[str], factor: float) -> Flight:
     """Return a recording with some channels multiplied."""
     return changed(flight, {name: flight.channels[name].values * factor for name in names})
 
 
-def span(rng: Generator, channel: SignalChannel, least: float, most: float) -> tuple[int, int]:
+def span(rng: Generator, channel: Channel, least: float, most: float) -> tuple[int, int]:
     """Draw an interval inside a channel, not at its ends, as indices."""
     time = channel.time
     total = float(time[-1] - time[0])
@@ -57,11 +56,11 @@ def span(rng: Generator, channel: SignalChannel, least: float, most: float) -> t
     return int(low), int(max(high, low + 2))
 
 
-def over(channel: SignalChannel, low: int, high: int) -> tuple[float, float]:
+def over(channel: Channel, low: int, high: int) -> tuple[float, float]:
     """Return an interval of indices as times."""
     return float(channel.time[low]), float(channel.time[min(high, len(channel.time)) - 1])
 
 
-def whole(channel: SignalChannel) -> tuple[float, float]:
+def whole(channel: Channel) -> tuple[float, float]:
     """Return all of a channel's time."""
     return float(channel.time[0]), float(channel.time[-1])

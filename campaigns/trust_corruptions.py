@@ -11,9 +11,8 @@ from dataclasses import replace
 from typing import Final
 
 from lta_config.constants import STANDARD_GRAVITY
-from lta_data.bag.channels import SignalChannel
 from lta_data.data_quality import roles
-from lta_data.data_quality.recording import ChannelRecording
+from lta_data.flight import Channel, Flight
 import numpy as np
 from numpy.random import Generator
 from scipy.signal import butter, sosfiltfilt
@@ -38,7 +37,7 @@ from campaigns.trust_flights import piece
 from campaigns.trust_motion import axes, clock, held
 
 
-def restless(flight: ChannelRecording) -> list[SignalChannel]:
+def restless(flight: Flight) -> list[Channel]:
     """Return the channels of instruments that never rest and that move in this flight."""
     return [
         c
@@ -47,12 +46,12 @@ def restless(flight: ChannelRecording) -> list[SignalChannel]:
     ]
 
 
-def pick(rng: Generator, some: list[SignalChannel]) -> SignalChannel | None:
+def pick(rng: Generator, some: list[Channel]) -> Channel | None:
     """Draw a channel."""
     return some[int(rng.integers(len(some)))] if some else None
 
 
-def constant(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
+def constant(flight: Flight, rng: Generator) -> Corrupted | None:
     """One channel has its first value throughout."""
     channel = pick(rng, restless(flight))
     if channel is None:
@@ -62,7 +61,7 @@ def constant(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
     return Corrupted(new, (channel.name,), *whole(channel), f'{channel.name} constant')
 
 
-def frozen(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
+def frozen(flight: Flight, rng: Generator) -> Corrupted | None:
     """One channel, or a whole vector, stands still for 0.4 to 5 s in flight."""
     channel = pick(rng, restless(flight))
     if channel is None:
@@ -82,7 +81,7 @@ def frozen(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
     return Corrupted(changed(flight, new), tuple(names), *when, f'{len(names)} {family} frozen')
 
 
-def clipped(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
+def clipped(flight: Flight, rng: Generator) -> Corrupted | None:
     """One channel is cut off so that 2 to 20 % of its readings, 15 at least, are at the limit."""
     if rng.random() < 0.2 and 'photodiodes/max[0]' in flight.channels:
         channel = flight.channels[f'photodiodes/max[{int(rng.integers(4))}]']
@@ -105,7 +104,7 @@ def clipped(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
     return Corrupted(new, (channel.name,), float(when[0]), float(when[-1]), how)
 
 
-def duplicate(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
+def duplicate(flight: Flight, rng: Generator) -> Corrupted | None:
     """A stretch of 0.5 to 5 s of a topic, 20 readings at least, is there a second time."""
     channel = pick(rng, restless(flight))
     if channel is None:
@@ -128,7 +127,7 @@ def duplicate(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
     return Corrupted(changed(flight, new), tuple(names), *when, f'{channel.topic} {count} twice')
 
 
-def impossible(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
+def impossible(flight: Flight, rng: Generator) -> Corrupted | None:
     """Values that cannot be: one kind of ten, in one sample up to a second of them."""
     kind = int(rng.integers(len(IMPOSSIBLE)))
     names, make = IMPOSSIBLE[kind]
@@ -176,7 +175,7 @@ IMPOSSIBLE: Final = (
 )
 
 
-def filtered(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
+def filtered(flight: Flight, rng: Generator) -> Corrupted | None:
     """A vector passes a low-pass (Butterworth, order 4, both ways) at 2 to 8 % of its rate."""
     if flight.is_simulated or quiet(flight):
         return None
@@ -196,7 +195,7 @@ def filtered(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
     )
 
 
-def quiet(flight: ChannelRecording) -> bool:
+def quiet(flight: Flight) -> bool:
     """Whether a flight is filtered already: RGBlimp's are constant in command and very smooth."""
     return any(name.startswith('wrench_command') for name in flight.channels)
 
@@ -211,7 +210,7 @@ UNITS: Final = (
 )  # fmt: skip
 
 
-def unit(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
+def unit(flight: Flight, rng: Generator) -> Corrupted | None:
     """A quantity is in another unit throughout: 17 kinds."""
     vector, factor = UNITS[int(rng.integers(len(UNITS)))]
     names = [
@@ -228,7 +227,7 @@ def unit(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
     return Corrupted(scaled(flight, names, factor), (vector, *names), *whole(channel), how)
 
 
-def stamps(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
+def stamps(flight: Flight, rng: Generator) -> Corrupted | None:
     """A topic's stamps go back, jump, leave out a stretch or many messages, or come twice."""
     topics = sorted({c.topic for c in flight.channels.values() if len(c.time) > 150})
     if not topics:
@@ -257,7 +256,7 @@ def stamps(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
     return Corrupted(replace(flight, channels=new), (topic,), *when, f'{topic} {ways[way]}')
 
 
-def twin(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
+def twin(flight: Flight, rng: Generator) -> Corrupted | None:
     """
     The same run again: trimmed, moved in time, its place moved, rounded, in single precision.
 

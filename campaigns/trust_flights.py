@@ -14,8 +14,8 @@ from typing import Any, Final
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.files import find_file
-from lta_data.bag.channels import BLOCK, SignalChannel
-from lta_data.data_quality.recording import ChannelRecording
+from lta_data.bag.channels import BLOCK
+from lta_data.flight import Channel, Flight
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_spec import build_loop, load_spec
 from lta_model.attitude import to_euler_angles
@@ -37,29 +37,27 @@ ODOMETRY: Final = ('pose.pose.position', 'pose.pose.orientation', 'twist.twist.l
 TURN: Final = 'twist.twist.angular'
 
 
-def vector(topic: str, path: str, unit: str, time: Array, table: Array) -> Iterator[SignalChannel]:
+def vector(topic: str, path: str, unit: str, time: Array, table: Array) -> Iterator[Channel]:
     parts = ('x', 'y', 'z', 'w')[: table.shape[1]]
     for part, column in zip(parts, table.T, strict=True):
-        yield SignalChannel(f'{topic}/{path}.{part}', unit, time, np.ascontiguousarray(column))
+        yield Channel(f'{topic}/{path}.{part}', unit, time, np.ascontiguousarray(column))
 
 
 def odometry(
     topic: str, time: Array, place: Array, turn: Array, speed: Array, rates: Array
-) -> Iterator[SignalChannel]:
+) -> Iterator[Channel]:
     """Yield the channels of an odometry topic; `turn` are quaternions x y z w."""
     position, orientation, linear = ODOMETRY
     yield from vector(topic, position, 'm', time, place)
     yield from vector(topic, orientation, '1', time, turn)
     for part, values in zip(('yaw', 'pitch', 'roll'), to_euler_angles(turn), strict=True):
-        yield SignalChannel(f'{topic}/{orientation}.{part}', 'rad', time, values, angular=True)
+        yield Channel(f'{topic}/{orientation}.{part}', 'rad', time, values, angular=True)
     yield from vector(topic, linear, 'm/s', time, speed)
     yield from vector(topic, TURN, 'rad/s', time, rates)
 
 
-def recording(
-    channels: Iterator[SignalChannel], provenance: Mapping[str, str]
-) -> ChannelRecording:
-    return ChannelRecording({channel.name: channel for channel in channels}, provenance)
+def recording(channels: Iterator[Channel], provenance: Mapping[str, str]) -> Flight:
+    return Flight({channel.name: channel for channel in channels}, provenance)
 
 
 # Simulated
@@ -103,7 +101,7 @@ def take(loop: ClosedLoop, kept: dict[str, Any], begun: int) -> None:
         kept['block'].append(((stamp - begun) * 1e-9, *np.concatenate(columns)))
 
 
-def simulated(seed: int, vehicle: str | None = None) -> ChannelRecording:
+def simulated(seed: int, vehicle: str | None = None) -> Flight:
     """Return the clean flight of a seed: vehicle, scene, length and topics are drawn by it."""
     rng = np.random.default_rng([seed, 4])
     kept = None
@@ -138,7 +136,7 @@ def subset(rng: Generator) -> list[str]:
 
 def of_flown(
     kept: dict[str, Any], rng: Generator, declared: bool
-) -> Iterator[tuple[str, list[SignalChannel]]]:
+) -> Iterator[tuple[str, list[Channel]]]:
     """Yield the channels of each topic of a flight."""
     tables = {name: np.array(kept[name], dtype=np.float64) for name in KEPT if len(kept[name])}
     imu = tables['imu']
@@ -155,20 +153,20 @@ def of_flown(
         'illuminance': ('illuminance/illuminance', 'lx', 1),
     }
     for name, (channel, unit, column) in singles.items():
-        yield name, [SignalChannel(channel, unit, tables[name][:, 0], tables[name][:, column])]
+        yield name, [Channel(channel, unit, tables[name][:, 0], tables[name][:, column])]
     battery = tables['battery']
     yield (
         'battery',
         [
-            SignalChannel('battery/voltage', 'V', battery[:, 0], battery[:, 1]),
-            SignalChannel('battery/current', 'A', battery[:, 0], battery[:, 2]),
+            Channel('battery/voltage', 'V', battery[:, 0], battery[:, 1]),
+            Channel('battery/current', 'A', battery[:, 0], battery[:, 2]),
         ],
     )
     motors = tables['motors']
     yield (
         'motors',
         [
-            SignalChannel(f'motors/effort.{name}', '1', motors[:, 0], motors[:, 1 + index])
+            Channel(f'motors/effort.{name}', '1', motors[:, 0], motors[:, 1 + index])
             for index, name in enumerate(kept['rotors'])
         ],
     )
@@ -177,16 +175,16 @@ def of_flown(
         yield 'block', list(of_blocks(tables['block']))
 
 
-def of_blocks(table: Array) -> Iterator[SignalChannel]:
+def of_blocks(table: Array) -> Iterator[Channel]:
     """Yield what ADC blocks come to."""
     diodes = (table.shape[1] - 1) // len(BLOCK)
     for index, what in enumerate(BLOCK):
         for diode in range(diodes):
             column = table[:, 1 + index * diodes + diode]
-            yield SignalChannel(f'photodiodes/{what}[{diode}]', 'ADC counts', table[:, 0], column)
+            yield Channel(f'photodiodes/{what}[{diode}]', 'ADC counts', table[:, 0], column)
 
 
-def of_truth(table: Array, rng: Generator, declared: bool) -> Iterator[SignalChannel]:
+def of_truth(table: Array, rng: Generator, declared: bool) -> Iterator[Channel]:
     """Yield ground truth, with a tracker's noise where it poses as measured."""
     every = 1 if declared else int(rng.choice([1, 1, 2, 4]))
     table = table[::every]
@@ -222,7 +220,7 @@ def crazyflie_files() -> list[Path]:
     return sorted((DATA / 'crazyflie_flights').glob('*.csv.gz'))
 
 
-def rgblimp(path: Path) -> ChannelRecording:
+def rgblimp(path: Path) -> Flight:
     """Return a flight of RGBlimp: z down becomes z up, body FRD becomes FLU; 60 Hz."""
     table = columns(path)
     time = np.arange(len(table)) / 60.0
@@ -237,14 +235,14 @@ def rgblimp(path: Path) -> ChannelRecording:
         'ground_truth/odom', time, three('p') * flip, turn, three('vb') * flip, three('wb') * flip
     )
     force = [
-        SignalChannel(
+        Channel(
             'wrench_command/wrench.force.x', 'N', time, table['Fl_series'] + table['Fr_series']
         )
     ]
     return recording(iter([*pose, *force]), MEASURED)
 
 
-def crazyflie(path: Path) -> ChannelRecording:
+def crazyflie(path: Path) -> Flight:
     """Return a Crazyflie flight: Vicon, IMU, commands and battery at 100 Hz."""
     table = columns(path)
     time = table['t'] - table['t'][0]
@@ -261,28 +259,28 @@ def crazyflie(path: Path) -> ChannelRecording:
     rest = [
         *vector('imu', 'angular_velocity', 'rad/s', time, gyro),
         *vector('imu', 'linear_acceleration', 'm/s2', time, force),
-        SignalChannel('battery/voltage', 'V', time, table['pwr_pm_vbat']),
+        Channel('battery/voltage', 'V', time, table['pwr_pm_vbat']),
     ]
     duties = [
-        SignalChannel(f'motors/effort.m{n}', '1', time, table[f'motor_motor_m{n}'] / 65535.0)
+        Channel(f'motors/effort.m{n}', '1', time, table[f'motor_motor_m{n}'] / 65535.0)
         for n in (1, 2, 3, 4)
     ]
     return recording(iter([*pose, *rest, *duties]), MEASURED)
 
 
-def piece(whole: ChannelRecording, begin: float, end: float) -> ChannelRecording:
+def piece(whole: Flight, begin: float, end: float) -> Flight:
     """Return a part of a recording, with its time starting at zero. [s]"""
     cut = {}
     for name, channel in whole.channels.items():
         inside = (channel.time >= begin) & (channel.time < end)
-        cut[name] = SignalChannel(
+        cut[name] = Channel(
             name, channel.unit, channel.time[inside] - begin, channel.values[inside],
             channel.angular,
         )  # fmt: skip
-    return ChannelRecording(cut, whole.provenance)
+    return Flight(cut, whole.provenance)
 
 
-def length(flight: ChannelRecording) -> float:
+def length(flight: Flight) -> float:
     """Return the time to the last sample. [s]"""
     return max(
         (float(c.time[-1]) for c in flight.channels.values() if len(c.time)), default=math.nan

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 from lta_data.data_quality import roles
 from lta_data.data_quality.motion import collect_attitudes
-from lta_data.data_quality.recording import ChannelRecording
 from lta_data.even_grid import hann_kernel, smooth_columns
+from lta_data.flight import Flight
 from lta_model.attitude import to_euler_angles
 import numpy as np
 from numpy.random import Generator
@@ -28,14 +28,14 @@ from campaigns.trust_case import (
 from campaigns.trust_flights import piece
 
 
-def judged(flight: ChannelRecording) -> list[str]:
+def judged(flight: Flight) -> list[str]:
     """Return the vectors that have a tracked pose beside them."""
     if f'{TURN}.x' not in flight.channels:
         return []
     return [vector for vector in (SPIN, GYRO, SPEED) if f'{vector}.x' in flight.channels]
 
 
-def lively(flight: ChannelRecording, vector: str) -> list[str]:
+def lively(flight: Flight, vector: str) -> list[str]:
     """Return the axes of a vector that move more than its noise."""
     # Of 0.3 s means.
     least = 0.02 if vector in (SPIN, GYRO) else 0.03
@@ -48,7 +48,7 @@ def lively(flight: ChannelRecording, vector: str) -> list[str]:
     return found
 
 
-def quick(flight: ChannelRecording, vector: str) -> bool:
+def quick(flight: Flight, vector: str) -> bool:
     """Whether a vector changes within seconds, by 0.01 rad/s or m/s RMS at least in one axis."""
     time = flight.channels[f'{vector}.x'].time
     if len(time) < 200:
@@ -61,14 +61,14 @@ def quick(flight: ChannelRecording, vector: str) -> bool:
     return bool(len(changing) and changing.std(axis=0).max() > 0.01)
 
 
-def throughout(flight: ChannelRecording, vector: str) -> bool:
+def throughout(flight: Flight, vector: str) -> bool:
     """Whether a vector does so in each third of the flight: else nothing can wander."""
     total = float(flight.channels[f'{vector}.x'].time[-1])
     thirds = (piece(flight, total * part / 3.0, total * (part + 1) / 3.0) for part in range(3))
     return all(quick(third, vector) for third in thirds)
 
 
-def axes(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
+def axes(flight: Flight, rng: Generator) -> Corrupted | None:
     """A sign, two axes, a frame or the order of a quaternion is another throughout."""
     way = int(rng.integers(6))
     if way <= 1:
@@ -83,7 +83,7 @@ def axes(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
     return in_map(flight) if way == 5 else None
 
 
-def flipped(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
+def flipped(flight: Flight, rng: Generator) -> Corrupted | None:
     """One axis of a vector that moves has the other sign."""
     choices = [f'{v}.{axis}' for v in judged(flight) for axis in lively(flight, v)]
     if not choices:
@@ -95,7 +95,7 @@ def flipped(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
     )
 
 
-def swapped(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
+def swapped(flight: Flight, rng: Generator) -> Corrupted | None:
     """Two axes of a vector, one of which moves, have changed places."""
     choices = [v for v in judged(flight) if lively(flight, v)]
     if not choices:
@@ -110,14 +110,14 @@ def swapped(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
     return Corrupted(new, names, *whole(one), f'{vector} {first}<->{second}')
 
 
-def turned(flight: ChannelRecording, quaternions: Array) -> ChannelRecording:
+def turned(flight: Flight, quaternions: Array) -> Flight:
     """Return a recording with another attitude."""
     new = {f'{TURN}.{part}': column for part, column in zip('xyzw', quaternions.T, strict=True)}
     told = zip(('yaw', 'pitch', 'roll'), to_euler_angles(quaternions), strict=True)
     return changed(flight, new | {f'{TURN}.{part}': values for part, values in told})
 
 
-def reread(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
+def reread(flight: Flight, rng: Generator) -> Corrupted | None:
     """The quaternion is the inverse one, or has w first."""
     moving = [v for v in judged(flight) if v != SPEED and lively(flight, v)]
     if not moving:
@@ -130,7 +130,7 @@ def reread(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
     return Corrupted(turned(flight, other), names, *when, 'inverse' if inverse else 'w first')
 
 
-def in_map(flight: ChannelRecording) -> Corrupted | None:
+def in_map(flight: Flight) -> Corrupted | None:
     """The velocity of an odometry is in the frame of the map."""
     if SPEED not in judged(flight) or not lively(flight, SPEED):
         return None
@@ -146,7 +146,7 @@ def in_map(flight: ChannelRecording) -> Corrupted | None:
     return Corrupted(changed(flight, new), (SPEED, TURN, PLACE), *when, 'in the map')
 
 
-def clock(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
+def clock(flight: Flight, rng: Generator) -> Corrupted | None:
     """A vector is 0.08 to 1.5 s late or early against the pose, or wanders by 0.2 to 1 s."""
     choices = [v for v in judged(flight) if quick(flight, v)]
     if not choices:
@@ -201,7 +201,7 @@ def hand(time: Array, rng: Generator, tremor: float, carry: float) -> Array:
     return path * fade[:, None]
 
 
-def held(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
+def held(flight: Flight, rng: Generator) -> Corrupted | None:
     """
     A hand holds the craft for 3.5 to 6 s: before, after (rotors idle) or during the flight.
 
@@ -243,13 +243,13 @@ def held(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
     return Corrupted(new, names, start, start + length, f'{word} {tremor:.2f} m/s2 {carry:.2f} m')
 
 
-def topics_of(flight: ChannelRecording) -> set[str]:
+def topics_of(flight: Flight) -> set[str]:
     return {channel.topic for channel in flight.channels.values()}
 
 
 def moved(
-    flight: ChannelRecording, start: float, end: float, rng: Generator, tremor: float, carry: float
-) -> ChannelRecording:
+    flight: Flight, start: float, end: float, rng: Generator, tremor: float, carry: float
+) -> Flight:
     """Return a flight in which a hand moves the craft, in all that feels it."""
     fine = np.arange(start, end, 0.002)
     path = hand(fine, rng, tremor, carry)

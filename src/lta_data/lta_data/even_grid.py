@@ -7,11 +7,12 @@ a span of time is checked here against the number of messages.
 """
 
 from collections.abc import Iterator
+from typing import final, NamedTuple
 
 from lta_config.errors import BadInput
 from lta_config.limits import GRID
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 EMPTY = np.empty(0)
 HOLES = 3.0  # grid points per sample, at most; more would be mostly gaps
@@ -69,19 +70,60 @@ def build_uniform_time_grid(
 Array = NDArray[np.float64]
 HOLE = 4.0  # periods without a sample that count as a gap
 TOGETHER = 32  # messages that a network may deliver at once
+IN_A_ROW = 3  # messages that a network may deliver late together
+LATE = 0.05  # share of late messages beyond which the time stamps are wrong
+ABSURD = 1e30  # larger than any real value: some drivers write it for 'unknown'
 UNEVEN = 0.3  # of a period by which steps of a steady rhythm differ, at most
 OFTEN = 0.02  # share of larger differences from which a rhythm is not steady
 
 
-def sort_samples(time: Array, values: Array) -> tuple[Array, Array]:
-    """Return finite samples with strictly increasing time; values may have columns."""
-    good = np.isfinite(time) & np.isfinite(values.reshape(len(values), -1)).all(axis=1)
-    time, values = time[good], values[good]
-    if len(time) > 1 and (np.diff(time) <= 0.0).any():
-        # Keep a sample only if it is later than all before it.
-        rising = time > np.concatenate(([-np.inf], np.maximum.accumulate(time)[:-1]))
-        time, values = time[rising], values[rising]
-    return time, values
+@final
+class SampledSignal(NamedTuple):
+    """Increasing times [s], shape (n,), and values, shape (n,) or (n, k); NaN where unknown."""
+
+    time: Array
+    values: Array
+
+    def select_complete(self) -> 'SampledSignal':
+        """Return the samples without an unknown value."""
+        good = np.isfinite(self.values.reshape(len(self.values), -1)).all(axis=1)
+        return SampledSignal(self.time[good], self.values[good])
+
+
+def mask_absurd_values(values: ArrayLike) -> Array:
+    """Replace infinite and absurdly large values by NaN."""
+    numbers = np.asarray(values, dtype=np.float64)
+    return np.where(np.abs(numbers) < ABSURD, numbers, np.nan)
+
+
+def find_late_messages(time: Array) -> NDArray[np.bool_]:
+    """
+    Return which messages arrived after later ones, as on a network without order, shape (n,).
+
+    Where a clock is set back, all messages are behind until it has caught up; here, a few are.
+    """
+    behind = time < np.maximum.accumulate(time)
+    late = np.zeros(len(time), dtype=bool)
+    for begin, end in find_runs(behind).tolist():
+        late[begin:end] = end - begin <= IN_A_ROW
+    return late if late.mean() <= LATE else np.zeros(len(time), dtype=bool)
+
+
+def sort_samples(time: ArrayLike, values: ArrayLike) -> SampledSignal:
+    """
+    Return samples in the order of their times; of several at one time, the first.
+
+    Messages that arrived late are put in order. Where a clock was set back, those until it has
+    caught up are left out: they would be mixed with others. So are those without a time.
+    """
+    when, what = np.asarray(time, dtype=np.float64), mask_absurd_values(values)
+    usable = np.isfinite(when)
+    when, what = when[usable], what[usable]
+    if len(when) > 1 and (np.diff(when) <= 0.0).any():
+        order = np.flatnonzero(find_late_messages(when) | (when >= np.maximum.accumulate(when)))
+        _, first = np.unique(when[order], return_index=True)
+        when, what = when[order[first]], what[order[first]]
+    return SampledSignal(when, what)
 
 
 def median_period(time: Array) -> float:

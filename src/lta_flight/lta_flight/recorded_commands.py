@@ -16,10 +16,11 @@ from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table
 from lta_data.bag.bag_folder import find_bag
-from lta_data.bag.channels import iterate_channels, SignalChannel
+from lta_data.bag.channels import iterate_channels
 from lta_data.bag.recorded_flight import open_flight, RecordedFlight
 from lta_data.bag.table import DENSE
 from lta_data.even_grid import check_time_span, median_period
+from lta_data.flight import Channel
 from lta_data.scene import COMMAND, find_tracker_prefix, has_newton_commands, MASS
 from lta_model.effects import EFFECTS
 from lta_model.measurement_chain import apply_chain, build_chains
@@ -179,9 +180,9 @@ def read_commands(
     )  # fmt: skip
 
 
-def _read_pose(flight: RecordedFlight, bag: Path) -> tuple[dict[str, SignalChannel], str]:
+def _read_pose(flight: RecordedFlight, bag: Path) -> tuple[dict[str, Channel], str]:
     """Return the channels of the tracker's topic and the prefix of its pose."""
-    channels: dict[str, SignalChannel] = {}
+    channels: dict[str, Channel] = {}
     for topic in flight.topics:
         if 'pose' in topic or 'odom' in topic:
             channels |= {each.name: each for each in iterate_channels(flight, topic)}
@@ -274,7 +275,7 @@ def _read_duties(flight: RecordedFlight, vehicle: Vehicle) -> tuple[Array, Array
     return times, duties, places
 
 
-def _read_twist(channels: Mapping[str, SignalChannel], prefix: str, time: float) -> Array:
+def _read_twist(channels: Mapping[str, Channel], prefix: str, time: float) -> Array:
     """Return recorded velocity and rates at a time, shape (6,); NaN where unknown."""
     topic = prefix.rpartition('/')[0]
     fields = [channels.get(f'{topic}/{field}') for field in TWIST]

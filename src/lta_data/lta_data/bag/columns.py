@@ -54,6 +54,7 @@ class TopicSeries:
     # Numeric fields by path, in the units of the message, shape (n,)
     numbers: dict[str, NDArray[Any]]
     texts: dict[str, NDArray[Any]]  # text fields by path, shape (n,)
+    logged: NDArray[np.int64]  # log times, shape (n,) [ns]
 
     def __len__(self) -> int:
         """Return the number of messages."""

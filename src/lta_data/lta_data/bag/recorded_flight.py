@@ -11,7 +11,7 @@ Time 0 is the stamp of the robot's first stamped message. Messages without a sta
 their log time, relative to the log time of that first message.
 """
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from functools import partial
 from itertools import islice
 from pathlib import Path
@@ -47,7 +47,7 @@ from numpy.typing import NDArray
 # Topics that only draw a robot: every viewer reads them, and no analysis does
 URDF = 'robot_description'
 MARKERS = 'visualization_msgs/msg/MarkerArray'
-LATEST = np.iinfo(np.int64).max  # ns; MCAP log times are unsigned, ROS stamps are not
+LATEST: Final = int(np.iinfo(np.int64).max)  # ns; MCAP log times are unsigned, ROS stamps are not
 
 
 class FlightOrigin(NamedTuple):
@@ -248,6 +248,11 @@ class RecordedFlight:
         fields = stack_points(self._iterate_messages(topic, times))
         return PointSeries(np.array(times, dtype=np.float64), fields)
 
+    def read_log_times(self, topic: str) -> NDArray[np.int64]:
+        """Return the log times of the messages of a topic, shape (n,). [ns]"""
+        messages = self.bag.iterate_messages([self.absolute_name(topic)])
+        return limit_log_times([log_time for _, log_time, _ in messages])
+
     def absolute_name(self, topic: str) -> str:
         """Return the absolute name of a topic."""
         if topic.startswith('/'):
@@ -298,7 +303,8 @@ class RecordedFlight:
             stamps[index] = min(placed, LATEST)
         # Subtract as integers first: float64 does not resolve 1 ns in times since 1970
         time = (stamps - self.start).astype(np.float64) * 1e-9
-        return TopicSeries(stamps, time, columns.numbers, columns.texts)
+        logged = limit_log_times(columns.logged)
+        return TopicSeries(stamps, time, columns.numbers, columns.texts, logged)
 
     def _iterate_messages(
         self, topic: str, times: list[float], chosen: Collection[int] | None = None
@@ -315,6 +321,11 @@ class RecordedFlight:
             elapsed = log_time - self._origin.log if stamp is None else stamp - self.start
             times.append(elapsed * 1e-9)
             yield message
+
+
+def limit_log_times(logged: Sequence[int]) -> NDArray[np.int64]:
+    """Return log times as an array; those that no stamp can have are the latest. [ns]"""
+    return np.array([min(one, LATEST) for one in logged], dtype=np.int64)
 
 
 def find_flight_origin(bag: Bag, topics: list[str]) -> FlightOrigin:

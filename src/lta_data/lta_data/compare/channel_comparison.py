@@ -6,7 +6,8 @@ from fnmatch import fnmatchcase
 from typing import Final, final, NamedTuple
 
 from lta_config.errors import BadInput
-from lta_data.bag.channels import SignalChannel
+from lta_data.compare.clock_offset import can_be_prepared
+from lta_data.compare.coarse_lag import CoarseLag, estimate_coarse_lag, SharedQuantity
 from lta_data.compare.divergence import (
     DifferenceMeasures,
     Divergence,
@@ -20,16 +21,13 @@ from lta_data.compare.sampling import (
     AlignedSignals,
     ChannelSpectra,
     compute_spectra,
-    CorrelationPeak,
-    find_correlation_peak,
-    mask_absurd_values,
-    SampledSignal,
-    sort_samples,
 )
-from lta_data.even_grid import median_period
+from lta_data.even_grid import mask_absurd_values, median_period, SampledSignal, sort_samples
+from lta_data.flight import Channel
 import numpy as np
 
 AS: Final = '--pair odom=ground_truth/odom'
+LONGEST_LAG: Final = 5.0  # of a channel behind its pair [s]
 
 
 class TopicPair(NamedTuple):
@@ -45,13 +43,18 @@ class ChannelPair(NamedTuple):
     """One quantity of both flights; `name` is A's."""
 
     name: str
-    a: SignalChannel
-    b: SignalChannel
+    a: Channel
+    b: Channel
 
     @property
     def angular(self) -> bool:
         """Whether values 2 pi apart are equal."""
         return self.a.angular and self.b.angular
+
+    @property
+    def frames(self) -> tuple[str, str]:
+        """The frames of both; '' if unknown."""
+        return self.a.frame, self.b.frame
 
 
 def select_topic_pairs(
@@ -118,8 +121,8 @@ class PairingResult(NamedTuple):
 
 def pair_channels(
     topic_pairs: Sequence[TopicPair],
-    a: Mapping[str, SignalChannel],
-    b: Mapping[str, SignalChannel],
+    a: Mapping[str, Channel],
+    b: Mapping[str, Channel],
 ) -> PairingResult:
     """
     Return the pairs of corresponding channels.
@@ -153,7 +156,7 @@ def pair_channels(
     return pairing
 
 
-def mask_non_finite(channel: SignalChannel) -> SignalChannel:
+def mask_non_finite(channel: Channel) -> Channel:
     """Return a channel with NaN for all non-finite values."""
     return replace(channel, values=mask_absurd_values(channel.values))
 
@@ -213,7 +216,7 @@ class ChannelComparison:
     measures: DifferenceMeasures | None  # None if there is no common valid sample
     parting: Divergence  # when they differ
     spectra: ChannelSpectra | None  # None if there are too few consecutive samples
-    peak: CorrelationPeak | None  # None if one side is constant
+    lag: CoarseLag | None  # of B behind A; None if their changes do not correlate
     # Rank of the divergence: RMS over the larger of both spreads and the band, times the share of
     # the common span during which they differ.
     score: float
@@ -242,6 +245,7 @@ def compare_channels(
     of the clock offset [s].
     """
     angular = pair.angular
+    quantity = SharedQuantity(pair.name, a, b, angular)
     both = align_signals(a, b, angular=angular)
     measures = measure_difference(both, angular=angular)
     by_hand = tolerance is not None
@@ -261,7 +265,7 @@ def compare_channels(
         measures=measures,
         parting=when,
         spectra=compute_spectra(both, angular=angular),
-        peak=find_correlation_peak(both, angular=angular),
+        lag=estimate_coarse_lag([quantity], LONGEST_LAG) if can_be_prepared(quantity) else None,
         score=0.0 if measures is None else score_difference(both, measures, when, angular),
     )
 

@@ -21,8 +21,8 @@ from lta_data.compare.coarse_lag import (
     unwrap_finite,
 )
 from lta_data.compare.divergence import NORMAL_QUANTILE
-from lta_data.compare.sampling import Array, interpolate_signal, SampledSignal
-from lta_data.even_grid import is_grid_allowed, median_period
+from lta_data.compare.sampling import Array, interpolate_signal
+from lta_data.even_grid import is_grid_allowed, median_period, SampledSignal
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import Akima1DInterpolator, CubicSpline
@@ -181,12 +181,8 @@ def fit_offset(
     # Inner edges only: the first and last block are open, so every sample has a block
     edges = np.linspace(middle - span / 2, middle + span / 2, BLOCKS + 1)[1:-1]
     for _ in range(ROUNDS):
-        # The gradients are summed by block, for the covariance below.
-        normal, blocks = np.zeros((free, free)), np.zeros((BLOCKS, free))
-        for each in channels:
-            one, scores = build_normal_equations(each, at, middle, edges, free)
-            normal += one
-            blocks += scores
+        parts = [build_normal_equations(each, at, middle, edges, free) for each in channels]
+        normal, curvature, blocks = (np.sum(part, axis=0) for part in zip(*parts, strict=True))
         # Without motion in the common time, the step is undefined
         if np.linalg.matrix_rank(normal) != free:
             break
@@ -196,9 +192,9 @@ def fit_offset(
         if abs(change[0]) < 1e-7 * step:
             break
     covariance = np.full((2, 2), math.inf)
-    if np.linalg.matrix_rank(normal) == free:
+    if np.linalg.matrix_rank(curvature) == free:
         # Sandwich estimator over blocks: valid for autocorrelated misfits.
-        inverse = np.linalg.inv(normal)
+        inverse = np.linalg.inv(curvature)
         # BLOCKS / (BLOCKS - free) corrects for the fitted parameters.
         spread = blocks.T @ blocks * (BLOCKS / (BLOCKS - free))
         covariance[:free, :free] = inverse @ spread @ inverse * variance_inflation(channels, span)
@@ -222,14 +218,14 @@ def variance_inflation(channels: Sequence[PreparedChannel], span: float) -> floa
 
 def build_normal_equations(
     each: PreparedChannel, at: Array, middle: float, edges: Array, free: int
-) -> tuple[Array, Array]:
-    """Return one channel's normal matrix, and its gradient in each block."""
+) -> tuple[Array, Array, Array]:
+    """Return one channel's normal matrix, its curvature, and its gradient in each block."""
     moved = each.time + at[0] + at[1] * (each.time - middle)
     valid = np.isfinite(interpolate_signal(each.line, moved))
     time, moved = each.time[valid], moved[valid]
     # Too few samples to determine levels and slopes.
     if len(time) < 8:
-        return np.zeros((free, free)), np.zeros((BLOCKS, free))
+        return np.zeros((free, free)), np.zeros((free, free)), np.zeros((BLOCKS, free))
     # The level of each stretch is free: slow drifts of an estimate must not bias the clock.
     stretch = ((time - time[0]) // LEVEL).astype(np.int64)
     misfit = subtract_block_means(each.a[valid] - each.b(moved), stretch)
@@ -247,9 +243,12 @@ def build_normal_equations(
     pulls = slopes * (weight * misfit)[:, None]
     index = np.searchsorted(edges, time)
     blocks: Array = np.stack([np.bincount(index, pull, BLOCKS) for pull in pulls.T], axis=1)
-    # Only residuals within the Huber limit contribute to the curvature.
-    free_to_pull = (size <= HUBER)[:, None] / scale**2
-    return slopes.T @ (slopes * free_to_pull), blocks.astype(np.float64)
+    # A step by the curvature, to which only misfits within the limit contribute, would overshoot
+    # where most misfits are outliers, as without noise: the weighted squares never do
+    normal, curvature = (
+        slopes.T @ (slopes * one[:, None]) for one in (weight, (size <= HUBER) / scale**2)
+    )
+    return normal, curvature, blocks.astype(np.float64)
 
 
 def subtract_block_means(values: Array, stretch: NDArray[np.int64]) -> Array:

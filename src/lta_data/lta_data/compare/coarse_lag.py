@@ -10,13 +10,9 @@ import math
 from typing import Final, NamedTuple
 
 from lta_data.compare.divergence import noise_deviation, white_noise_deviation
-from lta_data.compare.sampling import (
-    Array,
-    fit_parabola_peak,
-    interpolate_signal,
-    SampledSignal,
-)
-from lta_data.even_grid import check_time_span, median_period
+from lta_data.compare.sampling import Array, interpolate_signal
+from lta_data.even_grid import check_time_span, median_period, SampledSignal
+from lta_data.interpretation.commands import is_command_topic
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
@@ -102,6 +98,19 @@ def estimate_coarse_lag(
     return CoarseLag(lag, rival, {name: float(score[best]) for name, score in scores.items()})
 
 
+def fit_parabola_peak(values: Array, best: int) -> tuple[float, float]:
+    """Return position, relative to `best`, and height of the peak of evenly spaced values."""
+    if not 0 < best < len(values) - 1:
+        return 0.0, float(values[best])
+    before, here, after = (float(value) for value in values[best - 1 : best + 2])
+    bend = before - 2.0 * here + after
+    # Not a maximum: a parabola has no peak here.
+    if bend >= 0.0:
+        return 0.0, here
+    shift = 0.5 * (before - after) / bend
+    return shift, here - 0.25 * (before - after) * shift
+
+
 def both_signals(each: SharedQuantity) -> tuple[SampledSignal, SampledSignal]:
     """Return A's and B's signal."""
     return each.a, each.b
@@ -109,9 +118,8 @@ def both_signals(each: SharedQuantity) -> tuple[SampledSignal, SampledSignal]:
 
 def unwrap_finite(line: SampledSignal, angular: bool) -> SampledSignal:
     """Return the finite samples of a signal, angles unwrapped."""
-    finite = np.isfinite(line.values)
-    values = line.values[finite]
-    return SampledSignal(line.time[finite], np.unwrap(values) if angular else values)
+    time, values = line.select_complete()
+    return SampledSignal(time, np.unwrap(values) if angular else values)
 
 
 def smoothed_rate(
@@ -168,7 +176,6 @@ CLEAR: Final = 8.0  # least deviation from rest, in noise deviations
 PART: Final = 0.02  # least deviation from rest, of the channel's range
 FEWEST: Final = 3  # channels of motion needed for a start and its uncertainty
 CREEP: Final = 0.5  # of the limit; largest drift of a channel at rest
-COMMANDS: Final = ('motors', 'wrench_command', 'setpoint/velocity', 'setpoint/pose')
 
 
 class StartOffset(NamedTuple):
@@ -217,7 +224,7 @@ def estimate_start_offset(shared: Sequence[SharedQuantity]) -> StartOffset | Non
         instants = {}
         for each in shared:
             topic = each.name.rpartition('/')[0]
-            if (topic in COMMANDS) is by_command:
+            if is_command_topic(topic) is by_command:
                 starts = (
                     find_motion_start(each.a, each.angular),
                     find_motion_start(each.b, each.angular),

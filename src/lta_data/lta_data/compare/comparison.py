@@ -1,11 +1,14 @@
 """Compare two flights: request, result and procedure."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from hashlib import blake2b
+from itertools import starmap, zip_longest
+from operator import eq
 from typing import Final, final, NamedTuple
 
 from lta_config.errors import BadInput
-from lta_data.bag.channels import find_airspeed_topic
+from lta_data.bag.channels import find_airspeed_topic, read_flight
 from lta_data.bag.recorded_flight import RecordedFlight
 from lta_data.compare.channel_comparison import (
     build_pair_signals,
@@ -17,15 +20,12 @@ from lta_data.compare.channel_comparison import (
     select_topic_pairs,
     TopicPair,
 )
-from lta_data.compare.compared_flight import (
-    ComparedFlight,
-    has_equal_messages,
-    read_compared_flight,
-)
 from lta_data.compare.frame_alignment import align_frames, FrameAlignment, Frames
-from lta_data.compare.sampling import Array, mask_absurd_values
+from lta_data.compare.sampling import Array
 from lta_data.compare.time_alignment import Align, align_times, TimeAlignment
 from lta_data.data_quality.checks.clocks import find_backward_stamps, find_gaps
+from lta_data.even_grid import mask_absurd_values
+from lta_data.flight import Flight
 from lta_data.scene import describe_exceeded_region_of_bag
 from lta_report.formatting import format_count
 import numpy as np
@@ -64,8 +64,8 @@ class ComparisonResult:
     """Result of a comparison."""
 
     request: ComparisonRequest
-    a: ComparedFlight
-    b: ComparedFlight
+    a: Flight
+    b: Flight
     timing: TimeAlignment  # how B's time was mapped to A's
     frames: tuple[FrameAlignment, ...]  # what was done about each pair of world frames
     span: tuple[float, float]  # common time on A's clock [s]
@@ -78,18 +78,16 @@ class ComparisonResult:
     only_b: tuple[str, ...]
     # Compared topics: B's by A's.
     topics: Mapping[str, str]
-    identical_topics: tuple[str, ...]  # topics whose messages have equal values, to the bit
+    # Topics whose messages have equal values to the bit; without messages, whose channels have
+    identical_topics: tuple[str, ...]
     remarks: tuple[str, ...]  # further remarks for the user
 
     @property
     def is_identical(self) -> bool:
-        """Whether topics, times, values and, if available, whole messages are all equal."""
-        lacking = self.only_a or self.only_b
-        digests = any(topic.digest for topic in self.a.topics.values())
-        # Flights that come from no bag have no digests; their values must suffice
-        messages_too = not digests or len(self.identical_topics) == len(self.a.topics)
+        """Whether topics, times, values and whole messages are all equal."""
+        whole = not (self.only_a or self.only_b or self.request.pairs)
         same = all(each.verdict == 'identical' for each in self.channels)
-        return not lacking and messages_too and same and not self.request.pairs
+        return whole and same and len(self.identical_topics) == len(self.topics)
 
     @property
     def is_within_bands(self) -> bool:
@@ -122,13 +120,15 @@ def compare_flights(
     """
     topic_pairs = select_topic_pairs(request.pairs, request.topics, one.topics, other.topics)
     of_a, of_b = ({each[k] for each in topic_pairs} for k in (0, 1))
-    a = read_compared_flight(one, 'A', of_a, lambda: tick('reading A'))
+    a = read_flight(one, of_a, tick=lambda: tick('reading A'))
     # Two topics of one bag: read it only once.
     if of_a == of_b and (one.bag.path, one.robot) == (other.bag.path, other.robot):
-        b = replace(a, label='B')
+        b = a
     else:
-        b = read_compared_flight(other, 'B', of_b, lambda: tick('reading B'))
+        b = read_flight(other, of_b, tick=lambda: tick('reading B'))
     comparison = compare_sides(a, b, topic_pairs, request, tick)
+    identical = find_identical_topics(one, other, comparison.topics)
+    comparison = replace(comparison, identical_topics=identical)
     if ('odom', 'odom') in [(each.topic_a, each.topic_b) for each in topic_pairs]:
         comparison = replace(
             comparison, remarks=(*comparison.remarks, *describe_old_odometry(one, other))
@@ -144,6 +144,35 @@ def compare_flights(
         only_a=tuple(sorted(set(one.topics) - set(other.topics))),
         only_b=tuple(sorted(set(other.topics) - set(one.topics))),
     )
+
+
+def find_identical_topics(
+    one: RecordedFlight, other: RecordedFlight, topics: Mapping[str, str]
+) -> tuple[str, ...]:
+    """Return the topics of A whose messages have the values of B's, each to the bit."""
+    of_a = hash_messages(one, topics)
+    # Two topics of one bag, or a bag with itself: read it only once
+    is_same = (one.bag.path, one.robot) == (other.bag.path, other.robot)
+    is_read = is_same and of_a.keys() >= {*topics.values()}
+    of_b = of_a if is_read else hash_messages(other, topics.values())
+    return tuple(
+        a for a, b in topics.items()
+        # What the middleware leaves in the padding may differ
+        if of_a[a] == of_b[b] or all(starmap(eq, zip_longest(
+            one.bag.iterate_values(one.absolute_name(a)),
+            other.bag.iterate_values(other.absolute_name(b)),
+        )))
+    )  # fmt: skip
+
+
+def hash_messages(flight: RecordedFlight, topics: Collection[str]) -> dict[str, bytes]:
+    """Return a hash of the bytes of all messages of each topic, in one pass over the bag."""
+    hashes = {flight.absolute_name(topic): blake2b(digest_size=16) for topic in topics}
+    for name, _, data in flight.bag.iterate_messages([*hashes]):
+        # The length separates messages: 'ab' + 'c' must not hash like 'a' + 'bc'
+        hashes[name].update(len(data).to_bytes(8, 'little'))
+        hashes[name].update(data)
+    return {topic: hashes[flight.absolute_name(topic)].digest() for topic in topics}
 
 
 def describe_old_odometry(one: RecordedFlight, other: RecordedFlight) -> list[str]:
@@ -171,8 +200,8 @@ def count_ticks(one: RecordedFlight, other: RecordedFlight, request: ComparisonR
 
 
 def compare_sides(
-    a: ComparedFlight,
-    b: ComparedFlight,
+    a: Flight,
+    b: Flight,
     topic_pairs: Sequence[TopicPair],
     request: ComparisonRequest,
     tick: Told = lambda _: None,
@@ -181,7 +210,7 @@ def compare_sides(
     matched, remarks = pair_channels(topic_pairs, a.channels, b.channels)
     tick('aligning')
     when = align_times(a, b, matched, request.align, request.offset)
-    pairs, frames = align_frames(a, b, matched, when, request.frames)
+    pairs, frames = align_frames(matched, a.types, when, request.frames)
     # From here on, both flights have A's clock and A's frame
     pairs = [
         each._replace(b=replace(each.b, time=when.convert_to_a_time(each.b.time)))
@@ -205,10 +234,12 @@ def compare_sides(
         only_b=(),
         topics=topics,
         identical_topics=tuple(
-            pair[0] for pair in topics.items() if has_equal_messages(a, b, pair)
+            topic for topic in topics
+            if all(each.verdict == 'identical' for each in channels
+                   if each.name.rpartition('/')[0] == topic)
         ),
-        remarks=tuple([*(f'A: {text}' for text in a.remarks)]
-            + [f'B: {text}' for text in b.remarks] + remarks + list(when.remarks)),
+        remarks=tuple([*(f'A: {text}' for text in a.losses)]
+            + [f'B: {text}' for text in b.losses] + remarks + list(when.remarks)),
     )  # fmt: skip
 
 
@@ -275,11 +306,12 @@ def find_rate_differences(
     ]
 
 
-def find_flight_faults(side: ComparedFlight) -> dict[str, TopicFaults]:
+def find_flight_faults(side: Flight) -> dict[str, TopicFaults]:
     """Find the faults of each topic of a flight."""
     faults = {}
-    for name, topic in side.topics.items():
-        own = [each for each in side.channels.values() if each.topic == name]
+    for name, own in side.topics.items():
+        # All channels of a topic have the same times
+        time = own[0].time if own else np.empty(0)
         shares = {
             each.name: float(np.mean(np.isnan(mask_absurd_values(each.values))))
             for each in own
@@ -290,14 +322,14 @@ def find_flight_faults(side: ComparedFlight) -> dict[str, TopicFaults]:
         sentences = [
             finding.evidence
             for rule in (find_backward_stamps, find_gaps)
-            for finding in rule(name, topic.time)
+            for finding in rule(name, time)
         ]
         if partly:
             sentences.append(
                 f'{format_count(len(partly), "channel")} with NaN in up to '
                 f'{100 * max(partly):.1f} % of the messages.'
             )
-        rising = np.diff(np.unique(topic.time))
+        rising = np.diff(np.unique(time))
         period = float(np.median(rising)) if len(rising) else None
         faults[name] = TopicFaults(period, tuple(sentences))
     return faults

@@ -16,9 +16,9 @@ from lta_data.compare.sampling import (
     break_at_gaps,
     ChannelSpectra,
     interpolate_signal,
-    SampledSignal,
     wrap_angle,
 )
+from lta_data.even_grid import SampledSignal
 from lta_data.scene import read_scene, RecordedScene
 from lta_model.attitude import EulerAngles, to_quaternions
 from lta_report.drawing import create_figure, padded_range

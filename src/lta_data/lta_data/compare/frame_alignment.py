@@ -6,9 +6,9 @@ import math
 from typing import Final, final, Literal, NamedTuple
 
 from lta_data.compare.channel_comparison import ChannelPair
-from lta_data.compare.compared_flight import ComparedFlight
-from lta_data.compare.sampling import align_signals, Array, sort_samples, wrap_angle
+from lta_data.compare.sampling import align_signals, Array, wrap_angle
 from lta_data.compare.time_alignment import TimeAlignment
+from lta_data.even_grid import sort_samples
 import numpy as np
 
 ROUNDS: Final = 50  # iterations, at most
@@ -178,21 +178,21 @@ class FrameAlignment:
 
 
 def align_frames(
-    a: ComparedFlight,
-    b: ComparedFlight,
     pairs: Sequence[ChannelPair],
+    types: Mapping[str, str],
     timing: TimeAlignment,
     frames: Frames = 'auto',
 ) -> tuple[list[ChannelPair], list[FrameAlignment]]:
     """
     Return the pairs with B in A's frames, and what was done.
 
+    `types`: message types of A's topics, as far as they are known.
     `frames` is 'given': unchanged; 'fit': fit each world frame of B to A's; 'auto': fit only if
     the frames have different names, or if the data of one run recorded twice show a difference.
     """
     by_name = {pair.name: pair for pair in pairs}
     best: dict[tuple[str, str], PositionPair] = {}
-    for pose in find_world_positions(a, b, pairs):
+    for pose in find_world_positions(pairs, types):
         held = best.get(pose.frames)
         # Per pair of frames, prefer odometry, then the topic with the most messages
         if held is None or pose.weight > held.weight:
@@ -201,18 +201,12 @@ def align_frames(
     moved = dict(by_name)
     for each in done:
         if each.applied and each.fit is not None:
-            moved |= transform_pairs(a, b, by_name, each.frames, each.fit)
+            moved |= transform_pairs(by_name, each.frames, each.fit)
     return list(moved.values()), done
 
 
-def find_pair_frames(a: ComparedFlight, b: ComparedFlight, pair: ChannelPair) -> tuple[str, str]:
-    """Return the frames of both channels of a pair."""
-    of_a, of_b = a.topics.get(pair.a.topic), b.topics.get(pair.b.topic)
-    return '' if of_a is None else of_a.frame, '' if of_b is None else of_b.frame
-
-
 def find_world_positions(
-    a: ComparedFlight, b: ComparedFlight, pairs: Sequence[ChannelPair]
+    pairs: Sequence[ChannelPair], types: Mapping[str, str]
 ) -> list[PositionPair]:
     """Return the positions that are in a world frame."""
     names = {pair.name for pair in pairs}
@@ -220,11 +214,11 @@ def find_world_positions(
     for pair in pairs:
         start = pair.name.removesuffix('position.x')
         whole = {f'{start}position.{axis}' for axis in AXES} <= names
-        frames = find_pair_frames(a, b, pair)
+        frames = pair.frames
         # Frames named ..._link move with the robot (REP-105); only world frames are fitted.
         if start == pair.name or not whole or any(each.endswith(BODY) for each in frames):
             continue
-        kind = a.topics[pair.a.topic].type_name
+        kind = types.get(pair.a.topic)
         starts.append(
             PositionPair(start, pair.a.topic, frames, (kind == ODOMETRY, len(pair.a.time)))
         )
@@ -291,16 +285,12 @@ def decide_alignment(
 
 
 def transform_pairs(
-    a: ComparedFlight,
-    b: ComparedFlight,
-    pairs: Mapping[str, ChannelPair],
-    frames: tuple[str, str],
-    fit: FrameTransform,
+    pairs: Mapping[str, ChannelPair], frames: tuple[str, str], fit: FrameTransform
 ) -> dict[str, ChannelPair]:
     """Return the pairs in these frames, with B transformed."""
     transformed: dict[str, ChannelPair] = {}
     for name, pair in pairs.items():
-        if find_pair_frames(a, b, pair) != frames:
+        if pair.frames != frames:
             continue
         if name.endswith('orientation.yaw'):
             # Frames differ in yaw only (gravity fixes the rest), so roll and pitch stay

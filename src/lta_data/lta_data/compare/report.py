@@ -85,7 +85,7 @@ def format_ranking_row(each: ChannelComparison) -> list[str]:
         DASH if measures.nrmse is None else f'{measures.nrmse:.2g}',
         format_quantity(measures.greatest, each.unit),
         f'{measures.greatest_at:.2f} s',
-        DASH if each.peak is None else f'{format_decimal(1e3 * each.peak.lag, 0)} ms',
+        DASH if each.lag is None else f'{format_decimal(1e3 * each.lag.lag, 0)} ms',
     ]
 
 

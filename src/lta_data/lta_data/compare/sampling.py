@@ -1,45 +1,16 @@
-"""Sort and resample signals; gaps stay gaps."""
+"""Resample signals, and compare them at all frequencies; gaps stay gaps."""
 
 from dataclasses import dataclass
 from typing import Final, final, NamedTuple
 
-from lta_data.even_grid import median_period
+from lta_data.even_grid import median_period, SampledSignal
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy import signal
 
 GAP: Final = 2.5  # periods without a message that count as a gap
 TURN: Final = 2.0 * np.pi
-ABSURD: Final = 1e30  # larger than any real value: some drivers write it for 'unknown'
 Array = NDArray[np.float64]
-
-
-class SampledSignal(NamedTuple):
-    """Times [s], increasing, and values, both of shape (n,); NaN marks an unknown value."""
-
-    time: Array
-    values: Array
-
-
-def mask_absurd_values(values: ArrayLike) -> Array:
-    """Replace infinite and absurdly large values by NaN."""
-    numbers = np.asarray(values, dtype=np.float64)
-    return np.where(np.abs(numbers) < ABSURD, numbers, np.nan)
-
-
-def sort_samples(time: ArrayLike, values: ArrayLike) -> SampledSignal:
-    """
-    Return a signal sorted by time; of several values at one time, the first.
-
-    Samples with a non-finite time are dropped.
-    """
-    when = np.asarray(time, dtype=np.float64).ravel()
-    what = np.asarray(values, dtype=np.float64).ravel()
-    usable = np.isfinite(when)
-    # np.unique sorts and returns the index of the first occurrence.
-    when, first = np.unique(when[usable], return_index=True)
-    what = what[usable][first]
-    return SampledSignal(when, mask_absurd_values(what))
 
 
 def wrap_angle(angle: Array) -> Array:
@@ -149,13 +120,6 @@ class ChannelSpectra:
     span: tuple[float, float]
 
 
-class CorrelationPeak(NamedTuple):
-    """Highest correlation of two channels, and the lag of B behind A there. [1, s]"""
-
-    value: float
-    lag: float
-
-
 def resample_evenly(pair: AlignedSignals, *, angular: bool = False) -> tuple[Array, Array, Array]:
     """
     Return times and both channels on an even grid over the longest stretch without a gap.
@@ -213,72 +177,6 @@ def compute_spectra(pair: AlignedSignals, *, angular: bool = False) -> ChannelSp
         np.clip(coherence[1:], 0.0, 1.0), (count - length // 2) // (length - length // 2),
         (float(time[0]), float(time[-1])),
     )  # fmt: skip
-
-
-def find_correlation_peak(
-    pair: AlignedSignals, *, angular: bool = False, longest: float = 5.0
-) -> CorrelationPeak | None:
-    """
-    Return the highest cross-correlation and the lag of B behind A there.
-
-    At each lag only the overlap counts, without its mean; a parabola interpolates between lags.
-    The search covers `longest` [s], but at most a quarter of the stretch. None if one channel is
-    constant, if there are too few consecutive samples, or if the maximum is at the last lag.
-    """
-    time, a, b = resample_evenly(pair, angular=angular)
-    count = len(time)
-    if count < FEWEST or np.ptp(a) == 0.0 or np.ptp(b) == 0.0:
-        return None
-    step = float(time[-1] - time[0]) / (count - 1)
-    # A quarter of the stretch, so that the overlap stays large.
-    most = max(1, min(int(longest / step), count // 4))
-    near = lagged_correlation(a - a.mean(), b - b.mean(), most)
-    if not np.isfinite(near).any():
-        return None
-    near = np.nan_to_num(near, nan=-1.0)
-    best = int(near.argmax())
-    if not 0 < best < len(near) - 1:  # as of a ramp, which resembles itself at any lag
-        return None
-    shift, value = fit_parabola_peak(near, best)
-    return CorrelationPeak(float(np.clip(value, -1.0, 1.0)), (best - most + shift) * step)
-
-
-def lagged_correlation(a: Array, b: Array, most: int) -> Array:
-    """Return the correlation of the overlap at each lag of b, shape (2 most + 1,). [1]"""
-    count = len(a)
-    lags = np.arange(-most, most + 1)
-    # In 'full' mode, lag zero is at index count - 1
-    product = signal.correlate(b, a, mode='full', method='fft')[count - 1 + lags]
-    size = count - np.abs(lags)
-    sums = []
-    for part, first in ((a, np.maximum(-lags, 0)), (b, np.maximum(lags, 0))):
-        for power in (1, 2):
-            # Sums over the overlap at each lag, as differences of cumulative sums
-            total = np.concatenate([[0.0], np.cumsum(part**power)])
-            sums.append(total[first + size] - total[first])
-    of_a, of_aa, of_b, of_bb = sums
-    # Product of both variances within the overlap, times size**2
-    spread = (of_aa - of_a**2 / size) * (of_bb - of_b**2 / size)
-    # Below it the variance is rounding error of the cumulative sums.
-    floor = 1e-12 * (float(np.sum(a**2)) * float(np.sum(b**2)))
-    correlation = np.full(len(lags), np.nan)
-    usable = spread > floor
-    shared = product - of_a * of_b / size
-    correlation[usable] = shared[usable] / np.sqrt(spread[usable])
-    return correlation
-
-
-def fit_parabola_peak(values: Array, best: int) -> tuple[float, float]:
-    """Return position, relative to `best`, and height of the peak of evenly spaced values."""
-    if not 0 < best < len(values) - 1:
-        return 0.0, float(values[best])
-    before, here, after = (float(value) for value in values[best - 1 : best + 2])
-    bend = before - 2.0 * here + after
-    # Not a maximum: a parabola has no peak here.
-    if bend >= 0.0:
-        return 0.0, here
-    shift = 0.5 * (before - after) / bend
-    return shift, here - 0.25 * (before - after) * shift
 
 
 def average_log_bands(full: ChannelSpectra, points: int = 96) -> ChannelSpectra:

@@ -13,11 +13,11 @@ from lta_data.compare.channel_roles import (
     format_direction,
     select_headline_channels,
 )
-from lta_data.compare.compared_flight import ComparedFlight
 from lta_data.compare.comparison import ComparisonResult, TopicFaults
 from lta_data.compare.frame_alignment import FrameAlignment, FrameTransform
 from lta_data.compare.sampling import average_log_bands, ChannelSpectra
 from lta_data.compare.time_alignment import TimeAlignment
+from lta_data.flight import Flight
 from lta_report.formatting import format_count
 from lta_report.json_value import to_json_value
 import numpy as np
@@ -108,7 +108,8 @@ def format_sides(comparison: ComparisonResult) -> tuple[str, str]:
 
 def is_one_flight(comparison: ComparisonResult) -> bool:
     """Return whether two topics of one flight are compared."""
-    one = (comparison.a.path, comparison.a.robot) == (comparison.b.path, comparison.b.robot)
+    a, b = comparison.a, comparison.b
+    one = bool(a.path) and (a.path, a.robot) == (b.path, b.robot)
     return one and len(comparison.topics) == 1
 
 
@@ -163,7 +164,7 @@ def describe_comparison(comparison: ComparisonResult) -> str:
     )
 
 
-def describe_source(side: ComparedFlight) -> str:
+def describe_source(side: Flight) -> str:
     """Return the origin of a flight."""
     facts = [side.provenance.get(key, '') for key in ('vehicle', 'scenario')]
     seed = side.provenance.get('seed')
@@ -275,7 +276,7 @@ def comparison_to_dict(comparison: ComparisonResult) -> dict[str, Any]:
 
 
 def flight_to_dict(
-    side: ComparedFlight, faults: Mapping[str, TopicFaults], only: tuple[str, ...]
+    side: Flight, faults: Mapping[str, TopicFaults], only: tuple[str, ...]
 ) -> dict[str, Any]:
     """Return the origin and the faults of one flight."""
     return {
@@ -302,7 +303,8 @@ def channel_to_dict(each: ChannelComparison) -> dict[str, Any]:
         'measures': each.measures,
         'parting': each.parting,
         # A NamedTuple would become a list.
-        'correlation': each.peak and each.peak._asdict(),
+        'correlation': each.lag
+        and {'value': each.lag.correlations[each.name], 'lag': each.lag.lag},
         'spectra': each.spectra and _round_spectra(average_log_bands(each.spectra)),
     }
 

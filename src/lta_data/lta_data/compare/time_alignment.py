@@ -8,8 +8,9 @@ from lta_config.errors import BadInput
 from lta_data.compare.channel_comparison import ChannelPair
 from lta_data.compare.clock_offset import ClockOffset, estimate_clock_offset
 from lta_data.compare.coarse_lag import estimate_start_offset, SharedQuantity
-from lta_data.compare.compared_flight import ComparedFlight
-from lta_data.compare.sampling import Array, interpolate_signal, SampledSignal, sort_samples
+from lta_data.compare.sampling import Array, interpolate_signal
+from lta_data.even_grid import SampledSignal, sort_samples
+from lta_data.flight import Flight
 from lta_data.importers.log_provenance import have_separate_clocks
 import numpy as np
 
@@ -48,8 +49,8 @@ class TimeAlignment:
 
 
 def align_times(
-    a: ComparedFlight,
-    b: ComparedFlight,
+    a: Flight,
+    b: Flight,
     pairs: Sequence[ChannelPair],
     align: Align = 'auto',
     manual_offset: float | None = None,
@@ -89,8 +90,8 @@ def align_times(
 
 
 def choose_alignment(
-    a: ComparedFlight,
-    b: ComparedFlight,
+    a: Flight,
+    b: Flight,
     pairs: Sequence[ChannelPair],
     bare: TimeAlignment,
     shared: Sequence[SharedQuantity],
@@ -127,7 +128,7 @@ def choose_alignment(
         return replace(bare, reason=reason, remarks=describe_suspected_offset(offset))
 
 
-def align_by_stamps(a: ComparedFlight, b: ComparedFlight) -> TimeAlignment:
+def align_by_stamps(a: Flight, b: Flight) -> TimeAlignment:
     """Return the alignment by stamps, or by each flight's start if the stamps do not overlap."""
     # ns to s
     lead = (a.start - b.start) * 1e-9
@@ -137,7 +138,7 @@ def align_by_stamps(a: ComparedFlight, b: ComparedFlight) -> TimeAlignment:
     return TimeAlignment('none', '', on_stamps, lead if on_stamps else 0.0)
 
 
-def have_same_stamps(a: ComparedFlight, b: ComparedFlight, pairs: Sequence[ChannelPair]) -> bool:
+def have_same_stamps(a: Flight, b: Flight, pairs: Sequence[ChannelPair]) -> bool:
     """Return whether the flights start at the same stamp and share most stamps exactly."""
     if a.start != b.start:
         return False

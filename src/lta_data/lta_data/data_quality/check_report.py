@@ -8,16 +8,13 @@ from textwrap import fill
 from typing import Final, final
 
 from lta_data.bag.bag_folder import find_bag
+from lta_data.bag.channels import read_flight
 from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import list_robots, open_flight
 from lta_data.data_quality.duplicate_runs import find_duplicate_runs
-from lta_data.data_quality.recording import (
-    ChannelRecording,
-    QualityFinding,
-    read_recording,
-    Severity,
-)
+from lta_data.data_quality.recording import QualityFinding, Severity
 from lta_data.data_quality.registry import QualityReport, run_checks
+from lta_data.flight import Flight
 from lta_report.progress_bar import ProgressBar
 from rich.console import Console
 from rich.progress import BarColumn, TextColumn
@@ -61,7 +58,7 @@ def check_bags(
     Raise `BadInput` if one of them is not a bag, or lacks the robot.
     """
     done: list[CheckedRecording] = []
-    seen: list[tuple[str, ChannelRecording]] = []
+    seen: list[tuple[str, Flight]] = []
     columns = (TextColumn('{task.description}'), BarColumn())
     with ProgressBar(console, *columns, begin='checking', total=len(paths)) as bar:
         for path in paths:
@@ -77,7 +74,7 @@ def check_bags(
     ]
 
 
-def _check_bag(path: Path, robot: str | None) -> list[tuple[CheckedRecording, ChannelRecording]]:
+def _check_bag(path: Path, robot: str | None) -> list[tuple[CheckedRecording, Flight]]:
     """Check the data of each robot in a bag."""
     bag = read_bag(find_bag(path))
     # None: a bag whose topics have no namespace
@@ -85,11 +82,11 @@ def _check_bag(path: Path, robot: str | None) -> list[tuple[CheckedRecording, Ch
     reports = []
     for name in robots:
         flight = open_flight(bag, name)
-        recording, remarks = read_recording(flight)
+        recording = read_flight(flight, raw=True)
         report = run_checks(recording)
-        # After reading, since some damage is detected only then
-        losses = (*bag.losses, *remarks)
-        one = CheckedRecording(str(path), flight.robot, recording.is_simulated, report, losses)
+        one = CheckedRecording(
+            str(path), recording.robot, recording.is_simulated, report, recording.losses
+        )
         reports.append((one, recording))
     return reports
 

@@ -10,8 +10,9 @@ from collections.abc import Sequence
 from typing import Final, final, NamedTuple
 
 from lta_data.data_quality import limits, roles
-from lta_data.data_quality.recording import ChannelRecording, QualityFinding, Severity
+from lta_data.data_quality.recording import QualityFinding, Severity
 from lta_data.even_grid import median_period, sort_samples
+from lta_data.flight import Flight
 import numpy as np
 from numpy.typing import NDArray
 
@@ -30,7 +31,7 @@ class NoiseSigns(NamedTuple):
 
 
 def find_duplicate_runs(
-    recordings: Sequence[tuple[str, ChannelRecording]],
+    recordings: Sequence[tuple[str, Flight]],
 ) -> dict[str, list[QualityFinding]]:
     """
     Compare all pairs of recordings, given with their display names.
@@ -63,7 +64,7 @@ def find_duplicate_runs(
     return findings
 
 
-def simulation_seed(recording: ChannelRecording) -> str:
+def simulation_seed(recording: Flight) -> str:
     """
     Return the seed of a simulated flight; '' for any other.
 
@@ -72,13 +73,13 @@ def simulation_seed(recording: ChannelRecording) -> str:
     return recording.provenance.get('seed', '') if recording.is_simulated else ''
 
 
-def extract_signs(recording: ChannelRecording) -> dict[str, NoiseSigns]:
+def extract_signs(recording: Flight) -> dict[str, NoiseSigns]:
     """Return the signs of the noise of each topic."""
     topics: dict[str, NoiseSigns] = {}
     for channel in recording.channels.values():
         if roles.match_noisy_quantity(channel) not in KINDS:
             continue
-        time, table = sort_samples(channel.time, channel.values[:, None])
+        time, table = sort_samples(channel.time, channel.values[:, None]).select_complete()
         if len(time) < limits.LEAST_SAMPLES:
             continue
         row = np.sign(np.diff(table[:, 0], 2))

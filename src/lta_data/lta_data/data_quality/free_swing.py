@@ -10,19 +10,19 @@ from typing import Final, final, NamedTuple
 
 from lta_config.errors import BadInput
 from lta_data.data_quality.motion import collect_poses, PoseSeries
-from lta_data.data_quality.recording import ChannelRecording
 from lta_data.even_grid import (
     build_uniform_time_grid,
     hann_kernel,
     interpolate_on_grid,
     smooth_columns,
 )
+from lta_data.flight import Flight
+from lta_data.interpretation.commands import DRIVES
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 Array = NDArray[np.float64]
-DRIVEN: Final = ('motors', 'wrench_command')
 STEP: Final = 0.04  # of the grid [s]
 CALM: Final = (0.4, 1.2)  # smoothing, a third of a period within these limits [s]
 SHORTEST: Final = 4.0  # of a swing that is judged [s]
@@ -39,7 +39,7 @@ GROWS: Final = 1.4  # times the energy that it had before; nothing but rotors or
 LEFT: Final = 0.1  # of the largest energy; less of it may be noise
 
 
-def require_commands(flight: str, recording: ChannelRecording) -> None:
+def require_commands(flight: str, recording: Flight) -> None:
     """Raise `BadInput` for a flight without commands that is not proved to be a free swing."""
     if reason := explain_no_swing(recording):
         raise BadInput(
@@ -48,10 +48,10 @@ def require_commands(flight: str, recording: ChannelRecording) -> None:
         )
 
 
-def explain_no_swing(recording: ChannelRecording) -> str:
+def explain_no_swing(recording: Flight) -> str:
     """Return why a flight without commands is no free swing; '' if it is, or has commands."""
     if any(
-        channel.topic in DRIVEN and np.isfinite(channel.values).any()
+        channel.topic in DRIVES and np.isfinite(channel.values).any()
         for channel in recording.channels.values()
     ):
         return ''

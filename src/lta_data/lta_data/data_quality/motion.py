@@ -3,15 +3,14 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 import re
-from typing import Any, Final, final, NamedTuple
+from typing import Final, final, NamedTuple
 
-from lta_data.bag.channels import SignalChannel
 from lta_data.data_quality import limits, roles
 from lta_data.even_grid import interpolate_on_grid, median_period, sort_samples, spread_evenly
+from lta_data.flight import Channel
 from lta_data.interpretation.kinematics import derive_vector
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import median_filter, uniform_filter1d
 from scipy.spatial.transform import Rotation
 
 Array = NDArray[np.float64]
@@ -66,7 +65,7 @@ class InertialSeries:
 
 
 def collect_vectors(
-    channels: Mapping[str, SignalChannel], rule: re.Pattern[str], parts: str
+    channels: Mapping[str, Channel], rule: re.Pattern[str], parts: str
 ) -> dict[str, VectorSeries]:
     """Return complete vectors by topic, the first of each topic that matches the rule."""
     paths: dict[str, str] = {}
@@ -79,14 +78,14 @@ def collect_vectors(
         names = [f'{topic}/{path}.{part}' for part in parts]
         if all(name in channels for name in names):
             table = np.stack([channels[name].values for name in names], axis=1)
-            time, values = sort_samples(channels[names[0]].time, table)
+            time, values = sort_samples(channels[names[0]].time, table).select_complete()
             # Fewer samples do not allow two derivatives
             if len(time) > 3:
                 vectors[topic] = VectorSeries(f'{topic}/{path}', time, values)
     return vectors
 
 
-def collect_attitudes(channels: Mapping[str, SignalChannel]) -> dict[str, VectorSeries]:
+def collect_attitudes(channels: Mapping[str, Channel]) -> dict[str, VectorSeries]:
     """Return attitudes as quaternions by topic, from quaternions or Euler angles."""
     attitudes = {}
     for topic, vector in collect_vectors(channels, roles.QUATERNION, 'xyzw').items():
@@ -105,7 +104,7 @@ def collect_attitudes(channels: Mapping[str, SignalChannel]) -> dict[str, Vector
         if topic in attitudes or not all(name in channels for name in names):
             continue
         table = np.stack([channels[name].values for name in names], axis=1)
-        time, angles = sort_samples(channels[names[0]].time, table)
+        time, angles = sort_samples(channels[names[0]].time, table).select_complete()
         if len(time) > 3:
             # Upper case: intrinsic yaw, pitch, roll
             turns = Rotation.from_euler('ZYX', angles).as_quat()
@@ -120,7 +119,7 @@ def remove_sign_jumps(turns: Array) -> Array:
     return np.asarray(turns * np.concatenate(([1.0], np.cumprod(flips)))[:, None])
 
 
-def collect_poses(channels: Mapping[str, SignalChannel], evenly: bool = True) -> list[PoseSeries]:
+def collect_poses(channels: Mapping[str, Channel], evenly: bool = True) -> list[PoseSeries]:
     """Return the topics with the motion of the vehicle, trackers first; evenly for derivatives."""
     place = collect_vectors(channels, roles.POSITION, 'xyz')
     attitude = collect_attitudes(channels)
@@ -138,7 +137,7 @@ def collect_poses(channels: Mapping[str, SignalChannel], evenly: bool = True) ->
     return sorted(poses, key=lambda pose: not pose.tracked)
 
 
-def collect_inertials(channels: Mapping[str, SignalChannel]) -> list[InertialSeries]:
+def collect_inertials(channels: Mapping[str, Channel]) -> list[InertialSeries]:
     """Return the inertial sensors."""
     rates = collect_vectors(channels, roles.RATES, 'xyz')
     force = collect_vectors(channels, roles.FORCE, 'xyz')
@@ -240,90 +239,3 @@ def _list_measured(
             yield 'rates', sensor.rates
         if sensor.force is not None and is_placed:
             yield 'force', sensor.force
-
-
-LONGEST: Final = 1.5  # of a jump [s]
-AROUND: Final = 15  # changes; width of the median filter that gives the usual one
-HALF: Final = 0.6745  # median of the absolute value of white noise, in standard deviations
-CLEAR: Final = 12.0  # standard deviations off the usual change
-LEAST: Final = 0.02  # m, or quaternion component
-REACH: Final = 0.5  # that a vehicle may accelerate within a gap [m/s2]
-RETURNS: Final = 0.5  # of the jump, at most, that the pose behind it is off
-BODIES: Final = 4  # that a tracker may report in turn
-QUIET: Final = 0.2  # quantile of the changes that no jump has, however many there are
-NOISE: Final = 1.0  # that quantile of the length of white noise, in standard deviations
-BURST: Final = 2.0  # times its usual speed a vehicle changes its speed from pose to pose, at most
-
-
-def find_steps(time: Array, poses: Array, least: float) -> tuple[Any, Array]:
-    """
-    Return which changes from pose to pose no inertia allows, and by how much they are off.
-
-    A vehicle keeps its speed from one pose to the next, but for noise and for what a collision
-    takes away. Where a tracker reports several bodies in turn, each keeps its own.
-
-    `time`: increasing, shape (n,) [s]. `poses`: positions, shape (n, 3) [m], or quaternions,
-    shape (n, 4). `least`: size of a step [m or rad].
-    """
-    count = len(time) - 1
-    slopes, usual = [], []
-    for apart in range(1, BODIES + 1):
-        change, step = _measure_changes(poses, apart), (time[apart:] - time[:-apart])[:, None]
-        # Not the median of quotients, since messages that come together have no time between them
-        way = median_filter(change, size=(AROUND, 1), mode='nearest')
-        slope = way / uniform_filter1d(step, AROUND, axis=0, mode='nearest')
-        usual.append(np.quantile(np.linalg.norm(change - way, axis=1), QUIET))
-        slopes.append(np.pad(slope, ((0, count - len(slope)), (0, 0)), mode='edge'))
-    paces = np.array([np.linalg.norm(slope, axis=1) for slope in slopes])
-    # Where bodies alternate, the speed from one pose to the next of the same body is the true one
-    slope = np.array(slopes)[paces.argmin(axis=0), np.arange(count)]
-    step = np.diff(time)
-    off = np.linalg.norm(_measure_changes(poses, 1) - slope * step[:, None], axis=1)
-    fast = float(np.quantile(paces.min(axis=0), 0.75))
-    allowed = np.maximum(
-        CLEAR * min(usual) / NOISE, BURST * fast * np.maximum(step, np.median(step))
-    )
-    return off > np.maximum(allowed + REACH * step**2, least), off
-
-
-def _measure_changes(poses: Array, apart: int) -> Array:
-    """Return ways [m], or turns [rad], between poses so many rows apart, shape (n - apart, 3)."""
-    if poses.shape[1] == 3:
-        return np.asarray(poses[apart:] - poses[:-apart])
-    turn = Rotation.from_quat(poses)
-    return (turn[:-apart].inv() * turn[apart:]).as_rotvec()
-
-
-def find_tracker_jumps(time: Array, poses: Array) -> Any:  # noqa: ANN401 - an array of bool
-    """
-    Return a mask of the poses between a jump and the jump back.
-
-    `time`: rising, shape (n,) [s]. `poses`, shape (n, k): positions [m], or quaternions without
-    sign changes. A jump that does not return is not marked, as nothing tells which side is right.
-    """
-    out = np.zeros(len(poses), dtype=np.bool_)
-    rows = np.flatnonzero(np.isfinite(poses).all(axis=1))
-    if len(rows) < 2 * AROUND:
-        return out
-    at, whole = time[rows], poses[rows]
-    change, step = np.diff(whole, axis=0), np.diff(at)[:, None]
-    slope = median_filter(change / step, size=(AROUND, 1), mode='nearest')
-    off = np.abs(change - slope * step)
-    usual = np.median(off, axis=0) / HALF
-    far = off / np.maximum(CLEAR * usual, LEAST + REACH * step**2)
-    jumps = np.flatnonzero((far > 1.0).any(axis=1))
-    done = -1
-    for index, begin in enumerate(jumps.tolist()):
-        later = jumps[index + 1 :]
-        later = later[at[later + 1] - at[begin] <= LONGEST]
-        if begin < done or not len(later):
-            continue
-        size = far[begin].max() * np.maximum(CLEAR * usual, LEAST)
-        # By the speeds on both sides, which a curve needs
-        speed = 0.5 * (slope[begin] + slope[later])
-        expected = whole[begin] + speed * (at[later + 1] - at[begin])[:, None]
-        back = later[(np.abs(whole[later + 1] - expected) < RETURNS * size).all(axis=1)]
-        if len(back):
-            done = int(back[0])
-            out[rows[begin + 1 : done + 1]] = True
-    return out

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, final, NamedTuple, Protocol
 
-from lta_data.bag.channels import SignalChannel
 from lta_data.data_quality import limits, roles
 from lta_data.data_quality.checks import (
     clocks,
@@ -18,15 +17,11 @@ from lta_data.data_quality.checks.clocks import is_regular
 from lta_data.data_quality.checks.repeated_values import is_constant
 from lta_data.data_quality.checks.rereadings import find_rereadings, remove_explained_findings
 from lta_data.data_quality.checks.units import SIZES
-from lta_data.data_quality.recording import (
-    ChannelRecording,
-    CheckContext,
-    CheckVerdict,
-    QualityFinding,
-    Severity,
-)
+from lta_data.data_quality.recording import CheckContext, CheckVerdict, QualityFinding, Severity
 from lta_data.data_quality.roles import COUNTS, RANGES, SPREAD, vector_name
 from lta_data.even_grid import find_coarse_unit
+from lta_data.flight import Channel, Flight
+from lta_data.interpretation.commands import is_command_topic
 import numpy as np
 
 MISSING: Final = 'missing'
@@ -48,7 +43,7 @@ class Coverage(NamedTuple):
 
 def describe_coverage(evidence: CheckContext) -> Coverage:
     """Return what the checks of a recording judged."""
-    by_topic: dict[str, list[SignalChannel]] = {}
+    by_topic: dict[str, list[Channel]] = {}
     for channel in evidence.recording.channels.values():
         by_topic.setdefault(channel.topic, []).append(channel)
     sentences: list[str] = []
@@ -76,7 +71,7 @@ def describe_coverage(evidence: CheckContext) -> Coverage:
     return Coverage(tuple(sentences), tuple(unjudged), tuple(missing))
 
 
-def _describe_topic(topic: str, channels: Sequence[SignalChannel]) -> Coverage:
+def _describe_topic(topic: str, channels: Sequence[Channel]) -> Coverage:
     """Return what was judged of a topic with enough messages."""
     measured: dict[str, bool] = {}
     for channel in channels:
@@ -93,11 +88,14 @@ def _describe_topic(topic: str, channels: Sequence[SignalChannel]) -> Coverage:
     there = [WORDS.get(name, name) for name, is_there in measured.items() if is_there]
     expected = SENSED if 'force' in measured else POSE if 'position' in measured else ()
     absent = [name for name in expected if name in measured and not measured[name]]
+    # A setpoint has only what is controlled
+    absent = [] if is_command_topic(topic) else absent
     time = channels[0].time
     missing = tuple(
         QualityFinding(
             MISSING, topic, float(time[0]), float(time[-1]),
-            f'The {WORDS.get(name, name)} was never measured: none of the {len(time)} messages '
+            f'The {WORDS.get(name, name)} {"were" if name == "rates" else "was"} never measured: '
+            f'none of the {len(time)} messages '
             'has a number for it, so nothing that needs it is judged.',
             Severity.NOTE,
         )
@@ -180,7 +178,7 @@ class QualityReport:
 
 
 @np.errstate(over='ignore', invalid='ignore', divide='ignore')  # damaged readings may overflow
-def run_checks(recording: ChannelRecording) -> QualityReport:
+def run_checks(recording: Flight) -> QualityReport:
     """Run all checks on a recording."""
     evidence = CheckContext(recording)
     with np.errstate(invalid='ignore'):  # infinity is data: a range without a return

@@ -3,12 +3,11 @@
 import re
 from typing import Final, NamedTuple
 
-from lta_data.bag.channels import SignalChannel
+from lta_data.flight import Channel
+from lta_data.interpretation.commands import is_command_topic
 
-# Commands: constant, held and limited values are normal.
-COMMANDS: Final = re.compile(r'^(motors|wrench_command|setpoint/|cmd_|joy|/)')
 # Commands to the rotors.
-DRIVES: Final = re.compile(r'^(motors/effort|wrench_command/.*force)')
+DRIVEN: Final = re.compile(r'^(motors/effort|wrench_command/.*force)')
 # Estimates of the vehicle's own programs.
 DERIVED: Final = re.compile(r'^(odom$|light/|energy/|wind$)')
 # External tracking; the vehicle's own odometry is dead reckoning and does not match.
@@ -38,16 +37,16 @@ RESTLESS: Final = {
 
 
 def is_instrument_topic(topic: str) -> bool:
-    """Return whether a topic holds measurements."""
-    return not COMMANDS.match(topic) and not DERIVED.match(topic)
+    """Return whether a topic holds measurements; constant, held, limited commands are normal."""
+    return not is_command_topic(topic) and not DERIVED.match(topic)
 
 
-def is_measured(channel: SignalChannel) -> bool:
+def is_measured(channel: Channel) -> bool:
     """Return whether a channel is a measurement."""
     return is_instrument_topic(channel.topic)
 
 
-def match_noisy_quantity(channel: SignalChannel) -> str | None:
+def match_noisy_quantity(channel: Channel) -> str | None:
     """Return which of `RESTLESS` a measured channel is; None if none."""
     if not is_measured(channel):
         return None

@@ -11,12 +11,12 @@ from lta_data.importers.converter import TopicConverter
 from lta_data.importers.draft.clock_alignment import (
     AlignedClock,
     choose_clock,
-    COMMANDS,
     TimedTable,
 )
 from lta_data.importers.formats import find_format
 from lta_data.importers.mapping_choice import choose_entries
 from lta_data.importers.protocol import join_tables, LogTable, Numbers
+from lta_data.interpretation.commands import DRIVES
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -136,7 +136,7 @@ def _read_timed_tables(
         if len(rows) and (
             earlier is None or (earlier.position is None and earlier.commands is None)
         ):
-            commands = plan.entry.topic in COMMANDS
+            commands = plan.entry.topic in DRIVES
             tables[name] = _build_timed_table(
                 name, rows, converter.compute_numbers(rows), commands
             )

@@ -10,9 +10,9 @@ from types import MappingProxyType
 from typing import Any, Final, final, NamedTuple
 
 from lta_data.even_grid import hann_kernel, median_period, smooth_columns
-from lta_data.importers.draft.column_groups import ColumnGroup, find_turn, measure_length
-from lta_data.importers.draft.name_hints import HEADINGS, parse_column_name, WORDS
 from lta_data.importers.protocol import Numbers
+from lta_data.interpretation.column_group import ColumnGroup, find_turn, measure_length
+from lta_data.interpretation.column_names import HEADINGS, parse_column_name, WORDS
 import numpy as np
 from scipy.spatial.transform import Rotation
 

@@ -23,7 +23,6 @@ SMOOTHED: Final = 9  # rows over which a speed is averaged
 UNUSUAL: Final = (
     0.1  # of a score, that FRD instead of FLU must gain; other axes half as much again
 )
-TILT: Final = 0.5  # cosine of lean and acceleration that tells up from down
 AGREE: Final = 0.6  # explained share of a motion that counts as agreement
 # All signed orders of three axes, as matrices; first none, mirrored ones included
 SIGNED_AXES: Final = tuple(sorted(
@@ -317,46 +316,11 @@ def _explain_tilt(
     return float(np.mean(np.clip(1.0 - left / total, -1.0, 1.0)))
 
 
-def fit_tilt(turn: Rotation, position: Numbers, seconds: Numbers) -> ScaleFit:
-    """
-    Compare the horizontal acceleration with the lean of the body's z axis.
-
-    A rotorcraft accelerates by g times its lean; a negative cosine means that z points down.
-    """
-    pull, lean = _smooth_acceleration(position, seconds), turn.as_matrix()[:, :, 2]
-    return fit_scale(_level(pull), _level(lean), seconds)
-
-
-def fit_lever(turn: Rotation, position: Numbers, seconds: Numbers) -> ScaleFit:
-    """
-    Compare the horizontal velocity with the rate of the lean of the body's z axis.
-
-    A point above the axis about which a vehicle swings moves by its lever arm [m], the factor.
-    """
-    lean = differentiate(turn.as_matrix()[:, :, 2], seconds)
-    return fit_scale(_level(differentiate(position, seconds)), _level(lean), seconds)
-
-
-def _smooth_acceleration(position: Numbers, seconds: Numbers) -> Numbers:
+def smooth_acceleration(position: Numbers, seconds: Numbers) -> Numbers:
     """Return the second derivative of a place, smoothed before, as noise is amplified twice."""
     step = float(np.median(np.diff(seconds)))
     place = smooth_columns(position, hann_kernel(KERNEL, step)) if step > 0.0 else position
     return differentiate(differentiate(place, seconds), seconds)
-
-
-def upright_share(turn: Rotation) -> float:
-    """Return the share of the time with the body's z axis within 60 degrees of the map's."""
-    return float(np.mean(turn.as_matrix()[:, 2, 2] > 0.5))
-
-
-def is_inverted(turn: Rotation) -> bool:
-    """Return whether the body's z axis points down nearly all the time."""
-    return float(np.percentile(turn.as_matrix()[:, 2, 2], 90.0)) < -0.5
-
-
-def _level(rows: Numbers) -> Numbers:
-    """Return the horizontal parts of vectors, without their means."""
-    return np.asarray((rows - np.nanmean(rows, axis=0)) * [1.0, 1.0, 0.0])
 
 
 def derive_vector(
@@ -374,7 +338,7 @@ def derive_vector(
         return turn.inv().apply(differentiate(position, seconds))
     # An accelerometer at rest feels +g along z (up)
     gravity = np.array([0.0, 0.0, STANDARD_GRAVITY])
-    return turn.inv().apply(_smooth_acceleration(position, seconds) + gravity)
+    return turn.inv().apply(smooth_acceleration(position, seconds) + gravity)
 
 
 def measure_forwardness(turn: Rotation, evidence: MotionEvidence) -> tuple[float, float]:

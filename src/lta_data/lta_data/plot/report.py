@@ -15,8 +15,9 @@ import tempfile
 from typing import Final
 
 from lta_config.errors import BadInput
-from lta_data.bag.channels import iterate_channels, read_all_channels, SignalChannel
+from lta_data.bag.channels import iterate_channels, read_flight
 from lta_data.bag.recorded_flight import RecordedFlight
+from lta_data.flight import Channel
 from lta_report.drawing import create_figure, decimate_line, MOST_POINTS
 from lta_report.formatting import format_number, Tile
 from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, TIME, TRUTH
@@ -37,7 +38,7 @@ NEAR: Final = 4  # names suggested for an unknown one
 DEGREE: Final = math.pi / 180.0
 
 
-def select_channels(flight: RecordedFlight, patterns: Sequence[str]) -> list[SignalChannel]:
+def select_channels(flight: RecordedFlight, patterns: Sequence[str]) -> list[Channel]:
     """
     Return the channels that match the patterns, in the order of the patterns.
 
@@ -47,7 +48,7 @@ def select_channels(flight: RecordedFlight, patterns: Sequence[str]) -> list[Sig
     Raise `BadInput` if a pattern matches nothing, or all together match too many channels for one
     plot.
     """
-    channels: dict[str, SignalChannel] = {}
+    channels: dict[str, Channel] = {}
     for pattern in patterns:
         meant = [
             channel
@@ -73,7 +74,7 @@ def can_match(pattern: str, topic: str) -> bool:
     return fnmatchcase(topic, pattern) or fnmatchcase(topic, pattern.rpartition('/')[0])
 
 
-def matches_channel(pattern: str, channel: SignalChannel) -> bool:
+def matches_channel(pattern: str, channel: Channel) -> bool:
     """Return whether a pattern matches a channel or its topic."""
     # fnmatch takes [0] as a character class; here it is an array index.
     escaped = pattern.replace('[', '[[]')
@@ -82,7 +83,7 @@ def matches_channel(pattern: str, channel: SignalChannel) -> bool:
 
 def no_match_error(flight: RecordedFlight, pattern: str) -> BadInput:
     """Return the error for a pattern without a match, with similar names."""
-    names = [*flight.topics, *read_all_channels(flight).channels]
+    names = [*flight.topics, *read_flight(flight).channels]
     # 0.4: least similarity, low enough for abbreviations
     near = get_close_matches(pattern, names, NEAR, 0.4) or flight.topics[:NEAR]
     return BadInput(
@@ -91,7 +92,7 @@ def no_match_error(flight: RecordedFlight, pattern: str) -> BadInput:
     )
 
 
-def unwrap_to_degrees(channel: SignalChannel) -> SignalChannel:
+def unwrap_to_degrees(channel: Channel) -> Channel:
     """Return an angle in degrees and unwrapped; any other channel unchanged."""
     if not channel.angular:
         return channel
@@ -102,13 +103,13 @@ def unwrap_to_degrees(channel: SignalChannel) -> SignalChannel:
     return replace(channel, unit='deg', values=values / DEGREE)
 
 
-def crop_channel(channel: SignalChannel, begin: float, end: float) -> SignalChannel:
+def crop_channel(channel: Channel, begin: float, end: float) -> Channel:
     """Return the part of a channel in a closed time interval. [s]"""
     inside = (channel.time >= begin) & (channel.time <= end)
     return replace(channel, time=channel.time[inside], values=channel.values[inside])
 
 
-def group_by_unit(channels: Sequence[SignalChannel]) -> Iterator[tuple[str, list[SignalChannel]]]:
+def group_by_unit(channels: Sequence[Channel]) -> Iterator[tuple[str, list[Channel]]]:
     """Yield unit and channels of each axis; channels of one unit share an axis."""
     for unit in dict.fromkeys(channel.unit for channel in channels):
         yield unit, [channel for channel in channels if channel.unit == unit]
@@ -152,7 +153,7 @@ def draw_sparkline(values: NDArray[np.float64], width: int = SPARK) -> str:
     return ''.join(levels)
 
 
-def build_channel_listing(channels: Iterable[SignalChannel], width: int) -> Table:
+def build_channel_listing(channels: Iterable[Channel], width: int) -> Table:
     """Return a table of all channels with range and sparkline, in `width` characters."""
     channels = list(channels)
     longest = max((len(channel.name) for channel in channels), default=0)
@@ -175,7 +176,7 @@ def build_channel_listing(channels: Iterable[SignalChannel], width: int) -> Tabl
 
 
 def draw_curves(
-    unit: str, channels: Sequence[SignalChannel], span: tuple[float, float], width: int
+    unit: str, channels: Sequence[Channel], span: tuple[float, float], width: int
 ) -> Text:
     """Draw channels of one unit as curves over time, in `width` characters."""
     plotext.terminal.limit(False, False)  # `width` holds, also in a pipe
@@ -196,7 +197,7 @@ def draw_curves(
     return Text.from_ansi(str(figure.build())).append_text(legend)
 
 
-def split_at_gaps(channel: SignalChannel) -> Iterator[tuple[Array, Array]]:
+def split_at_gaps(channel: Channel) -> Iterator[tuple[Array, Array]]:
     """Yield time and values of each stretch without a gap, as few points that look the same."""
     # NaN or infinity would end the process in plotext
     finite = np.flatnonzero(np.abs(channel.values) < LARGEST)
@@ -205,7 +206,7 @@ def split_at_gaps(channel: SignalChannel) -> Iterator[tuple[Array, Array]]:
 
 
 def print_channels(
-    panels: Iterable[tuple[str, list[SignalChannel]]], span: tuple[float, float], console: Console
+    panels: Iterable[tuple[str, list[Channel]]], span: tuple[float, float], console: Console
 ) -> None:
     """Print each axis with its channels."""
     for unit, channels in panels:
@@ -218,12 +219,12 @@ POINTS: Final = 20_000  # of all lines of a page, which keeps it under 2 MB
 TILES: Final = 8
 NAME: Final = 'channels'
 LONGEST: Final = 100  # characters of a headline
-Panels = Sequence[tuple[str, list[SignalChannel]]]
+Panels = Sequence[tuple[str, list[Channel]]]
 
 
 def plot_channels(
     unit: str,
-    channels: Sequence[SignalChannel],
+    channels: Sequence[Channel],
     span: tuple[float, float],
     most: int = MOST_POINTS,
 ) -> Figure:
@@ -275,12 +276,12 @@ def build_report(
     )
 
 
-def format_heading(channels: Sequence[SignalChannel]) -> str:
+def format_heading(channels: Sequence[Channel]) -> str:
     """Return the topics of the channels."""
     return ', '.join(dict.fromkeys(channel.topic for channel in channels))
 
 
-def build_tile(channel: SignalChannel) -> Tile:
+def build_tile(channel: Channel) -> Tile:
     """Return a tile with the mean and range of a channel."""
     finite = channel.values[np.isfinite(channel.values)]
     if not len(finite):

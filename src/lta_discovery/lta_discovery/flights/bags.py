@@ -8,9 +8,10 @@ from typing import Final, final, Literal
 from lta_config.errors import BadInput
 from lta_config.schema.vehicle_file import VehicleFile
 from lta_data.bag.bag_folder import find_bag, find_bag_files
+from lta_data.bag.channels import read_flight
 from lta_data.bag.recorded_flight import open_flight
 from lta_data.data_quality.duplicate_runs import find_duplicate_runs
-from lta_data.data_quality.recording import ChannelRecording, read_recording
+from lta_data.flight import Flight
 from lta_data.scene import COMMAND, parse_provenance_file
 
 Role = Literal['train', 'confirm', 'holdout']
@@ -24,8 +25,7 @@ class StudyRecording:
 
     name: str  # of the bag; unique within the study
     role: Role  # 'train', 'confirm' or 'holdout'
-    recording: ChannelRecording  # its channels and provenance
-    losses: tuple[str, ...] = ()  # missing or unreadable parts, one sentence each
+    recording: Flight
 
     @property
     def vehicle(self) -> str:
@@ -64,8 +64,7 @@ def read_bags(
             name = _unique_bag_name(path, [one.name for one in out])
             tell(name)
             flight = open_flight(find_bag(path), robot)
-            recording, remarks = read_recording(flight)
-            out.append(StudyRecording(name, role, recording, (*flight.bag.losses, *remarks)))
+            out.append(StudyRecording(name, role, read_flight(flight, raw=True)))
     return out
 
 

@@ -10,8 +10,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Final, final
 
-from lta_data.data_quality.motion import find_tracker_jumps
 from lta_data.even_grid import check_time_span
+from lta_data.interpretation.jumps import find_tracker_jumps
 from lta_discovery.flights.noise import (
     estimate_noise,
     estimate_pose_noise,

@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import Final
 
 from lta_config.errors import BadInput
-from lta_data.bag.channels import SignalChannel
+from lta_data.flight import Channel
 from lta_data.scene import COMMAND, find_tracker_prefix, has_newton_commands, MASS
 from lta_discovery.flights.measured_flight import FlightStreams, Stream
 from lta_discovery.model.nominal import NominalVehicle
@@ -28,7 +28,7 @@ SENSORS: Final[dict[str, tuple[str, ...]]] = {
 }
 
 
-def _join_channels(channels: Sequence[SignalChannel]) -> Stream:
+def _join_channels(channels: Sequence[Channel]) -> Stream:
     """Join the channels of one topic, sorted by time, without duplicate times."""
     time = channels[0].time
     if any(len(channel.time) != len(time) for channel in channels):
@@ -41,7 +41,7 @@ def _join_channels(channels: Sequence[SignalChannel]) -> Stream:
     return Stream(time[first], np.column_stack([channel.values for channel in channels])[first])
 
 
-def _read_wrench(channels: Mapping[str, SignalChannel]) -> Stream | None:
+def _read_wrench(channels: Mapping[str, Channel]) -> Stream | None:
     """Return the commanded wrench; axes without a command or a value are 0."""
     parts = [channels[name] for name in WRENCH if name in channels]
     if not parts:
@@ -54,7 +54,7 @@ def _read_wrench(channels: Mapping[str, SignalChannel]) -> Stream | None:
     return Stream(joined.time, table)
 
 
-def _read_moving_mass(channels: Mapping[str, SignalChannel]) -> Stream | None:
+def _read_moving_mass(channels: Mapping[str, Channel]) -> Stream | None:
     """Return the commanded place of the moving mass, None if it is not recorded."""
     if not all(name in channels for name in MASS):
         return None
@@ -95,13 +95,13 @@ def convert_to_duties(
     return replace(streams, commands=Stream(streams.commands.time, duty))
 
 
-def has_commands(channels: Mapping[str, SignalChannel]) -> bool:
+def has_commands(channels: Mapping[str, Channel]) -> bool:
     """Return whether a recording has commands of any rotor, or a commanded wrench."""
     return any(name in WRENCH or name.startswith(COMMAND) for name in channels)
 
 
 def build_streams(
-    channels: Mapping[str, SignalChannel], rotors: Sequence[str], floor: float = -np.inf
+    channels: Mapping[str, Channel], rotors: Sequence[str], floor: float = -np.inf
 ) -> FlightStreams:
     """
     Build the streams of a flight from the channels of its recording.

@@ -266,7 +266,7 @@ def _clean_flight(
     one: StudyRecording, streams: FlightStreams
 ) -> tuple[MeasuredFlight, list[ExcludedInterval], list[str]]:
     """Return one flight without bad intervals, the exclusions, and warnings."""
-    recording, warnings = one.recording, [f'{one.name}: {loss}' for loss in one.losses]
+    recording, warnings = one.recording, [f'{one.name}: {loss}' for loss in one.recording.losses]
     pose = find_tracker_prefix(recording.channels).rpartition('/')[0]
     cuts: list[ExcludedInterval] = []
     whole: list[str] = []

@@ -3,7 +3,7 @@
 from lta_bridge.bag.schemas import load_jazzy_types
 from lta_config.topics import load_topic_table
 from lta_data.bag import open_flight
-from lta_data.bag.channels import read_all_channels
+from lta_data.bag.channels import read_flight
 from lta_data.bag.table import find_unit
 import numpy as np
 import pytest
@@ -40,8 +40,9 @@ def flight(record):
 
 
 def test_each_quantity_has_its_name_unit_and_values(flight):
-    found, remarks = read_all_channels(flight)
-    assert remarks == []
+    whole = read_flight(flight)
+    assert whole.losses == ()
+    found = whole.channels
     yaw = found['odom/pose.pose.orientation.yaw']
     assert (yaw.unit, yaw.angular, yaw.topic) == ('rad', True, 'odom')
     np.testing.assert_allclose(yaw.values, [3.0, 3.1, 3.2 - 2 * np.pi], atol=1e-12)
@@ -56,7 +57,7 @@ def test_each_quantity_has_its_name_unit_and_values(flight):
 
 
 def test_what_a_message_declares_unknown_is_not_a_number(flight):
-    surge = read_all_channels(flight).channels['odom/twist.twist.linear.x']
+    surge = read_flight(flight).channels['odom/twist.twist.linear.x']
     np.testing.assert_array_equal(surge.values, [0.5, np.nan, 0.5])
 
 
@@ -64,10 +65,10 @@ def test_a_topic_that_cannot_be_decoded_is_named_and_the_rest_is_there(record):
     odd = {'diodes': 2, 'counts': np.zeros(3, np.uint16)}
     block = message('photodiodes', 'lta_msgs/msg/LightBlock', 0.0, **odd)
     lux = message('illuminance', 'sensor_msgs/msg/Illuminance', 0.0, illuminance=120.0)
-    found, remarks = read_all_channels(open_flight(record([block, lux])))
-    assert found['illuminance/illuminance'].values.tolist() == [120.0]
-    assert len(remarks) == 1
-    assert remarks[0].startswith("Topic 'photodiodes' is left out: ")
+    whole = read_flight(open_flight(record([block, lux])))
+    assert whole.channels['illuminance/illuminance'].values.tolist() == [120.0]
+    assert len(whole.losses) == 1
+    assert whole.losses[0].startswith("Topic 'photodiodes' is left out: ")
 
 
 @pytest.mark.parametrize(

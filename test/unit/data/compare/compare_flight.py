@@ -5,10 +5,12 @@ The hull wanders in the plane on sums of slow sines, climbs and turns likewise, 
 size lies on everything. What the second recorder does differently is told to `write_motion`.
 """
 
+from dataclasses import replace
 import math
 
 from lta_bridge.bag import BagWriter
 from lta_bridge.bag.schemas import load_jazzy_types
+from lta_data.flight import Flight
 import numpy as np
 
 from ...report_flight import make, pose, ROTORS  # noqa: TID252 - `test` is Python's own
@@ -17,6 +19,12 @@ UNIX = 1_760_000_000_000_000_000  # ns, some day in 2025
 TOPIC = 'nav_msgs/msg/Odometry'
 JOINTS = 'sensor_msgs/msg/JointState'
 RATES = np.array([0.05, 0.11, 0.23, 0.31])  # Hz
+
+
+def side_of(channels, path, start=0, frame=''):
+    """Return one side of a comparison."""
+    named = {each.name: replace(each, frame=frame) for each in channels}
+    return Flight(named, path=path, start=start)
 
 
 def wave(t, seed):

@@ -4,16 +4,15 @@ from lta_bridge.bag import BagWriter
 from lta_bridge.bag.schemas import load_jazzy_types
 from lta_config.errors import BadInput
 from lta_data.bag import open_flight
-from lta_data.bag.channels import SignalChannel
 from lta_data.compare.channel_comparison import select_topic_pairs
-from lta_data.compare.compared_flight import build_compared_flight
 from lta_data.compare.comparison import compare_flights, compare_sides, ComparisonRequest
 from lta_data.compare.sentences import format_verdict
+from lta_data.flight import Channel
 import numpy as np
 import pytest
 
 from ...report_flight import make, pose, write_flight  # noqa: TID252 - `test` is Python's own
-from .compare_flight import stamped
+from .compare_flight import side_of, stamped
 from .compare_two import channel, NOISY, OTHER, YAW, Z
 from .compare_two import two as two
 
@@ -79,7 +78,7 @@ def test_a_tolerance_takes_the_place_of_the_noise(two):
 def test_an_offset_by_hand_is_taken_as_it_is(two):
     found = two(NOISY, OTHER | {'offset': 0.1234}, offset=0.2)
     assert (found.timing.how, found.timing.offset, found.timing.sigma) == ('given', 0.2, 0.0)
-    lag = channel(found, Z).peak.lag
+    lag = channel(found, Z).lag.lag
     assert lag == pytest.approx(0.1234 - 0.2, abs=0.01)
 
 
@@ -163,9 +162,7 @@ def test_the_sentence_names_what_the_ranking_has_first(tmp_path):
             'odom/twist.twist.linear.x': np.cos(t) + noise[1] + faster * (t > 5.0),
             'odom/twist.twist.linear.y': 0.1 * np.cos(t) + noise[2] + slip * (t > 8.0),
         }
-        return build_compared_flight(
-            [SignalChannel(name, 'm', t, line) for name, line in lines.items()], label
-        )
+        return side_of([Channel(name, 'm', t, line) for name, line in lines.items()], label)
 
     a, b = side('A', 0.0, 0.0), side('B', 0.01, 0.2)
     found = compare_sides(

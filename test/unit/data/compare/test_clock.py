@@ -2,7 +2,7 @@
 
 from lta_data.compare.clock_offset import estimate_clock_offset
 from lta_data.compare.coarse_lag import estimate_start_offset, find_motion_start, SharedQuantity
-from lta_data.compare.sampling import SampledSignal, sort_samples
+from lta_data.even_grid import SampledSignal, sort_samples
 import numpy as np
 import pytest
 
@@ -74,6 +74,26 @@ def test_outliers_and_a_slow_bias_do_not_move_the_offset():
     assert abs(found.value - 0.1234) < 4 * found.sigma < 0.05
 
 
+def test_steps_without_noise_do_not_throw_the_fine_step_off():
+    """Most misfits of such signals are zero, so that all that tells the offset is an outlier."""
+    a_time, b_time = np.arange(0, 40, 0.02), np.arange(0.003, 40, 0.05)
+
+    def step(t, column):
+        return np.tanh(3.0 * (t - 15.0 - column)) + np.tanh(2.0 * (t - 28.0 - column))
+
+    pairs = [
+        SharedQuantity(
+            f'odom/{column}',
+            SampledSignal(a_time, step(a_time, column)),
+            SampledSignal(b_time + 0.123, step(b_time, column)),
+        )
+        for column in (1, 2, 3)
+    ]
+    found = estimate_clock_offset(pairs)
+    assert found.value == pytest.approx(0.123, abs=1e-3)
+    assert found.sigma < 1e-2
+
+
 def test_motion_that_repeats_itself_is_called_ambiguous():
     t = np.arange(0, 40, 0.02)
     lines = [SampledSignal(t, np.sin(2 * np.pi * (t - lag) / 4.0)) for lag in (0.0, 0.3)]
@@ -126,7 +146,21 @@ def test_commands_go_before_motion_and_tell_the_offset_of_two_runs():
     assert not without.by_command
 
 
-def test_time_that_runs_backwards_is_put_in_order():
-    line = sort_samples([0.0, 2.0, 1.0, 2.0, np.nan], [0.0, 20.0, 10.0, 99.0, 5.0])
-    np.testing.assert_array_equal(line.time, [0.0, 1.0, 2.0])
-    np.testing.assert_array_equal(line.values, [0.0, 10.0, 20.0])
+def test_late_messages_are_put_in_order_and_a_clock_that_was_set_back_is_left_out():
+    time = np.arange(100.0)
+    late = time.copy()
+    late[[40, 41]] = late[[41, 40]]
+    late[[10, 60]] = 9.0, np.nan
+    line = sort_samples(late, 10.0 * late)
+    # Of two samples at one time, the first
+    np.testing.assert_array_equal(line.time, np.delete(time, [10, 60]))
+    np.testing.assert_array_equal(line.values, 10.0 * line.time)
+    back = np.concatenate([time[:50], time[:50] - 20.0 + 50.0])
+    line = sort_samples(back, np.arange(100.0))
+    np.testing.assert_array_equal(line.values, [*range(50), *range(70, 100)])
+
+
+def test_what_is_unknown_or_absurd_is_not_a_number():
+    line = sort_samples([0.0, 1.0, 2.0, 3.0], [[1.0, 2.0], [np.inf, 2.0], [1e31, 0.0], [5.0, 6.0]])
+    np.testing.assert_array_equal(line.values[:, 0], [1.0, np.nan, np.nan, 5.0])
+    np.testing.assert_array_equal(line.select_complete().time, [0.0, 3.0])

@@ -10,12 +10,14 @@ import gzip
 from pathlib import Path
 
 from lta_data.bag import open_flight
-from lta_data.bag.channels import iterate_channels, SignalChannel
+from lta_data.bag.channels import iterate_channels
 from lta_data.compare.channel_comparison import select_topic_pairs
-from lta_data.compare.compared_flight import build_compared_flight
 from lta_data.compare.comparison import compare_sides, ComparisonRequest
+from lta_data.flight import Channel
 import numpy as np
 import pytest
+
+from .compare_flight import side_of
 
 SHARED = Path(__file__).resolve().parents[5] / 'shared' / 'data'
 BLIMP = SHARED / 'rgblimp'
@@ -43,9 +45,9 @@ def table(number):
 def blimp(number, label):
     held = table(number)
     time = np.arange(len(held['p_1'])) / RATE
-    return build_compared_flight(
+    return side_of(
         [
-            SignalChannel(name, unit, time, sign * held[column], unit == 'rad')
+            Channel(name, unit, time, sign * held[column], unit == 'rad')
             for name, (column, unit, sign) in COLUMNS.items()
         ],
         label,
@@ -97,11 +99,9 @@ def test_a_second_clock_on_a_real_flight_is_found():
     for each in own:
         known = np.interp(at, time, np.unwrap(each.values) if each.angular else each.values)
         noisy = known + 0.01 * chance.normal(size=len(at))
-        b.append(SignalChannel(each.name, each.unit, at + 0.1234, noisy, each.angular))
+        b.append(Channel(each.name, each.unit, at + 0.1234, noisy, each.angular))
     part = (time > begin - 5.0) & (time < end + 5.0)
-    a = [SignalChannel(e.name, e.unit, e.time[part], e.values[part], e.angular) for e in own]
-    found = compared(
-        build_compared_flight(a, 'A', frame='map'), build_compared_flight(b, 'B', frame='map')
-    )
+    a = [Channel(e.name, e.unit, e.time[part], e.values[part], e.angular) for e in own]
+    found = compared(side_of(a, 'A', frame='map'), side_of(b, 'B', frame='map'))
     assert found.timing.how == 'clock'
     assert abs(found.timing.offset - 0.1234) < 4 * found.timing.sigma < 0.02

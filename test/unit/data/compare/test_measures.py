@@ -2,7 +2,6 @@
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lta_data.bag.channels import SignalChannel
 from lta_data.compare.channel_comparison import ChannelPair, compare_channels
 from lta_data.compare.divergence import (
     find_divergence,
@@ -16,11 +15,11 @@ from lta_data.compare.sampling import (
     align_signals,
     break_at_gaps,
     compute_spectra,
-    find_correlation_peak,
     interpolate_signal,
-    SampledSignal,
     wrap_angle,
 )
+from lta_data.even_grid import SampledSignal
+from lta_data.flight import Channel
 import numpy as np
 import pytest
 from scipy import signal
@@ -140,14 +139,6 @@ def test_spectra_are_of_the_longest_stretch_without_a_gap():
     assert compute_spectra(pair_of(a[:20], a[:20], T[:20])) is None
 
 
-def test_the_peak_of_resemblance_is_at_the_lag():
-    smooth = signal.lfilter([1.0], [1.0, -0.95], CHANCE.normal(size=2100))
-    found = find_correlation_peak(pair_of(smooth[100:], smooth[88:-12]))
-    assert found.lag == pytest.approx(0.12, abs=0.002)
-    assert found.value > 0.95
-    assert find_correlation_peak(pair_of(0 * T, T)) is None
-
-
 def test_a_turn_and_a_shift_are_found_in_spite_of_a_stretch_that_parts():
     chance = np.random.default_rng(1)
     b = np.cumsum(chance.normal(size=(500, 3)), axis=0) * 0.1
@@ -181,7 +172,7 @@ numbers = st.lists(st.floats(-1e3, 1e3), min_size=40, max_size=60)
 
 def channel(values, angular=False):
     values = np.array(values)
-    return SignalChannel('odom/z', 'm', np.arange(len(values)) * 0.1, values, angular)
+    return Channel('odom/z', 'm', np.arange(len(values)) * 0.1, values, angular)
 
 
 def compared(a, b, shift=0.0, angular=False):

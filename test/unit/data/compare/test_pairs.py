@@ -4,9 +4,7 @@ from types import SimpleNamespace
 
 from lta_config.errors import BadInput
 from lta_data.bag import open_flight
-from lta_data.bag.channels import SignalChannel
 from lta_data.compare.channel_comparison import select_topic_pairs
-from lta_data.compare.compared_flight import build_compared_flight
 from lta_data.compare.comparison import (
     compare_flights,
     compare_sides,
@@ -14,11 +12,12 @@ from lta_data.compare.comparison import (
     describe_old_odometry,
 )
 from lta_data.compare.sentences import format_verdict
+from lta_data.flight import Channel
 import numpy as np
 import pytest
 
 from ...report_flight import write_flight  # noqa: TID252 - `test` is Python's own
-from .compare_flight import UNIX, write_motion
+from .compare_flight import side_of, UNIX, write_motion
 from .compare_two import channel, NOISY, OTHER, YAW, Z
 from .compare_two import two as two
 
@@ -45,12 +44,8 @@ def test_an_estimate_is_compared_with_the_truth_of_its_own_bag(tmp_path):
 
 
 def test_channels_of_other_names_are_paired_by_how_they_end(tmp_path):
-    a = build_compared_flight(
-        [SignalChannel('pose/pose.position.x', 'm', np.arange(50.0), np.arange(50.0))], 'A'
-    )
-    b = build_compared_flight(
-        [SignalChannel('odom/pose.pose.position.x', 'm', np.arange(50.0), np.ones(50))], 'B'
-    )
+    a = side_of([Channel('pose/pose.position.x', 'm', np.arange(50.0), np.arange(50.0))], 'A')
+    b = side_of([Channel('odom/pose.pose.position.x', 'm', np.arange(50.0), np.ones(50))], 'B')
     wanted = select_topic_pairs(['pose=odom'], (), list(a.topics), list(b.topics))
     found = compare_sides(a, b, wanted, ComparisonRequest())
     assert found.channels[0].other == 'odom/pose.pose.position.x'
@@ -58,12 +53,8 @@ def test_channels_of_other_names_are_paired_by_how_they_end(tmp_path):
 
 def test_other_units_are_not_compared():
     t = np.arange(50.0)
-    a = build_compared_flight(
-        [SignalChannel('range/range', 'm', t, t), SignalChannel('range/x', 'm', t, t)], 'A'
-    )
-    b = build_compared_flight(
-        [SignalChannel('range/range', 'mm', t, t), SignalChannel('range/x', 'm', t, t)], 'B'
-    )
+    a = side_of([Channel('range/range', 'm', t, t), Channel('range/x', 'm', t, t)], 'A')
+    b = side_of([Channel('range/range', 'mm', t, t), Channel('range/x', 'm', t, t)], 'B')
     wanted = select_topic_pairs((), (), list(a.topics), list(b.topics))
     found = compare_sides(a, b, wanted, ComparisonRequest())
     assert [each.name for each in found.channels] == ['range/x']
@@ -137,9 +128,9 @@ def test_the_headline_says_where_b_ends_and_since_when_it_turns_differently(tmp_
             'position.z': 1.0 + noise[2],
             'orientation.yaw': np.pi / 2 + turn * (t > 4.0) + noise[3],
         }
-        return build_compared_flight(
+        return side_of(
             [
-                SignalChannel(f'odom/pose.pose.{name}', 'rad' if 'yaw' in name else 'm', t, line)
+                Channel(f'odom/pose.pose.{name}', 'rad' if 'yaw' in name else 'm', t, line)
                 for name, line in lines.items()
             ],
             label,

@@ -3,16 +3,15 @@
 from pathlib import Path
 
 from lta_data.bag import open_flight
-from lta_data.bag.channels import SignalChannel
 from lta_data.compare.channel_comparison import select_topic_pairs
-from lta_data.compare.compared_flight import build_compared_flight
 from lta_data.compare.comparison import compare_flights, compare_sides, ComparisonRequest
+from lta_data.flight import Channel
 from lta_data.importers.run import import_logs, ImportProgress, ImportRequest
 import numpy as np
 import pytest
 from rich.console import Console
 
-from .compare_flight import motion, UNIX
+from .compare_flight import motion, side_of, UNIX
 from .compare_two import channel
 
 
@@ -24,13 +23,11 @@ def run_of(start, seed, label, clock):
     climb = 0.3 * np.minimum(since, 1.0) + 0.4 * np.sin(since * 2.0 + seed) * (since > 0.0)
     noise = 0.003 * chance.normal(size=(2, len(t)))
     speed = since**0.5 * np.cos(seed * t) + noise[1]
-    return build_compared_flight(
+    return side_of(
         [
-            SignalChannel(
-                'motors/effort.left', '1', t, np.where(t >= start, 0.4 + 0.05 * seed, 0.0)
-            ),
-            SignalChannel('odom/pose.pose.position.z', 'm', t, climb + noise[0]),
-            SignalChannel('odom/twist.twist.linear.x', 'm/s', t, speed),
+            Channel('motors/effort.left', '1', t, np.where(t >= start, 0.4 + 0.05 * seed, 0.0)),
+            Channel('odom/pose.pose.position.z', 'm', t, climb + noise[0]),
+            Channel('odom/twist.twist.linear.x', 'm/s', t, speed),
         ],
         label,
         clock,

@@ -3,9 +3,9 @@
 from dataclasses import replace
 
 from lta_config.files import find_file, load_yaml
-from lta_data.bag.channels import SignalChannel
-from lta_data.data_quality.recording import ChannelRecording, Severity
+from lta_data.data_quality.recording import Severity
 from lta_data.data_quality.registry import run_checks
+from lta_data.flight import Channel, Flight
 import numpy as np
 import pytest
 import yaml
@@ -16,10 +16,9 @@ GYRO, FORCE = 'imu/angular_velocity', 'imu/linear_acceleration'
 def recording(**channels):
     """Return a recording of channels by 'topic/field', each a pair of times and values."""
     made = {
-        n: SignalChannel(n, '', np.asarray(t), np.asarray(v, float))
-        for n, (t, v) in channels.items()
+        n: Channel(n, '', np.asarray(t), np.asarray(v, float)) for n, (t, v) in channels.items()
     }
-    return ChannelRecording(made)
+    return Flight(made)
 
 
 def resting(seed=0, count=1000):
@@ -44,7 +43,7 @@ def test_a_resting_sensor_is_clean_and_what_cannot_be_judged_is_said():
 
 
 def test_an_empty_recording_has_no_findings():
-    assert run_checks(ChannelRecording({})).findings == ()
+    assert run_checks(Flight({})).findings == ()
 
 
 def test_a_constant_axis_is_named_and_an_unfilled_vector_is_a_note():

@@ -1,8 +1,7 @@
 """A recording is clean only if something was judged, and the answer says what."""
 
-from lta_data.bag.channels import SignalChannel
-from lta_data.data_quality.recording import ChannelRecording
 from lta_data.data_quality.registry import run_checks
+from lta_data.flight import Channel, Flight
 import numpy as np
 import pytest
 
@@ -13,7 +12,7 @@ def make(topic, fields, values, time=None):
     """Return channels of a topic, with the same values in each."""
     time = np.arange(len(values)) * 0.02 if time is None else time
     names = [f'{topic}/{field}' for field in fields]
-    return {name: SignalChannel(name, '1', time, np.array(values, dtype=float)) for name in names}
+    return {name: Channel(name, '1', time, np.array(values, dtype=float)) for name in names}
 
 
 def test_what_was_judged_is_listed():
@@ -29,7 +28,7 @@ def test_what_was_judged_is_listed():
     make('ground_truth/odom', ['pose.pose.position.x'], [1.0] * 10),
 ])  # fmt: skip
 def test_where_nothing_can_be_judged_it_is_not_checked(channels):
-    report = run_checks(ChannelRecording(channels))
+    report = run_checks(Flight(channels))
     assert (report.findings, report.status, report.judged) == ((), 'not checked', ())
 
 
@@ -41,8 +40,8 @@ def test_what_was_never_measured_is_named(part, word):
     for name, channel in channels.items():
         if part in name:
             missing = np.full(len(channel.time), np.nan)
-            channels[name] = SignalChannel(name, '', channel.time, missing)
-    report = run_checks(ChannelRecording(channels, {'data': 'measured'}))
+            channels[name] = Channel(name, '', channel.time, missing)
+    report = run_checks(Flight(channels, {'data': 'measured'}))
     assert f'The {word} was never measured' in ' '.join(one.evidence for one in report.findings)
     assert report.status == 'findings'
     assert word not in report.judged[0]
@@ -53,7 +52,7 @@ def test_a_gap_on_irregular_stamps_is_found_and_losses_are_not_counted():
     time = np.cumsum(rng.uniform(0.005, 0.06, 2000))
     time[1200:] += 4.0
     channels = make('range', ['range'], 1.0 + 0.01 * rng.standard_normal(2000), time)
-    report = run_checks(ChannelRecording(channels))
+    report = run_checks(Flight(channels))
     (gap,) = [one for one in report.findings if one.kind == 'stamps']
     assert gap.values['gap'] == pytest.approx(4.0, abs=0.1)
     assert any('irregular' in sentence for sentence in report.unjudged)
@@ -80,19 +79,19 @@ def test_stamps_of_arrivals_that_are_late_break_no_rule(rate, delays):
     # The same poses in less time
     quicker = {name: rate / 50.0 if 'twist' in name else 1.0 for name in recording.channels}
     channels = {
-        name: SignalChannel(name, one.unit, time, one.values * quicker[name])
+        name: Channel(name, one.unit, time, one.values * quicker[name])
         for name, one in recording.channels.items()
     }
-    assert run_checks(ChannelRecording(channels, {'data': 'measured'})).findings == ()
+    assert run_checks(Flight(channels, {'data': 'measured'})).findings == ()
 
 
 @pytest.mark.parametrize('digits', [2, 3])
 def test_rounded_readings_of_a_slow_motion_break_no_rule(digits):
     channels = {
-        name: SignalChannel(name, one.unit, one.time, np.round(one.values, digits))
+        name: Channel(name, one.unit, one.time, np.round(one.values, digits))
         for name, one in record().channels.items()
     }
-    report = run_checks(ChannelRecording(channels, {'data': 'measured'}))
+    report = run_checks(Flight(channels, {'data': 'measured'}))
     assert not report.is_grave
     assert any('is rounded (x to 0.0' in sentence for sentence in report.unjudged)
 
@@ -102,28 +101,28 @@ def test_a_rounded_reading_that_freezes_and_jumps_is_found():
     place = np.round(1.5 * np.sin(0.4 * time), 2)
     place[1500:1550] = place[1500]
     channels = make('ground_truth/odom', ['pose.pose.position.x'], place, time)
-    (finding,) = run_checks(ChannelRecording(channels, {'data': 'measured'})).findings
+    (finding,) = run_checks(Flight(channels, {'data': 'measured'})).findings
     assert (finding.kind, finding.from_s) == ('frozen', pytest.approx(30.0, abs=0.1))
 
 
 def test_notes_alone_are_no_check():
     channels = {
-        name: SignalChannel(name, '', one.time, np.full(len(one.time), np.nan))
+        name: Channel(name, '', one.time, np.full(len(one.time), np.nan))
         for name, one in record().channels.items()
         if 'twist' not in name
     }
-    report = run_checks(ChannelRecording(channels, {'data': 'measured'}))
+    report = run_checks(Flight(channels, {'data': 'measured'}))
     assert report.findings
     assert (report.status, report.judged) == ('not checked', ())
 
 
 def test_what_is_too_short_or_not_there_is_said():
     short = {
-        name: SignalChannel(name, '', one.time[:200], one.values[:200])
+        name: Channel(name, '', one.time[:200], one.values[:200])
         for name, one in record().channels.items()
         if 'position' in name
     }
-    said = ' '.join(run_checks(ChannelRecording(short, {'data': 'measured'})).unjudged)
+    said = ' '.join(run_checks(Flight(short, {'data': 'measured'})).unjudged)
     assert 'too short to compare motions' in said
     assert 'It has no attitude' in said
-    assert 'no message' in run_checks(ChannelRecording({})).unjudged[0]
+    assert 'no message' in run_checks(Flight({})).unjudged[0]

@@ -1,8 +1,7 @@
 """Copies of a run are found, and repeated manoeuvres, which move alike, are not."""
 
-from lta_data.bag.channels import SignalChannel
 from lta_data.data_quality.duplicate_runs import find_duplicate_runs
-from lta_data.data_quality.recording import ChannelRecording
+from lta_data.flight import Channel, Flight
 import numpy as np
 import pytest
 
@@ -30,9 +29,7 @@ def log_manoeuvre(rng, step=False, rate=100.0, noise=1e-4):
 
 
 def record(t, pose):
-    return ChannelRecording(
-        {name: SignalChannel(name, '', t, pose[:, k]) for k, name in enumerate(NAMES)}
-    )
+    return Flight({name: Channel(name, '', t, pose[:, k]) for k, name in enumerate(NAMES)})
 
 
 @pytest.mark.parametrize('step', [False, True])

@@ -1,8 +1,7 @@
 """A flight without commands is a free swing only if it is proved to be one."""
 
-from lta_data.bag.channels import SignalChannel
 from lta_data.data_quality.free_swing import explain_no_swing
-from lta_data.data_quality.recording import ChannelRecording
+from lta_data.flight import Channel, Flight
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -13,7 +12,7 @@ TIME = np.arange(0.0, 25.0, 0.02)
 CALM = np.zeros(len(TIME))
 
 
-def record(angles: Array, place: Array) -> ChannelRecording:
+def record(angles: Array, place: Array) -> Flight:
     """Return a recording of a pose alone; `angles` are yaw, pitch and roll."""
     rng = np.random.default_rng(1)
     turn = Rotation.from_euler('ZYX', angles + rng.normal(0.0, 1e-3, angles.shape))
@@ -22,13 +21,13 @@ def record(angles: Array, place: Array) -> ChannelRecording:
         'orientation': (turn.as_quat(), 'xyzw'),
     }
     channels = {
-        (name := f'ground_truth/odom/pose.pose.{part}.{axis}'): SignalChannel(
+        (name := f'ground_truth/odom/pose.pose.{part}.{axis}'): Channel(
             name, '', TIME, values[:, k].copy()
         )
         for part, (values, axes) in parts.items()
         for k, axis in enumerate(axes)
     }
-    return ChannelRecording(channels, {'data': 'measured'})
+    return Flight(channels, {'data': 'measured'})
 
 
 def swing(omega: float, damping: float, held: float = 0.0) -> Array:
@@ -37,7 +36,7 @@ def swing(omega: float, damping: float, held: float = 0.0) -> Array:
     return np.asarray(0.3 * np.exp(-damping * free) * np.cos(omega * free))
 
 
-def hang(pitch: Array, drift: float = 0.0) -> ChannelRecording:
+def hang(pitch: Array, drift: float = 0.0) -> Flight:
     """Return a swing in pitch of markers 0.2 m above the axis, with a drift [m/s]."""
     place = np.column_stack([0.2 * np.sin(pitch) + drift * TIME, CALM, 2.0 + CALM])
     return record(np.column_stack([0.02 * TIME, pitch, CALM]), place)
@@ -90,8 +89,8 @@ def test_a_large_tilt_late_in_a_flight_is_no_release() -> None:
 def test_commands_without_a_number_are_no_commands() -> None:
     driven = hang(CALM)
     name = 'motors/effort.left'
-    channels = {**driven.channels, name: SignalChannel(name, '1', TIME, CALM * np.nan)}
-    assert explain_no_swing(ChannelRecording(channels))
+    channels = {**driven.channels, name: Channel(name, '1', TIME, CALM * np.nan)}
+    assert explain_no_swing(Flight(channels))
 
 
 def test_a_swing_that_does_not_decay_is_driven() -> None:
@@ -109,5 +108,5 @@ def test_a_vehicle_that_is_steered_about_a_hover_follows_no_pendulum() -> None:
 def test_a_flight_with_commands_needs_no_proof() -> None:
     driven = hang(CALM)
     name = 'motors/effort.left'
-    channels = {**driven.channels, name: SignalChannel(name, '1', TIME, CALM + 0.3)}
-    assert explain_no_swing(ChannelRecording(channels)) == ''
+    channels = {**driven.channels, name: Channel(name, '1', TIME, CALM + 0.3)}
+    assert explain_no_swing(Flight(channels)) == ''

@@ -1,9 +1,8 @@
 """One wrong unit or axis of a whole recording is found by its cause; clean ones are not."""
 
-from lta_data.bag.channels import SignalChannel
 from lta_data.data_quality.checks.units import find_unit_by_size
-from lta_data.data_quality.recording import ChannelRecording
 from lta_data.data_quality.registry import run_checks
+from lta_data.flight import Channel, Flight
 from lta_data.interpretation.attitude_readings import shrink_angles
 import numpy as np
 import pytest
@@ -51,11 +50,11 @@ def record(
         'twist.twist.angular': (rates * rate, 'rad/s'),
     }
     channels = [
-        SignalChannel(f'{TOPIC}/{path}.{axis}', unit, t * time, values[:, index].copy())
+        Channel(f'{TOPIC}/{path}.{axis}', unit, t * time, values[:, index].copy())
         for path, (values, unit) in parts.items()
         for index, axis in enumerate('xyzw'[: values.shape[1]])
     ]
-    return ChannelRecording({c.name: c for c in channels}, {'data': 'measured'})
+    return Flight({c.name: c for c in channels}, {'data': 'measured'})
 
 
 def grave(recording):
@@ -130,11 +129,11 @@ def test_markers_away_from_the_axis_of_a_swing_are_not_upside_down(above):
     place = turn.apply([0.0, 0.0, above]) + centre + rng.normal(0, 3e-4, (len(t), 3))
     parts = {'position': place, 'orientation': turn.as_quat()}
     channels = [
-        SignalChannel(f'{TOPIC}/pose.pose.{part}.{axis}', 'm', t, values[:, index].copy())
+        Channel(f'{TOPIC}/pose.pose.{part}.{axis}', 'm', t, values[:, index].copy())
         for part, values in parts.items()
         for index, axis in enumerate('xyzw'[: values.shape[1]])
     ]
-    recording = ChannelRecording({one.name: one for one in channels}, {'data': 'measured'})
+    recording = Flight({one.name: one for one in channels}, {'data': 'measured'})
     assert grave(recording) == []
 
 
@@ -151,7 +150,7 @@ def test_angles_that_turned_many_times_are_followed():
 
 def commands(values):
     time = np.arange(len(values)) * 0.01
-    return SignalChannel('motors/effort.left', '1', time, np.asarray(values))
+    return Channel('motors/effort.left', '1', time, np.asarray(values))
 
 
 def test_corrupt_commands_are_no_other_unit_and_per_cent_is_one():
@@ -162,7 +161,7 @@ def test_corrupt_commands_are_no_other_unit_and_per_cent_is_one():
     assert list(find_unit_by_size(commands(broken))) == []
     (finding,) = find_unit_by_size(commands(duty * 100.0))
     assert 'looks like %' in finding.evidence
-    recording = ChannelRecording({'motors/effort.left': commands(broken)}, {'data': 'measured'})
+    recording = Flight({'motors/effort.left': commands(broken)}, {'data': 'measured'})
     findings = grave(recording)
     assert {one.kind for one in findings} == {'impossible'}
     assert 'a duty is between -1 and 1' in findings[0].evidence
@@ -192,8 +191,8 @@ def reread(change):
         for index, axis in enumerate('xyzw'[: values.shape[1]]):
             name = f'{TOPIC}/{path}.{axis}'
             column = values[:, index].copy()
-            channels[name] = SignalChannel(name, '', channels[name].time, column)
-    report = run_checks(ChannelRecording(channels, {'data': 'measured'}))
+            channels[name] = Channel(name, '', channels[name].time, column)
+    report = run_checks(Flight(channels, {'data': 'measured'}))
     return ' '.join(one.evidence for one in report.findings if one.kind == 'axes')
 
 

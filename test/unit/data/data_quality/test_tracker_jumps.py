@@ -1,9 +1,9 @@
 """Jumps of a tracker are told from motion and from gaps."""
 
-from lta_data.bag.channels import SignalChannel
-from lta_data.data_quality.motion import find_tracker_jumps
-from lta_data.data_quality.recording import ChannelRecording, QualityFinding
+from lta_data.data_quality.recording import QualityFinding
 from lta_data.data_quality.registry import run_checks
+from lta_data.flight import Channel, Flight
+from lta_data.interpretation.jumps import find_tracker_jumps
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -61,13 +61,11 @@ def find_impossible(
     """Return what `lta bag check` calls impossible in a pose."""
     parts = {'position': (place, 'xyz'), 'orientation': (turn.as_quat(), 'xyzw')}
     channels = {
-        (name := f'{topic}/pose.pose.{part}.{axis}'): SignalChannel(
-            name, '', time, values[:, k].copy()
-        )
+        (name := f'{topic}/pose.pose.{part}.{axis}'): Channel(name, '', time, values[:, k].copy())
         for part, (values, axes) in parts.items()
         for k, axis in enumerate(axes)
     }
-    report = run_checks(ChannelRecording(channels, {'data': 'measured'}))
+    report = run_checks(Flight(channels, {'data': 'measured'}))
     return [one for one in report.findings if one.kind == 'impossible']
 
 

@@ -5,7 +5,7 @@ import re
 
 from lta_bridge.bag.schemas import load_jazzy_types
 from lta_data.bag import open_flight
-from lta_data.data_quality.recording import read_recording
+from lta_data.bag.channels import read_flight
 import numpy as np
 import pytest
 
@@ -126,14 +126,14 @@ def test_what_is_no_bag_is_one_sentence(tmp_path, check):
 
 
 def test_an_unknown_orientation_is_no_attitude_and_log_times_come_along(imu_bag):
-    recording, remarks = read_recording(open_flight(imu_bag()))
-    assert remarks == []
+    recording = read_flight(open_flight(imu_bag()), raw=True)
+    assert recording.losses == ()
     assert 'imu/orientation.w' not in recording.channels
     np.testing.assert_allclose(recording.arrivals['imu'], np.arange(800) * 0.01)
 
 
 def test_quaternions_come_as_they_are(flight_bag):
-    recording, _ = read_recording(open_flight(flight_bag))
+    recording = read_flight(open_flight(flight_bag), raw=True)
     path = 'odom/pose.pose.orientation'
     z, w = (recording.channels[f'{path}.{part}'].values for part in 'zw')
     np.testing.assert_allclose(z, np.sin(0.05 * np.arange(40)))

@@ -57,7 +57,7 @@ def test_the_tilt_of_a_blimp_does_not_say_where_up_is(tmp_path, vehicle, asked):
     t = np.arange(0.0, 40.0, 0.05)
     pull = 0.3 * np.sin(0.9 * t)
     place = np.column_stack([-pull / 0.81, 0.0 * t, -1.5 + 0.1 * np.sin(0.4 * t)])
-    turn = Rotation.from_euler('y', 0.2 * pull[:, None])
+    turn = Rotation.from_euler('y', 0.1 * pull[:, None])
     table = {'t': t + 3.0, **three('', place), **three('q', turn.as_quat(), 'xyzw')}
     path = write_csv(tmp_path / 'a.csv', table)
     answers = {'ground_truth/odom.position.unit': 'm'}

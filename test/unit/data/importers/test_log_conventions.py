@@ -92,6 +92,14 @@ FORMS = {
         | dict(zip(('stateEstimateZ.rateRoll', 'stateEstimateZ.ratePitch',
                     'stateEstimateZ.rateYaw'), 1e3 * f['w'].T, strict=True)), 'pqvw',
     ),
+    'Crazyflie with the compressed states of its firmware, whose rates are inverted, too': Form(
+        lambda f: {'timestamp': np.round(1e3 * f['t']) + 99.0}
+        | place(f, 'stateEstimateZ.', 1e3) | three('stateEstimateZ.v', 1e3 * world_velocity(f))
+        | angles(f, 'stateEstimate.roll stateEstimate.pitch stateEstimate.yaw', (1, -1, 1))
+        | dict(zip(('stateEstimateZ.rateRoll', 'stateEstimateZ.ratePitch',
+                    'stateEstimateZ.rateYaw'), 1e3 * (f['w'] * [1, -1, 1]).T, strict=True)),
+        'pqvw',
+    ),
     'pitch inverted, by the gyroscope': Form(
         lambda f: timed(f) | place(f) | angles(f, signs=(1, -1, 1)) | three('w', f['w']), 'pqw'
     ),
@@ -143,6 +151,11 @@ FORMS = {
     'a state vector in capitals, another order': Form(
         lambda f: dict(zip('PQR', f['w'].T, strict=True)) | dict(zip('UVW', f['v'].T, strict=True))
         | angles(f, 'PHI THETA PSI', scale=1.0) | place(f) | {'T': f['t']}, 'pqvw',
+    ),
+    'a state vector with units': Form(
+        lambda f: timed(f) | place(f) | angles(f, 'phi_rad theta_rad psi_rad', scale=1.0)
+        | dict(zip(('u_m_s', 'v_m_s', 'w_m_s'), f['v'].T, strict=True))
+        | dict(zip(('p_rad_s', 'q_rad_s', 'r_rad_s'), f['w'].T, strict=True)), 'pqvw',
     ),
     'u, v, w in the world': Form(
         lambda f: timed(f) | place(f) | quaternion(f)
@@ -256,13 +269,13 @@ def test_a_unit_in_which_a_hover_would_be_a_flight_is_asked(tmp_path: Path) -> N
     assert [name for name, _ in question.options] == ['cm', 'mm']
 
 
-@pytest.mark.parametrize('scale', [1.0, DEGREES])
+@pytest.mark.parametrize(('scale', 'gyro'), [(1.0, 'gyro_'), (DEGREES, 'gyro_'), (1.0, 'g')])
 def test_an_inertial_sensor_may_have_other_axes_than_the_tracker(
-    scale: float, tmp_path: Path
+    scale: float, gyro: str, tmp_path: Path
 ) -> None:
     f = lab_flight()
     down = np.array([1.0, -1.0, -1.0])
-    sensed = three('gyro_', scale * f['w'] * down) | three('acc_', f['a'] * down)
+    sensed = three(gyro, scale * f['w'] * down) | three('acc_', f['a'] * down)
     source = write_csv(tmp_path / 'log.csv', timed(f) | place(f) | quaternion(f) | sensed)
     draft = draft_mapping(source, {})
     assert draft.choices.questions == []
@@ -356,3 +369,20 @@ def test_a_question_about_the_floor_says_what_the_heights_are(tmp_path: Path) ->
     (question,) = draft_mapping(source, {}).choices.questions
     low, high = np.percentile(f['p'][:, 2], [2.0, 98.0])
     assert f'z is {low:.3g} to {high:.3g} m' in question.reason
+
+
+def test_a_heading_alone_says_nothing_of_the_vertical(tmp_path: Path) -> None:
+    """The places are those of a game engine: x right, y up, z ahead."""
+    f = lab_flight()
+    table = timed(f, yaw=compass(f)) | three('pos_', f['p'][:, [0, 2, 1]] * [1, 1, 3] + [0, 0, 9])
+    questions = draft_mapping(write_csv(tmp_path / 'log.csv', table), {}).choices.questions
+    (up,) = (one for one in questions if one.key == 'world.up')
+    assert [name for name, _ in up.options] == ['up', 'down', 'y']
+
+
+def test_places_of_two_bodies_in_turn_are_called_doubtful(tmp_path: Path) -> None:
+    f = lab_flight()
+    f['p'][1::2] = [2.0, 2.0, 0.3]
+    source = write_csv(tmp_path / 'log.csv', timed(f) | place(f) | quaternion(f))
+    rows = {one.reading: one.reason for one in draft_mapping(source, {}).choices.reasons}
+    assert rows['doubtful'].startswith(f'{len(f["t"]) - 1} of {len(f["t"])} rows jump')

@@ -19,7 +19,8 @@ def write_vicon(f: Flight, bodies: tuple[str, ...]) -> str:
     parts = {'ship': np.hstack([Rotation.from_quat(f['q']).as_rotvec(degrees=True), place]),
              'rod': np.tile([4.0, 5.0, 6.0, *ROD], (len(place), 1))}  # fmt: skip
     head = [
-        'Objects', '50', ',,' + ',,,,,,'.join(f'{body}:{body}' for body in bodies),
+        'Segments' if 'rod' in bodies else 'Objects', '50',
+        ',,' + ',,,,,,'.join(f'{body}:{body}' for body in bodies),
         'Frame,Sub Frame' + ',RX,RY,RZ,TX,TY,TZ' * len(bodies),
         ',' + ',deg,deg,deg,mm,mm,mm' * len(bodies),
     ]  # fmt: skip

@@ -5,7 +5,7 @@ import re
 
 from lta_config.errors import BadInput
 from lta_data.bag import open_flight
-from lta_data.bag.channels import SignalChannel
+from lta_data.flight import Channel
 from lta_data.plot.report import (
     build_channel_listing,
     build_report,
@@ -30,7 +30,7 @@ def bag(tmp_path_factory):
 
 def ramp(name='odom/z', unit='m', count=64, **more):
     values = np.arange(float(count))
-    return SignalChannel(name, unit, values / 10, values, **more)
+    return Channel(name, unit, values / 10, values, **more)
 
 
 @pytest.mark.parametrize(
@@ -63,7 +63,7 @@ def test_a_word_that_means_nothing_or_too_much_is_one_sentence(bag):
 
 
 def test_an_angle_is_shown_in_degrees_without_jumps():
-    turned = SignalChannel(
+    turned = Channel(
         'odom/yaw', 'rad', np.arange(4.0), np.array([3.0, np.nan, -3.0, 3.0]), angular=True
     )
     shown = unwrap_to_degrees(turned)
@@ -100,9 +100,7 @@ def test_values_that_are_unknown_or_out_of_all_bounds_are_gaps():
     """plotext ends the process at a NaN in a line."""
     time = np.arange(8.0)
     values = np.array([0.0, 1.0, np.nan, np.nan, np.inf, -1e300, 1.0, 0.0])
-    rows, _ = split_plot(
-        draw_curves('', [SignalChannel('z', '', time, values)], (0.0, 7.0), 80).plain
-    )
+    rows, _ = split_plot(draw_curves('', [Channel('z', '', time, values)], (0.0, 7.0), 80).plain)
     columns = sorted(set().union(*list_filled_columns(rows)))
     # Dots in the first and the last seventh, none in the five between them
     assert max(np.diff(columns)) > 0.65 * len(rows[0])
@@ -142,7 +140,5 @@ def test_names_stay_whole_where_the_terminal_is_narrow():
     t = np.arange(100) / 10.0
     name = 'ground_truth/odom/pose.pose.position.x'
     console = Console(width=80, file=io.StringIO())
-    console.print(
-        build_channel_listing([SignalChannel(name, 'm/s2', t, -np.sqrt(t))], console.width)
-    )
+    console.print(build_channel_listing([Channel(name, 'm/s2', t, -np.sqrt(t))], console.width))
     assert name in console.file.getvalue()

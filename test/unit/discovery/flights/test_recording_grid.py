@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from lta_config.errors import BadInput
-from lta_data.bag.channels import read_all_channels
+from lta_data.bag.channels import read_flight
 from lta_data.bag.recorded_flight import open_flight
 from lta_discovery.flights.measured_flight import (
     FlightStreams,
@@ -65,7 +65,7 @@ def test_a_gap_is_not_filled_and_the_floor_and_the_warm_up_do_not_count() -> Non
 
 def test_a_bag_gives_poses_and_commands(tmp_path) -> None:
     flight = open_flight(write_flight(tmp_path / 'bag'))
-    told = build_streams(read_all_channels(flight).channels, list(ROTORS))
+    told = build_streams(read_flight(flight).channels, list(ROTORS))
     x, z, _ = place(20.0)
     k = int(np.argmin(np.abs(told.pose.time - 20.0)))
     np.testing.assert_allclose(told.pose.values[k], [x, 0.0, z, 0.0, 0.0, 0.0, 1.0], atol=0.01)
@@ -76,7 +76,7 @@ def test_a_bag_gives_poses_and_commands(tmp_path) -> None:
 
 def test_without_a_tracker_or_a_rotor_it_says_what_is_missing(tmp_path) -> None:
     flight = open_flight(write_flight(tmp_path / 'bag'))
-    channels = read_all_channels(flight).channels
+    channels = read_flight(flight).channels
     with pytest.raises(BadInput, match='no commands for tail'):
         build_streams(channels, ['tail'])
     blind = {name: c for name, c in channels.items() if not name.startswith('ground_truth')}

@@ -3,7 +3,7 @@
 from typing import Final
 
 from lta_config.errors import BadInput
-from lta_data.bag.channels import SignalChannel
+from lta_data.flight import Channel
 from lta_data.scene import find_tracker_prefix
 from lta_discovery.flights.measured_flight import FlightStreams, Stream
 from lta_discovery.flights.streams import build_streams, convert_to_duties
@@ -18,11 +18,11 @@ Array = NDArray[np.float64]
 RATE: Final = 30.0  # Hz
 
 
-def channel(name: str, time: Array, values: Array) -> SignalChannel:
-    return SignalChannel(name, '', time, values)
+def channel(name: str, time: Array, values: Array) -> Channel:
+    return Channel(name, '', time, values)
 
 
-def recorded(wrench: dict[str, float], motors: dict[str, float]) -> dict[str, SignalChannel]:
+def recorded(wrench: dict[str, float], motors: dict[str, float]) -> dict[str, Channel]:
     """Return the channels of a resting pose and constant commands."""
     time = np.arange(0.0, 2.0, 1.0 / RATE)
     zero = np.zeros_like(time)
@@ -109,7 +109,7 @@ def test_commands_beside_a_wrench_and_zero_commands_are_not_converted() -> None:
     assert duties('rgblimp', [[0.0, 0.0]]).tolist() == [[0.0, 0.0]]
 
 
-def pose(topic: str) -> dict[str, SignalChannel]:
+def pose(topic: str) -> dict[str, Channel]:
     """Return the two channels by which a topic is recognised as a pose."""
     names = [f'{topic}/pose.position.x', f'{topic}/pose.orientation.yaw']
     return {name: channel(name, np.zeros(1), np.zeros(1)) for name in names}

@@ -9,7 +9,7 @@ from lta_analysis.console import plain_console
 from lta_cli.options.common_options import RobotOption
 from lta_config.errors import BadInput
 from lta_data.bag.bag_folder import find_bag
-from lta_data.bag.channels import read_all_channels
+from lta_data.bag.channels import read_flight
 from lta_data.bag.recorded_flight import open_flight, RecordedFlight
 from lta_data.plot.report import (
     build_channel_listing,
@@ -94,12 +94,12 @@ def print_channel_overview(
     flight: RecordedFlight, begin: float, end: float, console: Console
 ) -> None:
     """Print all channels, and the topics that could not be decoded."""
-    decoded = read_all_channels(flight)
+    whole = read_flight(flight)
     channels = [
-        unwrap_to_degrees(crop_channel(item, begin, end)) for item in decoded.channels.values()
+        unwrap_to_degrees(crop_channel(item, begin, end)) for item in whole.channels.values()
     ]
     console.print(build_channel_listing(channels, console.width))
-    print_remarks([*decoded.remarks, *flight.bag.losses], console)
+    print_remarks(whole.losses, console)
 
 
 def print_remarks(remarks: Sequence[str], console: Console) -> None:

@@ -6,22 +6,23 @@ between a sensor and what the pose implies for it.
 """
 
 from collections.abc import Iterator, Sequence
-from typing import Any, Final, final, NamedTuple
+from typing import Final, final, NamedTuple
 
-from lta_data.bag.channels import SignalChannel
 from lta_data.compare.coarse_lag import estimate_coarse_lag, SharedQuantity, STEPS
-from lta_data.compare.sampling import SampledSignal
 from lta_data.data_quality import limits
 from lta_data.data_quality.motion import MeasuredVector, MOVING, PoseMotion
 from lta_data.data_quality.recording import CheckContext, CheckVerdict, QualityFinding, Severity
 from lta_data.even_grid import (
+    find_late_messages,
     find_runs,
     hann_kernel,
     is_grid_allowed,
     median_period,
+    SampledSignal,
     smooth_columns,
     TOGETHER,
 )
+from lta_data.flight import Channel
 import numpy as np
 from numpy.typing import NDArray
 
@@ -167,8 +168,6 @@ def correlate_moved(
 
 STAMPS: Final = 'stamps'
 TWICE: Final = 0.001  # share of repeated stamps from which they are reported
-IN_A_ROW: Final = 3  # messages that a network may deliver late together
-LATE: Final = 0.05  # share of late messages beyond which the time stamps are wrong
 REGULAR: Final = 0.3  # relative standard deviation of a period, at most
 LONG: Final = 98.0  # percentile of irregular periods that a gap exceeds
 SHOWN: Final = 5  # findings of one kind per topic, at most
@@ -177,7 +176,7 @@ SHOWN: Final = 5  # findings of one kind per topic, at most
 def find_stamp_errors(evidence: CheckContext) -> CheckVerdict:
     """Find errors in the times of each topic."""
     findings: list[QualityFinding] = []
-    first: dict[str, SignalChannel] = {}
+    first: dict[str, Channel] = {}
     for channel in evidence.recording.channels.values():
         # All channels of a topic have the same times, so check one of them
         first.setdefault(channel.topic, channel)
@@ -221,19 +220,6 @@ def find_backward_stamps(topic: str, time: Array) -> Iterator[QualityFinding]:
             f'{len(twice)} of {len(time)} messages repeat the previous time stamp.',
             Severity.SUSPICIOUS, {'messages': float(len(twice))},
         )  # fmt: skip
-
-
-def find_late_messages(time: Array) -> Any:  # noqa: ANN401 - an array of bool
-    """
-    Return which messages arrived after later ones, as on a network without order.
-
-    Where a clock is set back, all messages are behind until it has caught up; here, a few are.
-    """
-    behind = time < np.maximum.accumulate(time)
-    late = np.zeros(len(time), dtype=bool)
-    for begin, end in find_runs(behind).tolist():
-        late[begin:end] = end - begin <= IN_A_ROW
-    return late if late.mean() <= LATE else np.zeros(len(time), dtype=bool)
 
 
 def find_gaps(topic: str, time: Array) -> Iterator[QualityFinding]:

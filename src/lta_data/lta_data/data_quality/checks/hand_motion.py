@@ -13,14 +13,8 @@ from typing import final, NamedTuple
 
 from lta_config.limits import GRID
 from lta_data.data_quality import limits, roles
-from lta_data.data_quality.motion import find_tracker_jumps, VectorSeries
-from lta_data.data_quality.recording import (
-    ChannelRecording,
-    CheckContext,
-    CheckVerdict,
-    QualityFinding,
-    Severity,
-)
+from lta_data.data_quality.motion import VectorSeries
+from lta_data.data_quality.recording import CheckContext, CheckVerdict, QualityFinding, Severity
 from lta_data.even_grid import (
     build_uniform_time_grid,
     find_runs,
@@ -31,6 +25,8 @@ from lta_data.even_grid import (
     merge_runs,
     smooth_columns,
 )
+from lta_data.flight import Flight
+from lta_data.interpretation.jumps import find_tracker_jumps
 import numpy as np
 from numpy.typing import NDArray
 
@@ -172,12 +168,12 @@ def find_tremor(vector: VectorSeries, values: Array) -> Iterator[QualityFinding]
         )  # fmt: skip
 
 
-def find_idle_times(recording: ChannelRecording) -> tuple[Array, NDArray[np.bool_]] | None:
+def find_idle_times(recording: Flight) -> tuple[Array, NDArray[np.bool_]] | None:
     """Return times of commands and whether all rotors were idle; None without commands."""
     commands = [
         (channel, FORCE if channel.unit == 'N' else limits.IDLE_DUTY)
         for channel in recording.channels.values()
-        if roles.DRIVES.match(channel.name) and len(channel.time) > 1
+        if roles.DRIVEN.match(channel.name) and len(channel.time) > 1
     ]
     if not commands:
         return None

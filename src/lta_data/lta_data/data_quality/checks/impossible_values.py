@@ -11,12 +11,13 @@ from collections import defaultdict
 from collections.abc import Iterator, Sequence
 
 from lta_config.constants import STANDARD_GRAVITY
-from lta_data.bag.channels import SignalChannel
 from lta_data.data_quality import limits, roles
-from lta_data.data_quality.motion import collect_poses, find_steps, InertialSeries, PoseSeries
+from lta_data.data_quality.motion import collect_poses, InertialSeries, PoseSeries
 from lta_data.data_quality.recording import CheckContext, CheckVerdict, QualityFinding, Severity
 from lta_data.data_quality.roles import build_light_ranges, CELLS, RANGES, ValidRange
 from lta_data.even_grid import find_runs, merge_runs, sort_samples
+from lta_data.flight import Channel
+from lta_data.interpretation.jumps import find_steps
 import numpy as np
 from numpy.typing import NDArray
 
@@ -71,9 +72,7 @@ def build_stretch_findings(
         )  # fmt: skip
 
 
-def find_out_of_range(
-    channel: SignalChannel, ranges: Sequence[ValidRange]
-) -> Iterator[QualityFinding]:
+def find_out_of_range(channel: Channel, ranges: Sequence[ValidRange]) -> Iterator[QualityFinding]:
     """Yield values outside the range of their quantity."""
     for allowed in ranges:
         if allowed.names.search(channel.name):
@@ -86,7 +85,7 @@ def find_out_of_range(
                 yield from build_stretch_findings(channel.name, channel.time, bad, text)
 
 
-def find_non_numbers(channel: SignalChannel) -> Iterator[QualityFinding]:
+def find_non_numbers(channel: Channel) -> Iterator[QualityFinding]:
     """Yield infinite values, and NaN between numbers, in quantities that are always defined."""
     if roles.match_noisy_quantity(channel) is None or not np.isfinite(channel.values).any():
         return  # `coverage` says what was never measured
@@ -99,7 +98,7 @@ def find_non_numbers(channel: SignalChannel) -> Iterator[QualityFinding]:
     yield from build_stretch_findings(channel.name, channel.time, missing, 'not a number', LOST)
 
 
-def find_impossible_voltages(channel: SignalChannel) -> Iterator[QualityFinding]:
+def find_impossible_voltages(channel: Channel) -> Iterator[QualityFinding]:
     """Yield voltages that neither a cell nor a pack can have."""
     values = channel.values
     inside = np.zeros(len(values), dtype=np.bool_)
@@ -112,9 +111,9 @@ def find_impossible_voltages(channel: SignalChannel) -> Iterator[QualityFinding]
         yield from build_stretch_findings(channel.name, channel.time, bad, text)
 
 
-def find_unnormalized_quaternions(channels: list[SignalChannel]) -> Iterator[QualityFinding]:
+def find_unnormalized_quaternions(channels: list[Channel]) -> Iterator[QualityFinding]:
     """Yield quaternions of a topic without unit length."""
-    parts: dict[str, dict[str, SignalChannel]] = {}
+    parts: dict[str, dict[str, Channel]] = {}
     for channel in channels:
         match = roles.QUATERNION.match(channel.field)
         if match is not None:
@@ -207,7 +206,7 @@ def find_missing_noise(evidence: CheckContext) -> CheckVerdict:
     # A declared simulation may be free of noise.
     if evidence.recording.is_simulated:
         return CheckVerdict()
-    groups: defaultdict[tuple[str, str], list[SignalChannel]] = defaultdict(list)
+    groups: defaultdict[tuple[str, str], list[Channel]] = defaultdict(list)
     for channel in evidence.recording.channels.values():
         what = roles.match_noisy_quantity(channel)
         # A quantity that was not logged has no numbers
@@ -231,9 +230,9 @@ def find_missing_noise(evidence: CheckContext) -> CheckVerdict:
     return CheckVerdict(tuple(findings), tuple(unjudged))
 
 
-def channel_noise(channel: SignalChannel) -> float | None:
+def channel_noise(channel: Channel) -> float | None:
     """Return the RMS noise of a channel, in its unit; None if it is too short."""
-    _, table = sort_samples(channel.time, channel.values[:, None])
+    _, table = sort_samples(channel.time, channel.values[:, None]).select_complete()
     # A jump from pi to -pi would look like noise
     values = np.unwrap(table[:, 0]) if channel.angular else table[:, 0]
     if len(values) < 2 * WINDOW:
@@ -263,7 +262,7 @@ def high_frequency_noise(values: NDArray[np.float64]) -> float:
 
 
 def build_smoothness_finding(
-    name: str, channel: SignalChannel, level: float, least: float
+    name: str, channel: Channel, level: float, least: float
 ) -> QualityFinding:
     """Return the finding of a vector without noise."""
     unit = channel.unit

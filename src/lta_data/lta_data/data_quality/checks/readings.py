@@ -24,8 +24,8 @@ from lta_data.data_quality.recording import (
     select_first_findings,
     Severity,
 )
-from lta_data.importers.draft.column_groups import ColumnGroup
 from lta_data.interpretation.attitude_readings import AttitudeReading, list_readings
+from lta_data.interpretation.column_group import ColumnGroup
 from lta_data.interpretation.kinematics import (
     iterate_moments,
     LATEST,

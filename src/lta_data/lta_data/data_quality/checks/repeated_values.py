@@ -12,10 +12,10 @@ from collections import defaultdict
 from collections.abc import Iterator
 import math
 
-from lta_data.bag.channels import SignalChannel
 from lta_data.data_quality import limits, roles
 from lta_data.data_quality.recording import CheckContext, CheckVerdict, QualityFinding, Severity
 from lta_data.even_grid import find_coarse_unit, find_runs, median_period
+from lta_data.flight import Channel
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,7 +24,7 @@ CONSTANT = 'constant'
 
 def find_constant_channels(evidence: CheckContext) -> CheckVerdict:
     """Find constant channels, and vectors that were never filled in."""
-    groups: defaultdict[str, list[SignalChannel]] = defaultdict(list)
+    groups: defaultdict[str, list[Channel]] = defaultdict(list)
     for channel in evidence.recording.channels.values():
         if should_vary(channel) and np.isfinite(channel.values).sum() >= limits.LEAST_SAMPLES:
             groups[roles.vector_name(channel.name)].append(channel)
@@ -48,7 +48,7 @@ def find_constant_channels(evidence: CheckContext) -> CheckVerdict:
     return CheckVerdict(tuple(findings))
 
 
-def should_vary(channel: SignalChannel) -> bool:
+def should_vary(channel: Channel) -> bool:
     """Return whether a channel of an instrument should change all the time."""
     if roles.match_noisy_quantity(channel) is not None:
         return True
@@ -56,18 +56,18 @@ def should_vary(channel: SignalChannel) -> bool:
     return roles.is_measured(channel) and (lit or channel.name == 'range/range')
 
 
-def is_constant(channel: SignalChannel) -> bool:
+def is_constant(channel: Channel) -> bool:
     """Return whether all finite values are equal."""
     values = channel.values[np.isfinite(channel.values)]
     return bool((values == values[0]).all())
 
 
-def first_finite_value(channel: SignalChannel) -> float:
+def first_finite_value(channel: Channel) -> float:
     """Return the first finite value."""
     return float(channel.values[np.isfinite(channel.values)][0])
 
 
-def build_unfilled_finding(name: str, channel: SignalChannel) -> QualityFinding:
+def build_unfilled_finding(name: str, channel: Channel) -> QualityFinding:
     """Return the finding of a vector that is always zero: its sender has no such quantity."""
     text = (
         f'All components are exactly 0 in all {len(channel.time)} messages: the sender does '
@@ -84,7 +84,7 @@ def build_unfilled_finding(name: str, channel: SignalChannel) -> QualityFinding:
     )
 
 
-def build_constant_finding(channel: SignalChannel) -> QualityFinding:
+def build_constant_finding(channel: Channel) -> QualityFinding:
     """Return the finding of a constant channel."""
     held = first_finite_value(channel)
     why = 'the noise of a real sensor would change them.'
@@ -119,7 +119,7 @@ def find_freezes(evidence: CheckContext) -> CheckVerdict:
     return CheckVerdict(tuple(findings))
 
 
-def find_channel_freezes(channel: SignalChannel, simulated: bool) -> Iterator[QualityFinding]:
+def find_channel_freezes(channel: Channel, simulated: bool) -> Iterator[QualityFinding]:
     """Yield the freezes of one channel."""
     values = channel.values
     if not np.isfinite(values).any() or is_constant(channel):
@@ -183,7 +183,7 @@ def ends_with_jump(values: NDArray[np.float64], end: int) -> bool:
     return bool(abs(values[end + 1] - values[end]) > RELEASED * usual)
 
 
-def build_freeze_finding(channel: SignalChannel, begin: int, end: int) -> QualityFinding:
+def build_freeze_finding(channel: Channel, begin: int, end: int) -> QualityFinding:
     """Return the finding of a frozen stretch."""
     first, last = float(channel.time[begin]), float(channel.time[end])
     held = float(channel.values[begin])
@@ -218,7 +218,7 @@ def find_clipping(evidence: CheckContext) -> CheckVerdict:
     )
 
 
-def find_pileups(channel: SignalChannel, simulated: bool) -> Iterator[QualityFinding]:
+def find_pileups(channel: Channel, simulated: bool) -> Iterator[QualityFinding]:
     """Yield the extremes of one channel at which values accumulate."""
     good = np.isfinite(channel.values)
     if simulated:  # exactly constant until take-off
@@ -254,7 +254,7 @@ def find_pileups(channel: SignalChannel, simulated: bool) -> Iterator[QualityFin
         )  # fmt: skip
 
 
-def find_railed_blocks(channel: SignalChannel, evidence: CheckContext) -> Iterator[QualityFinding]:
+def find_railed_blocks(channel: Channel, evidence: CheckContext) -> Iterator[QualityFinding]:
     """Yield the span in which blocks of one diode reach a limit of the ADC."""
     # Counts; the lower limit of a single-ended ADC is zero
     end = evidence.adc_full_scale if channel.field.startswith('max[') else 0.0
@@ -299,7 +299,7 @@ def hash_windows(values: NDArray[np.float64], length: int) -> NDArray[np.uint64]
     return total
 
 
-def find_repeats(channel: SignalChannel) -> Iterator[QualityFinding]:
+def find_repeats(channel: Channel) -> Iterator[QualityFinding]:
     """Yield the repeated stretches of one channel."""
     values, length = channel.values, limits.DUPLICATED_SAMPLES
     if len(values) < 2 * length or find_coarse_unit(values):
@@ -331,9 +331,7 @@ def find_repeats(channel: SignalChannel) -> Iterator[QualityFinding]:
             )
 
 
-def build_repeat_finding(
-    channel: SignalChannel, first: int, again: int, count: int
-) -> QualityFinding:
+def build_repeat_finding(channel: Channel, first: int, again: int, count: int) -> QualityFinding:
     """Return the finding of a repeated stretch."""
     time = channel.time
     begin, end = float(time[again]), float(time[min(again + count, len(time)) - 1])

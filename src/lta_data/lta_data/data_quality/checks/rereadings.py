@@ -25,14 +25,17 @@ from lta_data.interpretation.attitude_readings import (
 )
 from lta_data.interpretation.kinematics import (
     differentiate,
-    fit_lever,
     fit_scale,
-    fit_tilt,
-    is_inverted,
     is_near,
     LATEST,
     NO_FIT,
     ScaleFit,
+)
+from lta_data.interpretation.vertical import (
+    fit_tilt,
+    is_inverted,
+    judge_heights,
+    judge_tilt,
     TILT,
     upright_share,
 )
@@ -210,7 +213,6 @@ TURNED: Final = 0.03  # least range of the angles of a flight [rad]
 REACH: Final = 0.2  # extent of a flight by the range of its angles, at least [m/rad]
 CONTRADICTION: Final = 0.4  # cosine below which two vectors are not of one motion
 BELOW: Final = -0.25  # median height at which all of a flight is below the floor [m]
-LEVER: Final = 0.6  # largest distance of markers from the axis of a swing [m]
 
 
 def find_rereadings(evidence: CheckContext) -> list[QualityFinding]:
@@ -331,25 +333,19 @@ def _explain_vertical(pose: PoseSeries, motion: PoseMotion | None) -> tuple[str,
     turns = [] if motion is None else [*_fit_rates(motion), _fit_velocity(motion)]
     if any(fit.cosine < CONTRADICTION for fit in turns if np.isfinite(fit.ratio)):
         return None
-    lean = NO_FIT if motion is None else _fit_lean(motion)
-    least, low, high = (float(one) for one in np.percentile(place.values[:, 2], [2.0, 50.0, 98.0]))
+    by_tilt, lean = 0, NO_FIT
+    if motion is not None and motion.place is not None:
+        by_tilt, lean = judge_tilt(motion.turn, motion.place, motion.seconds)
+    by_height, _ = judge_heights(place.values)
+    low = float(np.median(place.values[:, 2]))
     reasons = []
-    if low < BELOW and high < 0.0:
+    if by_height < 0 and low < BELOW:
         reasons.append(f'z is below zero throughout (median {low:.3g} m)')
     # With z down, heights that are all above zero would be below the floor
-    tilted = lean.cosine < -TILT and is_near(lean.ratio / STANDARD_GRAVITY, 1.0)
-    if tilted and least < 0.0 and not _swings_with_body(motion):
+    if by_tilt < 0 and by_height <= 0:
         reasons.append(f'the vehicle accelerates against its lean (correlation {lean.cosine:.2f})')
     text = f'The z axis points down (NED read as ENU): {" and ".join(reasons)}.'
     return (text, low) if reasons else None
-
-
-def _swings_with_body(motion: PoseMotion | None) -> bool:
-    """Return whether the tracked point moves as one above the axis of a swinging body does."""
-    if motion is None or motion.place is None:
-        return False
-    lever = fit_lever(motion.turn, motion.place, motion.seconds)
-    return lever.cosine > TILT and 0.0 < lever.ratio < LEVER
 
 
 def remove_explained_findings(findings: list[QualityFinding]) -> list[QualityFinding]:

@@ -10,7 +10,6 @@ import re
 from typing import Final, NamedTuple
 
 from lta_config.constants import STANDARD_GRAVITY
-from lta_data.bag.channels import SignalChannel
 from lta_data.data_quality import limits, roles
 from lta_data.data_quality.checks.readings import (
     CORRELATED,
@@ -27,6 +26,7 @@ from lta_data.data_quality.recording import (
     Severity,
 )
 from lta_data.even_grid import sort_samples
+from lta_data.flight import Channel
 from lta_data.interpretation.kinematics import find_gravity_unit, fit_scale
 import numpy as np
 from numpy.typing import NDArray
@@ -103,12 +103,12 @@ def describe_unpaired_rates(evidence: CheckContext) -> tuple[str, ...]:
     )
 
 
-def find_unit_by_height(pose: PoseSeries, channel: SignalChannel) -> Iterator[QualityFinding]:
+def find_unit_by_height(pose: PoseSeries, channel: Channel) -> Iterator[QualityFinding]:
     """Yield a downward range or an air pressure whose size follows the height in another unit."""
     is_range = channel.field == 'range'
     if pose.position is None or not (is_range or roles.PRESSURE.match(channel.field)):
         return
-    time, values = sort_samples(channel.time, channel.values[:, None])
+    time, values = sort_samples(channel.time, channel.values[:, None]).select_complete()
     if len(time) < limits.LEAST_SAMPLES or len(pose.position.time) < limits.LEAST_SAMPLES:
         return
     # Pressure falls with height
@@ -122,7 +122,7 @@ def find_unit_by_height(pose: PoseSeries, channel: SignalChannel) -> Iterator[Qu
         yield from name_factor(kind, channel.name, pose.position.name, fit.ratio, span)
 
 
-def find_unit_by_size(channel: SignalChannel) -> Iterator[QualityFinding]:
+def find_unit_by_size(channel: Channel) -> Iterator[QualityFinding]:
     """Yield a channel whose size fits another unit."""
     for size in SIZES:
         values = channel.values[np.isfinite(channel.values)]

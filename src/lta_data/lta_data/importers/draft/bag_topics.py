@@ -11,18 +11,8 @@ from lta_data.importers.axes import signed_permutation
 from lta_data.importers.draft.bodies import choose_bag_body, choose_moving, read_tables
 from lta_data.importers.draft.choices import BODY_AXES, DraftChoices
 from lta_data.importers.draft.clock_alignment import TimedTable
-from lta_data.importers.draft.column_groups import ColumnGroup
 from lta_data.importers.draft.command_motion import ask_for_columns
 from lta_data.importers.draft.motion_draft import draft_motion, MotionDraft
-from lta_data.importers.draft.name_hints import (
-    ACTUATORS,
-    COMMANDS,
-    JOYSTICKS,
-    match_kind,
-    match_role,
-    parse_column_name,
-    TIMES,
-)
 from lta_data.importers.draft.scalar_draft import draft_scalars
 from lta_data.importers.draft.table_draft import draft_table
 from lta_data.importers.draft.time_base import TimeBase
@@ -31,6 +21,16 @@ from lta_data.importers.entry_plan import SHAPES
 from lta_data.importers.formats import FORMATS
 from lta_data.importers.protocol import LogTable, Numbers
 from lta_data.importers.readers.bag_tables import BODIES, CHILD, FURTHER
+from lta_data.interpretation.column_group import ColumnGroup
+from lta_data.interpretation.column_names import (
+    ACTUATORS,
+    COMMANDS,
+    JOYSTICKS,
+    match_kind,
+    match_role,
+    parse_column_name,
+    TIMES,
+)
 import numpy as np
 from scipy.spatial.transform import Rotation
 

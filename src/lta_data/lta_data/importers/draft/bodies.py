@@ -7,18 +7,19 @@ from typing import Any, Final, final, NamedTuple
 
 from lta_config.schema.import_file import ImportMapping
 from lta_data.importers.draft.choices import DraftChoices
-from lta_data.importers.draft.column_groups import ColumnGroup, Columns, group_columns
-from lta_data.importers.draft.name_hints import KINDS, match_role, parse_column_name
+from lta_data.importers.draft.column_groups import group_columns
 from lta_data.importers.entry_plan import SHAPES
 from lta_data.importers.formats import FORMATS
 from lta_data.importers.protocol import LogReader, LogTable, Numbers
 from lta_data.importers.readers.bag_tables import BagTableLog, BODIES, FURTHER
 from lta_data.importers.readers.column_log import Column
+from lta_data.interpretation.column_group import ColumnGroup, Columns
+from lta_data.interpretation.column_names import KINDS, match_role, parse_column_name
+from lta_data.interpretation.commands import is_held
 import numpy as np
 
 APART: Final = 0.2  # of their extent; two estimates of one body are closer
 STILL: Final = 0.02  # of the largest extent; a body that moves less stands still
-HELD: Final = 0.5  # share of repeated values from which a place is a setpoint
 MOST_BODIES: Final = 20
 FEWEST_ROWS: Final = 20  # of a body
 ALTERNATING: Final = 0.2  # share of the rows that are of another body than the row before
@@ -155,7 +156,7 @@ def _list_bodies(groups: Sequence[ColumnGroup], table: Columns) -> list[TrackedB
         rows = place.stack(table)
         own = _list_words(place) - shared - COMMON
         own = frozenset(word for word in own if not match_role([word]))
-        if not np.isfinite(rows).all(axis=1).any() or _is_held(rows):
+        if not np.isfinite(rows).all(axis=1).any() or is_held(rows):
             continue
         if any(_is_same(rows, one.place.stack(table)) for one in bodies):
             continue
@@ -168,12 +169,6 @@ def _list_bodies(groups: Sequence[ColumnGroup], table: Columns) -> list[TrackedB
 
 def _list_words(group: ColumnGroup) -> frozenset[str]:
     return frozenset(word for name in group.columns for word in parse_column_name(name).stem)
-
-
-def _is_held(rows: Numbers) -> bool:
-    """Return whether a place is a setpoint: it moves, and is mostly held."""
-    repeated = (np.diff(rows, axis=0) == 0.0).all(axis=1)
-    return bool(HELD < repeated.mean() < 1.0)
 
 
 def _is_same(rows: Numbers, others: Numbers) -> bool:

@@ -10,9 +10,10 @@ from lta_config.schema.import_file import FIELD_AXES
 from lta_data.even_grid import hann_kernel, smooth_columns
 from lta_data.importers.axes import signed_permutation
 from lta_data.importers.draft.choices import DraftChoices
-from lta_data.importers.draft.column_groups import Columns
 from lta_data.importers.draft.table_draft import list_columns, TableDraft
 from lta_data.importers.protocol import Numbers
+from lta_data.interpretation.column_group import Columns
+from lta_data.interpretation.commands import DRIVES
 from lta_data.interpretation.kinematics import body_rates_of, differentiate
 import numpy as np
 from pydantic import ValidationError
@@ -32,7 +33,6 @@ APART: Final = 1.0  # a smaller offset is the delay of a vehicle, not that of a 
 JUMP: Final = 3600.0  # a longer gap is a clock that was set [s]
 EPOCH: Final = 1e9  # later times count from 1970 [s]
 ONE_DAY: Final = 86_400.0  # times since 1970 that are nearer are those of one clock [s]
-COMMANDS: Final = ('motors', 'wrench_command')
 
 
 @final
@@ -166,7 +166,7 @@ def _parse_seconds(key: str, text: str) -> float:
 def _read_draft(name: str, draft: TableDraft, table: Columns) -> TimedTable:
     """Return the times of a drafted table, and its commands or poses in our axes."""
     columns = [
-        column for entry in draft.entries if entry['topic'] in COMMANDS
+        column for entry in draft.entries if entry['topic'] in DRIVES
         for column in list_columns(entry)
     ]  # fmt: skip
     commands = np.column_stack([table[one] for one in columns]).astype(float) if columns else None

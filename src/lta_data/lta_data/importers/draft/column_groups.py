@@ -2,11 +2,21 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 import re
-from typing import Final, final, NamedTuple
+from typing import Final
 
-from lta_data.importers.axes import LocalMap
 from lta_data.importers.draft.generic_commands import find_named_axes
-from lta_data.importers.draft.name_hints import (
+from lta_data.importers.protocol import Numbers
+from lta_data.interpretation.column_group import (
+    ATTITUDES,
+    ColumnGroup,
+    Columns,
+    find_turn,
+    GEODETIC,
+    has_unit_length,
+    measure_length,
+    UNIT_NORM,
+)
+from lta_data.interpretation.column_names import (
     ACTIONS,
     ANGLE_AXES,
     ANGLES,
@@ -23,7 +33,6 @@ from lta_data.importers.draft.name_hints import (
     parse_column_name,
     UNIT_WORDS,
 )
-from lta_data.importers.protocol import Numbers
 import numpy as np
 
 TRIPLES: Final = (('x', 'y', 'z'), ('n', 'e', 'd'), ('0', '1', '2'), ('1', '2', '3'))
@@ -35,7 +44,6 @@ KIND_OF_UNIT: Final = {
     'm': 'position', 'mm': 'position', 'cm': 'position',
 }  # fmt: skip
 FOURS: Final = (('0', '1', '2', '3'), ('1', '2', '3', '4'))
-ATTITUDES: Final = ('quaternion', 'matrix', 'euler')  # kinds of groups
 # An element of a matrix, by one number or by row and column: Rot[0], R11, r_1_1
 ELEMENT: Final = re.compile(r'(.*?\D)(\d)(?:[\])(_,.\[]{0,2}(\d))?[\])]?')
 ELEMENTS: Final = tuple(
@@ -44,44 +52,9 @@ ELEMENTS: Final = tuple(
         [f'{first + i}{first + j}' for i in range(3) for j in range(3)],
     )
 )  # fmt: skip
-GEODETIC: Final = ('lat', 'lon', 'alt')
 LEAST_FIX: Final = 0.02  # longitude in radians; less is that of a simulator at zero, in degrees
 FULL_TURN: Final = 360.0  # degrees; larger numbers are in 1e-7 degrees, and altitudes in mm
-# Factors of a fix to degrees and metres, by the unit of its altitude
-FIX_SCALES: Final = {
-    'm': (1.0, 1.0, 1.0), 'mm': (1e-7, 1e-7, 1e-3), 'rad': (180.0 / np.pi, 180.0 / np.pi, 1.0),
-}  # fmt: skip
 STEADY: Final = 0.3  # of the length of a specific force; a command varies by more
-COMMON: Final = 0.9  # of the quaternions of a log that have one length
-UNIT_NORM: Final = 0.02  # largest median deviation of the length of a quaternion
-Columns = Mapping[str, Numbers]
-
-
-@final
-class ColumnGroup(NamedTuple):
-    """Columns that belong together."""
-
-    # 'position', 'velocity', 'rates', 'acceleration', 'force', 'torque' or one of ATTITUDES
-    kind: str
-    role: str  # 'truth', 'estimate', 'setpoint', or '' if the names do not say
-    # x, y, z; of a quaternion as the log has them; of Euler angles roll, pitch, yaw, or yaw alone;
-    # of force and torque those that the log has
-    columns: tuple[str, ...]
-    axes: tuple[str, ...]  # the axis in the name of each
-    unit: str  # as in the names, '' if they do not say
-    reason: str  # why it has this kind
-
-    @property
-    def is_geodetic(self) -> bool:
-        """Whether a position is in latitude, longitude and altitude."""
-        return self.axes == GEODETIC
-
-    def stack(self, table: Columns) -> Numbers:
-        """Return the numbers, shape (n, columns); a latitude becomes a place in metres."""
-        rows = np.stack([table[name] for name in self.columns], axis=1).astype(np.float64)
-        if self.is_geodetic:
-            return LocalMap().project(rows * np.array(FIX_SCALES[self.unit]))
-        return rows
 
 
 def group_columns(
@@ -116,6 +89,8 @@ def group_columns(
             if stem_group is not None and not grouped & {*stem_group.columns}:
                 groups.append(stem_group)
                 grouped |= {*stem_group.columns}
+    if any(group.kind == 'acceleration' for group in groups):
+        groups = [_read_gyroscope(group) for group in groups]
     rest = [name for name in named if name.column not in grouped]
     # Without a tracker, a quaternion is zero throughout
     groups = [one for one in groups if one.kind != 'quaternion' or one.stack(table).any()]
@@ -128,6 +103,14 @@ def group_columns(
         groups = [*groups, heading]
         rest = [name for name in rest if name.column not in heading.columns]
     return groups, rest
+
+
+def _read_gyroscope(group: ColumnGroup) -> ColumnGroup:
+    """Return a group beside an accelerometer: gx, gy, gz are its rates."""
+    words = frozenset(word for one in group.columns for word in parse_column_name(one).stem)
+    if group.kind or words != {'g'}:
+        return group
+    return group._replace(kind='rates', reason='the name g beside an accelerometer')
 
 
 def _complete_angles(
@@ -143,18 +126,6 @@ def _complete_angles(
             wraps = find_turn(table[axes[angle].column]) == 'rad'
             if len(others) == 1 and angle not in others[0] and not wraps:
                 others[0][angle] = axes.pop(angle)
-
-
-def find_turn(angles: Numbers) -> str:
-    """Return the unit of angles that jump by a full turn, 'rad' or 'deg'; '' without a jump."""
-    for unit, turn in (('rad', 2.0 * np.pi), ('deg', 360.0)):
-        for one in np.atleast_2d(np.asarray(angles, dtype=np.float64).T):
-            finite = one[np.isfinite(one)]
-            if not len(finite) or np.ptp(finite) > 1.01 * turn:
-                continue
-            if (np.abs(np.diff(finite)) > 0.8 * turn).any():
-                return unit
-    return ''
 
 
 def _is_marker(group: ColumnGroup, groups: Sequence[ColumnGroup]) -> bool:
@@ -323,11 +294,12 @@ def _group_matrices(names: Sequence[ColumnName], table: Columns) -> Iterator[Col
 
 def _group_letters(names: list[ColumnName]) -> Iterator[ColumnGroup]:
     """Yield the letters of flight mechanics: u, v, w and p, q, r."""
-    by_name = {name.column.lower(): name.column for name in names}
+    by_letter = {''.join((*name.stem, name.axis)): name for name in names}
     for letters, kind in (('uvw', 'velocity'), ('pqr', 'rates')):
-        if {*letters} <= {*by_name}:
-            columns = tuple(by_name[letter] for letter in letters)
-            yield ColumnGroup(kind, '', columns, ('x', 'y', 'z'), '', f'the letters {letters}')
+        if {*letters} <= {*by_letter}:
+            columns = tuple(by_letter[letter].column for letter in letters)
+            unit, why = by_letter[letters[0]].unit, f'the letters {letters}'
+            yield ColumnGroup(kind, '', columns, ('x', 'y', 'z'), unit, why)
 
 
 def _group_wrench(names: Sequence[ColumnName]) -> Iterator[ColumnGroup]:
@@ -381,20 +353,3 @@ def _build(
     reason: str,
 ) -> ColumnGroup:
     return ColumnGroup(kind, role, tuple(axes[axis].column for axis in order), order, unit, reason)
-
-
-def measure_length(rows: Numbers) -> float:
-    """Return the length of logged quaternions; 1 where they have it, or none in common."""
-    lengths = np.linalg.norm(rows, axis=1)
-    lengths = lengths[np.isfinite(lengths) & (lengths > 0.0)]
-    usual = float(np.median(lengths)) if len(lengths) else 1.0
-    alike = np.abs(lengths / usual - 1.0) < UNIT_NORM
-    is_other = abs(usual - 1.0) > UNIT_NORM and len(lengths) and alike.mean() > COMMON
-    return float(f'{usual:.6g}') if is_other else 1.0
-
-
-def has_unit_length(rows: Numbers) -> bool:
-    """Return whether rows are quaternions: of length one, and not one of four alone."""
-    length = np.linalg.norm(rows, axis=1)
-    good = np.isfinite(length)
-    return bool(good.any() and float(np.median(np.abs(length[good] - 1.0))) < UNIT_NORM)

@@ -11,7 +11,6 @@ from lta_data.even_grid import build_uniform_time_grid
 from lta_data.importers.draft.choices import BODY_AXES, DraftChoices
 from lta_data.importers.draft.clock_alignment import (
     AlignedClock,
-    COMMANDS,
     find_motion,
     find_rising,
     read_timed_tables,
@@ -19,17 +18,18 @@ from lta_data.importers.draft.clock_alignment import (
     sum_residuals,
     TimedTable,
 )
-from lta_data.importers.draft.column_groups import Columns
 from lta_data.importers.draft.generic_commands import ask_for_meanings, KEY, UNITS
-from lta_data.importers.draft.name_hints import (
+from lta_data.importers.draft.table_draft import list_columns, TableDraft
+from lta_data.importers.protocol import LogTable, Numbers
+from lta_data.interpretation.column_group import Columns
+from lta_data.interpretation.column_names import (
     ANGLES,
     ColumnName,
     NUMBERED,
     parse_column_name,
     SERVOS,
 )
-from lta_data.importers.draft.table_draft import list_columns, TableDraft
-from lta_data.importers.protocol import LogTable, Numbers
+from lta_data.interpretation.commands import DRIVES
 import numpy as np
 
 # A twist or a force in a message: linear.x is surge
@@ -191,7 +191,7 @@ def find_driven_axes(
         if not draft.generic or pose is None:
             continue
         others = [
-            column for entry in draft.entries if entry['topic'] in COMMANDS
+            column for entry in draft.entries if entry['topic'] in DRIVES
             for column in list_columns(entry) if column not in draft.generic
         ]  # fmt: skip
         columns = [*draft.generic, *others]

@@ -10,7 +10,7 @@ from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_config.schema.import_file import TextFormat
 from lta_data.bag.bag_folder import find_bag
-from lta_data.bag.channels import SignalChannel
+from lta_data.flight import Channel
 from lta_data.importers.draft.bag_topics import BagDraft, count_changing_commands, draft_bag_topics
 from lta_data.importers.draft.bodies import select_body_rows
 from lta_data.importers.draft.choices import DraftChoices, DraftVehicle
@@ -127,7 +127,7 @@ class MappingDraft(NamedTuple):
     source: SourceTables
     choices: DraftChoices  # reasons and open questions
     # The first seconds of the columns in use, in the numbers of the log
-    channels: list[SignalChannel]
+    channels: list[Channel]
     unused: list[str]  # columns without a meaning
     silent: list[str]  # those of them that are empty or zero throughout
 
@@ -304,7 +304,7 @@ def _format_value(value: Any) -> str:  # noqa: ANN401 - plain data
     return text.removesuffix('...\n').strip()
 
 
-def _list_bag_channels(bag: BagDraft) -> list[SignalChannel]:
+def _list_bag_channels(bag: BagDraft) -> list[Channel]:
     """Return the first seconds of the poses, in the numbers of the bag."""
     channels = []
     for name, groups in bag.groups.items():
@@ -313,14 +313,14 @@ def _list_bag_channels(bag: BagDraft) -> list[SignalChannel]:
         early = seconds <= FIRST_SECONDS
         for group in groups:
             channels += [
-                SignalChannel(f'{group.kind}.{column}', group.kind, seconds[early],
+                Channel(f'{group.kind}.{column}', group.kind, seconds[early],
                               table.columns[column][early])
                 for column in group.columns
             ]  # fmt: skip
     return channels
 
 
-def _list_channels(source: SourceTables, drafts: Mapping[str, TableDraft]) -> list[SignalChannel]:
+def _list_channels(source: SourceTables, drafts: Mapping[str, TableDraft]) -> list[Channel]:
     """Return the first seconds of all groups, in the numbers of the log."""
     channels = []
     for name, draft in drafts.items():
@@ -329,7 +329,5 @@ def _list_channels(source: SourceTables, drafts: Mapping[str, TableDraft]) -> li
             for column in group.columns:
                 values = np.asarray(source.tables[name][column], dtype=np.float64)[early]
                 label = f'{name}/{group.kind}.{column}' if name else f'{group.kind}.{column}'
-                channels.append(
-                    SignalChannel(label, group.kind, draft.time.seconds[early], values)
-                )
+                channels.append(Channel(label, group.kind, draft.time.seconds[early], values))
     return channels

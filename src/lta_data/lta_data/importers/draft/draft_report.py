@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Final
 
-from lta_data.bag.channels import SignalChannel
+from lta_data.flight import Channel
 from lta_data.importers.draft.choices import DraftQuestion
 from lta_data.importers.draft.draft_mapping import FIRST_SECONDS, MappingDraft
 from lta_data.plot.report import plot_channels
@@ -94,15 +94,15 @@ def build_question_table(question: DraftQuestion) -> TextTable:
     return TextTable('', ['option', 'meaning'], rows)
 
 
-def group_channels(channels: list[SignalChannel]) -> dict[str, list[SignalChannel]]:
+def group_channels(channels: list[Channel]) -> dict[str, list[Channel]]:
     """Return channels by their group, such as 'imu/rates'."""
-    panels: dict[str, list[SignalChannel]] = {}
+    panels: dict[str, list[Channel]] = {}
     for channel in channels:
         panels.setdefault(channel.name.split('.')[0], []).append(channel)
     return panels
 
 
-def plot_first_seconds(channels: list[SignalChannel]) -> list[Picture]:
+def plot_first_seconds(channels: list[Channel]) -> list[Picture]:
     """Return a figure of each group of columns."""
     return [
         Picture(

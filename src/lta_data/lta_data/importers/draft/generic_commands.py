@@ -14,7 +14,8 @@ from typing import Any, Final
 from lta_config.errors import BadInput
 from lta_config.quantity import Quantity
 from lta_data.importers.draft.choices import BODY_AXES, DraftChoices
-from lta_data.importers.draft.name_hints import (
+from lta_data.importers.protocol import Numbers
+from lta_data.interpretation.column_names import (
     ACTIONS,
     ACTUATORS,
     ANGLES,
@@ -35,7 +36,6 @@ from lta_data.importers.draft.name_hints import (
     UNIT_WORDS,
     WORDS,
 )
-from lta_data.importers.protocol import Numbers
 import numpy as np
 from pydantic import ValidationError
 

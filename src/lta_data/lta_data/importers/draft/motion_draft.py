@@ -3,11 +3,21 @@
 from collections.abc import Mapping
 from typing import Any, Final, final, NamedTuple
 
+from lta_data.data_quality import limits
+from lta_data.even_grid import sort_samples
 from lta_data.importers.draft.choices import DraftChoices
-from lta_data.importers.draft.column_groups import ColumnGroup, FIX_SCALES
-from lta_data.importers.draft.name_hints import UNIT_WORDS
-from lta_data.importers.draft.vertical import choose_reading, CLEARLY, FORWARD, typical_difference
+from lta_data.importers.draft.vertical import (
+    ALIKE,
+    choose_reading,
+    CLEARLY,
+    FORWARD,
+    typical_difference,
+)
 from lta_data.importers.protocol import Numbers
+from lta_data.interpretation.attitude_readings import is_crazyflie, list_readings
+from lta_data.interpretation.column_group import ColumnGroup, FIX_SCALES
+from lta_data.interpretation.column_names import UNIT_WORDS
+from lta_data.interpretation.jumps import find_steps
 from lta_data.interpretation.kinematics import (
     AGREE,
     body_rates_of,
@@ -18,11 +28,13 @@ from lta_data.interpretation.kinematics import (
     LATEST,
     measure_forwardness,
     MotionEvidence,
+    score_attitude,
     UNITS,
 )
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+PITCH_DOWN: Final = np.array([1.0, -1.0, 1.0])  # from angles that are positive nose up
 LONGEST: Final = 20_000  # rows that are looked at
 NORTH_EAST_DOWN: Final = ('n', 'e', 'd')
 EAST_NORTH_DOWN: Final = ('e', 'n', 'd')
@@ -77,6 +89,9 @@ def draft_motion(
     raw = MotionEvidence(
         seconds, place, rows.get('velocity'), rows.get('rates'), felt, rows.get('sensed')
     )
+    is_mirrored = 'attitude' in groups and _have_mirrored_pitch(groups, rows, raw, choices)
+    if is_mirrored:
+        raw = raw._replace(rates=rows['rates'] * PITCH_DOWN)
     reading = None
     if 'attitude' in groups:
         reading = choose_reading(topic, groups['attitude'], rows['attitude'], raw, choices)
@@ -87,6 +102,11 @@ def draft_motion(
         axes, _ = find_sensor_axes(raw.sensed, turn, seconds)
         raw = raw._replace(acceleration=raw.acceleration @ axes.T)
     scales['rates'] = _draft_rates(topic, groups, raw, turn, parts, choices)
+    if is_mirrored:
+        usual = parts['rates'].get('scale', 1.0)
+        parts['rates']['scale'] = [usual, -usual, usual]
+        choices.add_reason(f'{topic}: rates', groups['rates'].columns[1:2], 'inverted',
+                           "as the pitch of Crazyflie's firmware")  # fmt: skip
     scales['position'] = _draft_position(topic, groups, raw, scales, turn, parts, choices)
     scales['velocity'] = _draft_velocity(topic, groups, raw, scales, turn, parts, choices)
     si = MotionEvidence(
@@ -97,8 +117,48 @@ def draft_motion(
             for kind in ('position', 'velocity', 'rates', 'acceleration')
         ),
     )  # fmt: skip
+    if si.position is not None and not topic.startswith('setpoint'):
+        _tell_jumps(topic, groups['position'], seconds, si.position, choices)
     order = ('position', 'orientation', 'velocity', 'rates', 'acceleration')
     return MotionDraft({name: parts[name] for name in order if name in parts}, si, turn)
+
+
+def _have_mirrored_pitch(
+    groups: Mapping[str, ColumnGroup],
+    rows: Mapping[str, Numbers],
+    raw: MotionEvidence,
+    choices: DraftChoices,
+) -> bool:
+    """Return whether rates count the pitch nose up, as the angles of a Crazyflie do."""
+    if 'rates' not in groups or not is_crazyflie(groups['rates']):
+        return False
+    readings = list(list_readings(groups['attitude'], rows['attitude'], choices.settled))
+    best = [
+        max(score_attitude(one.turn, evidence)[0] for one in readings if not one.cost)
+        for evidence in (raw._replace(rates=rows['rates'] * PITCH_DOWN), raw)
+    ]
+    # An accelerometer can show that somebody has turned it
+    return best[0] > best[1] - ALIKE
+
+
+def _tell_jumps(
+    topic: str,
+    group: ColumnGroup,
+    seconds: Numbers,
+    position: Numbers,
+    choices: DraftChoices,
+) -> None:
+    """Add a row where the position jumps, as that of several bodies in turn does; in m."""
+    time, place = sort_samples(seconds[: len(position)], position).select_complete()
+    if len(time) < limits.LEAST_SAMPLES:
+        return
+    jumps, size = find_steps(time, place, limits.JUMP_SIZE)
+    if jumps.any():
+        choices.add_reason(
+            f'{topic}: position', group.columns, 'doubtful',
+            f'{jumps.sum()} of {len(time)} rows jump by up to {size[jumps].max():.2g} m, which no '
+            'vehicle does: other markers, or other bodies in turn',
+        )  # fmt: skip
 
 
 def _blank_lost_rows(rows: Mapping[str, Numbers]) -> Numbers | None:

@@ -11,16 +11,16 @@ from itertools import permutations
 import re
 from typing import Final
 
-from lta_data.importers.draft.column_groups import ATTITUDES, ColumnGroup, Columns, has_unit_length
-from lta_data.importers.draft.name_hints import (
+from lta_data.importers.protocol import Numbers
+from lta_data.interpretation.attitude_readings import AttitudeReading, list_readings
+from lta_data.interpretation.column_group import ATTITUDES, ColumnGroup, Columns, has_unit_length
+from lta_data.interpretation.column_names import (
     ACTUATORS,
     COMMANDS,
     JOYSTICKS,
     KINDS,
     parse_column_name,
 )
-from lta_data.importers.protocol import Numbers
-from lta_data.interpretation.attitude_readings import AttitudeReading, list_readings
 from lta_data.interpretation.kinematics import (
     body_rates_of,
     differentiate,

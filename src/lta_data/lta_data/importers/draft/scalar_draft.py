@@ -6,9 +6,10 @@ from typing import Any, Final
 
 from lta_config.errors import BadInput, unknown_name_error
 from lta_data.importers.draft.choices import BODY_AXES, DraftChoices
-from lta_data.importers.draft.column_groups import Columns
 from lta_data.importers.draft.generic_commands import draft_axis_commands, find_axis_commands
-from lta_data.importers.draft.name_hints import (
+from lta_data.importers.protocol import Numbers
+from lta_data.interpretation.column_group import Columns
+from lta_data.interpretation.column_names import (
     ACTUATORS,
     ColumnName,
     is_placed_command,
@@ -18,7 +19,6 @@ from lta_data.importers.draft.name_hints import (
     UNIT_WORDS,
     WORDS,
 )
-from lta_data.importers.protocol import Numbers
 import numpy as np
 
 # Words -> topic, part, candidate units with the values that a flight log has in each

@@ -3,15 +3,9 @@
 from collections.abc import Mapping, Sequence
 from typing import Any, Final, final, NamedTuple
 
-from lta_data.importers.draft.bodies import choose_body, HELD
+from lta_data.importers.draft.bodies import choose_body
 from lta_data.importers.draft.choices import DraftChoices
-from lta_data.importers.draft.column_groups import (
-    ATTITUDES,
-    ColumnGroup,
-    Columns,
-    group_columns,
-    measure_length,
-)
+from lta_data.importers.draft.column_groups import group_columns
 from lta_data.importers.draft.generic_commands import (
     ask_for_meanings,
     explain_lacking,
@@ -20,18 +14,19 @@ from lta_data.importers.draft.generic_commands import (
 )
 from lta_data.importers.draft.motion_draft import draft_motion, MotionDraft
 from lta_data.importers.draft.motion_kinds import find_state_vectors, settle_kinds
-from lta_data.importers.draft.name_hints import match_role, parse_column_name, UNIT_WORDS
 from lta_data.importers.draft.scalar_draft import draft_scalars
 from lta_data.importers.draft.time_base import find_time_base, TimeBase
 from lta_data.importers.draft.vertical import find_axes, name_axes, spread_axes, VerticalAxes
 from lta_data.importers.protocol import Numbers
+from lta_data.interpretation.column_group import ATTITUDES, ColumnGroup, Columns, measure_length
+from lta_data.interpretation.column_names import match_role, parse_column_name, UNIT_WORDS
+from lta_data.interpretation.commands import is_held
 from lta_data.interpretation.kinematics import find_sensor_axes, MotionEvidence, SENSOR_AXES
-import numpy as np
 
 TOPICS: Final = {'truth': 'ground_truth/odom', 'estimate': 'odom', 'setpoint': 'setpoint/pose'}
 WRENCH_UNITS: Final = {'force': 'N', 'torque': 'N m'}
 INERTIAL: Final = frozenset(
-    ['imu', 'gyro', 'gyr', 'gyros', 'gyroscope', 'acc', 'accel', 'accelerometer']
+    ['imu', 'gyro', 'gyr', 'gyros', 'gyroscope', 'g', 'acc', 'accel', 'accelerometer']
 )
 MOTIONS: Final = frozenset(['position', 'attitude', 'velocity'])
 Groups = dict[str, ColumnGroup]
@@ -194,8 +189,7 @@ def _role_by_motion(
     # An attitude in another form is the same one
     if part not in members or (part == 'attitude' and members[part].kind != group.kind):
         return usual
-    repeated = float(np.mean((np.diff(group.stack(table), axis=0) == 0.0).all(axis=1)))
-    return 'setpoint' if repeated > HELD else 'estimate'
+    return 'setpoint' if is_held(group.stack(table)) else 'estimate'
 
 
 def _axis_names(members: Groups) -> str:

@@ -5,10 +5,10 @@ from typing import Final, final, NamedTuple
 from lta_config.errors import BadInput
 from lta_config.quantity import UNITS
 from lta_data.importers.draft.choices import DraftChoices
-from lta_data.importers.draft.column_groups import ColumnGroup, Columns
-from lta_data.importers.draft.name_hints import parse_column_name, TIMES, UNIT_WORDS
 from lta_data.importers.protocol import Numbers
 from lta_data.importers.readers.column_log import parse_date, split_date
+from lta_data.interpretation.column_group import ColumnGroup, Columns
+from lta_data.interpretation.column_names import parse_column_name, TIMES, UNIT_WORDS
 import numpy as np
 
 RATES: Final = (0.5, 3000.0)  # of samples that a flight log has [Hz]

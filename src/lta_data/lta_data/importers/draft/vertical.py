@@ -6,8 +6,6 @@ from typing import Final, final, NamedTuple
 from lta_config.schema.import_file import FIELD_AXES
 from lta_data.importers.axes import signed_permutation
 from lta_data.importers.draft.choices import DraftChoices
-from lta_data.importers.draft.column_groups import ColumnGroup
-from lta_data.importers.draft.name_hints import parse_column_name
 from lta_data.importers.protocol import Numbers
 from lta_data.interpretation.attitude_readings import (
     AttitudeReading,
@@ -16,15 +14,16 @@ from lta_data.interpretation.attitude_readings import (
     list_readings,
     UNCLEAR,
 )
+from lta_data.interpretation.column_group import ColumnGroup
+from lta_data.interpretation.column_names import parse_column_name
 from lta_data.interpretation.kinematics import (
     differentiate,
     fit_scale,
-    fit_tilt,
     measure_forwardness,
     MotionEvidence,
     score_attitude,
-    TILT,
 )
+from lta_data.interpretation.vertical import describe_heights, judge_heights, judge_tilt
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -33,9 +32,9 @@ Axes = str | list[str]
 UPWARDS: Final[tuple[Axes, ...]] = (['y', 'z', 'x'], 'Y_UP', 'ENU')
 DOWNWARDS: Final[tuple[Axes, ...]] = (['z', 'y', '-x'], ['x', 'z', '-y'], ['x', '-y', '-z'])
 NAMED_BODIES: Final = ('FLU', 'FRD', 'Y_UP')
-LOW: Final = 0.05  # heights beyond it say where the floor is [m]
 LEVEL: Final = 0.9  # mean cosine to the vertical of the axis of a vehicle in flight, at least
 TURNING: Final = 0.85  # mean cosine of every other pair of axes of a vehicle that turns, at most
+EXACT: Final = 1e-12  # of a cosine
 PULLS: Final = 0.1  # share of what an accelerometer feels beside gravity that tells its sign
 FLATTER: Final = 3.0  # times as far along z as along y moves what can have y up
 UP_BY_NAME: Final = {
@@ -80,7 +79,8 @@ def find_axes(
         For the question that remains.
 
     """
-    if turn is None:
+    # A heading alone, without roll and pitch, says nothing of the vertical
+    if turn is None or turn.as_matrix()[:, 2, 2].min() > 1.0 - EXACT:
         return _find_without_attitude(evidence, axis_names, choices)
     vertical = _find_vertical(evidence, turn)
     floats = choices.vehicle is not None and choices.vehicle.floats
@@ -175,7 +175,7 @@ def _vote_up(
     """
     letter = 'xyz'[vertical.world]
     by_name, named = UP_BY_NAME.get(axis_names, (0, ''))
-    by_height, heights = _judge_heights(evidence.position, vertical.world)
+    by_height, heights = judge_heights(evidence.position, vertical.world)
     if (pull := _mean_pull(evidence, turn)) is not None:
         felt = float(pull[vertical.world])
         sign = 1 if felt > 0.0 else -1
@@ -204,7 +204,7 @@ def _vote_up(
         )
     if by_height:
         return by_height, heights
-    return 0, f'No accelerometer is there, and {_describe_heights(evidence.position)}.'
+    return 0, f'No accelerometer is there, and {describe_heights(evidence.position)}.'
 
 
 def _judge_pulls(evidence: MotionEvidence, turn: Rotation, pull: Numbers) -> int:
@@ -224,36 +224,12 @@ def _judge_pulls(evidence: MotionEvidence, turn: Rotation, pull: Numbers) -> int
     return int(fit.share > PULLS) - int(against.share > PULLS)
 
 
-def _judge_heights(position: Numbers | None, axis: int = 2) -> tuple[int, str]:
-    """Return which way an axis points if the floor is at zero."""
-    if position is None:
-        return 0, ''
-    low, high = np.nanpercentile(position[:, axis], [2.0, 98.0])
-    why = f'{"xyz"[axis]} is {low:.3g} to {high:.3g} m, and the floor is at zero'
-    if low > -LOW and high > LOW:
-        return 1, why
-    if high < LOW and low < -LOW:
-        return -1, why
-    return 0, ''
-
-
-def _describe_heights(position: Numbers | None) -> str:
-    """Return why heights do not say which way is up."""
-    if position is None:
-        return 'no position shows where the floor is'
-    low, high = np.nanpercentile(position[:, 2], [2.0, 98.0])
-    return f'z is {low:.3g} to {high:.3g} m, on both sides of zero or next to it'
-
-
 def _judge_tilt(evidence: MotionEvidence, turn: Rotation, same: bool) -> tuple[int, float]:
-    """Return which way is up if a rotorcraft accelerates where its rotors push it."""
+    """Return which way is up by the tilt of the vehicle, and the share that it explains."""
     if evidence.position is None:
         return 0, 0.0
     count = min(len(turn), len(evidence.seconds))
-    fit = fit_tilt(turn[:count], evidence.position[:count], evidence.seconds[:count])
-    if abs(fit.cosine) < TILT:
-        return 0, 0.0
-    body_up = 1 if fit.cosine > 0.0 else -1
+    body_up, fit = judge_tilt(turn[:count], evidence.position[:count], evidence.seconds[:count])
     return (body_up if same else -body_up), fit.cosine**2
 
 
@@ -270,14 +246,14 @@ def _find_without_attitude(
         choices.add_reason('axes: body', [], _format_axes(body), why)
     world: Axes = 'ENU'
     if evidence.position is not None:
-        sign, why = UP_BY_NAME.get(axis_names) or _judge_heights(evidence.position)
+        sign, why = UP_BY_NAME.get(axis_names) or judge_heights(evidence.position)
         options = [('up', 'z points up'), ('down', 'z points down')]
         if axis_names not in UP_BY_NAME and _can_be_y_up(evidence.position, sign):
             options.append(('y', 'y points up, as in files of Motive'))
             sign = 0
         answer = choices.override(CONFLICT, '')
         if not sign:
-            why = f'No attitude is there, and {_describe_heights(evidence.position)}.'
+            why = f'No attitude is there, and {describe_heights(evidence.position)}.'
             answer = choices.decide(CONFLICT, options, why)
             why = choices.explain(CONFLICT)
         sign = {'up': 1, 'down': -1, 'y': 1}.get(answer, sign)
@@ -291,7 +267,7 @@ def _find_without_attitude(
 def _can_be_y_up(position: Numbers, sign: int) -> bool:
     """Return whether y of a place can be its height: above a floor, and z is not so or far."""
     spread = np.ptp(np.nanpercentile(position, [2.0, 98.0], axis=0), axis=0)
-    above = _judge_heights(position, 1)[0] > 0
+    above = judge_heights(position, 1)[0] > 0
     return above and (sign <= 0 or bool(spread[2] > FLATTER * spread[1]))
 
 

@@ -11,8 +11,8 @@ from typing import Final, Literal
 from lta_config.errors import BadInput
 from lta_config.limits import check_column_count, LINE_BYTES
 from lta_config.schema.import_file import TextFormat
-from lta_data.importers.draft.name_hints import UNIT_WORDS
 from lta_data.importers.readers.line_stream import decompress_stream, LIST
+from lta_data.interpretation.column_names import UNIT_WORDS
 
 LINES: Final = 60  # that are looked at
 DELIMITERS: Final = {',': ',', ';': ';', 'tab': '\t', 'whitespace': None}
@@ -20,6 +20,8 @@ DECIMALS: Final[tuple[Literal['.', ','], ...]] = ('.', ',')
 COMMENTS: Final = '#%'
 # Columns of a trajectory of the TUM RGB-D benchmark, which has no header
 TUM: Final = ['timestamp', 'tx', 'ty', 'tz', 'qx', 'qy', 'qz', 'qw']
+# First line of what Vicon exports, above the rate
+VICON_SECTIONS: Final = ('Objects', 'Trajectories', 'Segments', 'Joints', 'Model Outputs')
 LENGTH_UNITS: Final = {'meters': 'm', 'centimeters': 'cm', 'millimeters': 'mm'}
 STAMP: Final = ('header.stamp.sec', 'header.stamp.nanosec', 'header.frame_id')
 
@@ -305,7 +307,7 @@ def read_statements(path: Path) -> dict[str, str]:
     }
     if sorted(stated['sequence']) != [*'XYZ']:
         del stated['sequence']
-    if cells[:1] in (['Objects'], ['Trajectories']) and len(lines) > 1:
+    if cells and len(cells) == 1 and cells[0] in VICON_SECTIONS and len(lines) > 1:
         stated['rate'] = lines[1].strip(',')
     if lines and lines[0].startswith('NO_OF_FRAMES'):
         keys = dict(line.split('\t', 1) for line in lines if '\t' in line)

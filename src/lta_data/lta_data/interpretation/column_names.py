@@ -139,6 +139,7 @@ ACTUATORS: Final = frozenset(
         'actuators',
         'thr',
         'rc',
+        'rcou',
         'output',
         'outputs',
     ]
@@ -256,7 +257,8 @@ def _ends_with_unit(words: Sequence[str], end: str) -> bool:
         return match_kind(there) in ('force', 'torque') or bool(there & driven)
     if unit == 'm/s2':
         return match_kind(name.stem) == 'acceleration'
-    return unit in ('m/s', 'rad/s', 'deg/s') and bool(name.axis)
+    # u_m_s, p_rad_s
+    return unit in ('m/s', 'rad/s', 'deg/s') and (bool(name.axis) or words[-1] in {*'uvwpqr'})
 
 
 def is_placed_command(column: str) -> bool:
