@@ -32,7 +32,6 @@ DEFINITION_BYTES: Final = 250_000  # of the text that defines a message type
 ARRAY_PARTS: Final = 4096  # elements of its fixed arrays, which the reader unrolls into code
 # Logs of others
 LOG_BYTES: Final = 1 << 29  # of a log that is read whole: text, ULog, Crazyflie's card
-LINE_BYTES: Final = 1 << 20  # of a line of text with columns
 COLUMNS: Final = 5000  # of a log; an autopilot's export has hundreds
 INFLATION: Final = 200  # bytes out of one byte of gzip or zstd; text with columns has up to 20
 INFLATED_FREELY: Final = 1 << 26  # bytes after which the ratio is checked

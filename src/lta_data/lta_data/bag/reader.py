@@ -5,7 +5,7 @@ Complete bags are opened by their summary, unfinished or damaged ones by their i
 Memory is limited to one chunk, whatever the size of the bag.
 """
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO, final, NamedTuple
@@ -30,16 +30,12 @@ from lta_data.bag.mcap_file.chunks import (
     unpack_chunk,
 )
 from lta_data.bag.mcap_file.contents import (
-    complete_names,
     DamagedRegion,
     McapContents,
     MessageRegion,
-    parse_topic_metadata,
+    name_lost_channels,
     read_at,
     read_summary,
-    summary_is_damaged,
-    TopicMetadata,
-    UNUSABLE,
 )
 from lta_data.bag.mcap_file.decoder import explain_undecodable, MessageDecoder
 from lta_data.bag.mcap_file.scan import describe_damage, scan_mcap_file
@@ -243,9 +239,7 @@ class Bag:
         except DamagedRecord as error:
             sentence = describe_damage(place.offset, place.length, str(error))
             if sentence not in self.losses:
-                part.contents.lost.append(
-                    DamagedRegion(place.offset, place.length, 1, start=place.start, end=place.end)
-                )
+                part.contents.lost.append(DamagedRegion(place.offset, place.length))
                 self._note_loss(sentence)
 
     def _decompress_message(self, message: McapMessage) -> McapMessage:
@@ -269,8 +263,7 @@ def read_bag(path: Path | str) -> Bag:
     path = Path(path)
     try:
         described = read_metadata(path) if path.is_dir() else {}
-        topics = parse_topic_metadata(described)
-        parts = [open_bag_file(file, topics) for file in find_bag_files(path, described)]
+        parts = [open_bag_file(file) for file in find_bag_files(path, described)]
         if parts[0].refused is not None and all(part.refused for part in parts):
             raise parts[0].refused
         bag = Bag(path, parts, described)
@@ -280,42 +273,23 @@ def read_bag(path: Path | str) -> Bag:
     return bag
 
 
-def open_bag_file(file: Path, metadata_topics: list[TopicMetadata]) -> RecordingFile:
+def open_bag_file(file: Path) -> RecordingFile:
     """Open one file of a bag; an unreadable file counts as lost."""
     try:
-        return RecordingFile(file, read_file_contents(file, metadata_topics))
+        return RecordingFile(file, read_file_contents(file))
     except BadInput as error:
         return RecordingFile(file, McapContents(losses=[str(error)]), error)
 
 
-def read_file_contents(file: Path, metadata_topics: Sequence[TopicMetadata] = ()) -> McapContents:
-    """
-    Return the contents of one MCAP file, from its summary if that is valid.
-
-    `metadata_topics` are the topics of metadata.yaml, for channels that have lost their names.
-    """
+def read_file_contents(file: Path) -> McapContents:
+    """Return the contents of one MCAP file, from its summary if that is valid."""
     size = file.stat().st_size
     with file.open('rb') as stream:
         head = stream.read(32)
-        if not has_mcap_magic(head):
+        if not head.startswith(MCAP0_MAGIC):
             raise wrong_format_error(file, head)
         contents = read_summary(stream, size)
         if contents is None:
             contents = scan_mcap_file(stream, size)
-            complete_names(contents, metadata_topics)
-            if summary_is_damaged(stream, size):
-                contents.remarks.append(UNUSABLE)
-        if not head.startswith(MCAP0_MAGIC):
-            contents.indexed = False
-            contents.remarks.append(
-                'The first bytes of the file, which identify it as MCAP, are damaged; the rest '
-                'of the file was read.'
-            )
+            name_lost_channels(contents)
         return contents
-
-
-def has_mcap_magic(head: bytes) -> bool:
-    """Return whether a file starts with MCAP's magic; up to three of its bytes may be damaged."""
-    size = len(MCAP0_MAGIC)
-    pairs = zip(head[:size], MCAP0_MAGIC, strict=False)
-    return sum(actual == expected for actual, expected in pairs) >= size - 3 and len(head) >= size

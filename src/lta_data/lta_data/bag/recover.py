@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 import json
 from pathlib import Path
 import shutil
-from typing import Any, cast, final, NamedTuple
+from typing import Any, cast, final
 
 from lta_bridge.bag.metadata import OfferedQos
 from lta_bridge.bag.schemas import MessageDefinition
@@ -14,7 +14,7 @@ from lta_bridge.bag.writer import BagWriter
 from lta_config.errors import BadInput
 from lta_config.files import parse_yaml
 from lta_data.bag.bag_folder import find_bag_files, find_listed_files, read_metadata
-from lta_data.bag.mcap_file.contents import DamagedRegion, McapContents, parse_topic_metadata
+from lta_data.bag.mcap_file.contents import parse_topic_metadata
 from lta_data.bag.reader import Bag, read_bag
 from lta_report.formatting import format_count
 from mcap.records import Channel, Schema
@@ -22,13 +22,6 @@ from mcap.records import Channel, Schema
 ORIGIN = 'recovered_from'  # keys of the provenance
 LOSSES = 'recovered_without'
 MOST_NOTED = 20  # losses listed in the provenance
-
-
-class LossSpan(NamedTuple):
-    """Log times between which something is lost; None at an end of the recording. [ns]"""
-
-    start: int | None
-    end: int | None
 
 
 @final
@@ -42,12 +35,7 @@ class Recovery:
     messages: int  # messages in the new bag
     topics: dict[str, int]  # the same by topic
     size: int  # size of the original's files [bytes]
-    # Unusable part of the original; only regions with a chunk header count as chunks
-    lost_bytes: int
-    lost_chunks: int
-    # Time of the losses since the first intact message; None for the start or end of the recording
-    # [s]
-    lost_spans: list[tuple[float | None, float | None]]
+    lost_bytes: int  # unusable part of the original
     missing: dict[str, int]  # messages that metadata.yaml or the index counts besides, by topic
     # Messages of the reader, one sentence each
     losses: list[str]
@@ -67,32 +55,12 @@ class Recovery:
             *self.remarks,
         ]
         if self.lost_bytes:
-            chunks = f' ({format_count(self.lost_chunks, "chunk")})' if self.lost_chunks else ''
-            lines.append(
-                f'{self.lost_bytes} of {self.size} bytes of the recording{chunks} are lost.'
-            )
-        lines += [format_loss_span(start, end) for start, end in self.lost_spans[:MOST_NOTED]]
+            lines.append(f'{self.lost_bytes} of {self.size} bytes of the recording are lost.')
         for topic, count in sorted(self.missing.items()):
             lines.append(f'{topic} lacks {format_count(count, "message")}.')
         if not self.lost_bytes and not self.missing:
             lines.append('No message is known to be lost.')
         return lines
-
-
-def format_loss_span(start: float | None, end: float | None) -> str:
-    """Return when the lost data were recorded. [s]"""
-    if start is None and end is None:
-        return 'The time of the lost data is unknown.'
-    if start is None:
-        return f'The lost data were recorded up to {end:.3f} s after the first intact message.'
-    if end is None:
-        return (
-            f'The lost data were recorded later than {start:.3f} s after the first intact message.'
-        )
-    return (
-        f'The lost data were recorded between {start:.3f} s and {end:.3f} s after the first '
-        'intact message.'
-    )
 
 
 def recover_bag(
@@ -178,39 +146,10 @@ def write_recovered_bag(bag: Bag, out: Path, at: Callable[[int, int], None]) -> 
         topics={topic: counts[topic] for topic in sorted(bag.topics)},
         size=bag.size,
         lost_bytes=sum(loss.length for loss in lost),
-        lost_chunks=sum(loss.chunks for loss in lost),
-        lost_spans=[
-            (seconds_since_start(bag, start), seconds_since_start(bag, end))
-            for start, end in list_loss_spans(bag)
-        ],
         missing=count_missing(bag, counts),
         losses=list(bag.losses),
         remarks=list(bag.remarks),
     )
-
-
-def list_loss_spans(bag: Bag) -> list[LossSpan]:
-    """Return the spans of lost data, in order; adjacent spans are merged."""
-    spans = [
-        find_loss_span(part.contents, loss)
-        for part in bag.parts
-        for loss in sorted(part.contents.lost, key=lambda loss: loss.offset)
-    ]
-    joined: list[LossSpan] = []
-    for span in spans:
-        if joined and joined[-1].end is not None and joined[-1].end == span.start:
-            span = LossSpan(joined.pop().start, span.end)
-        joined.append(span)
-    return joined
-
-
-def find_loss_span(contents: McapContents, loss: DamagedRegion) -> LossSpan:
-    """Return the span of lost data, from the summary or from its neighbours."""
-    if loss.start is not None and loss.end is not None:
-        return LossSpan(loss.start, loss.end)
-    before = [place.end for place in contents.places if place.offset < loss.offset]
-    after = [place.start for place in contents.places if place.offset > loss.offset]
-    return LossSpan(before[-1] if before else None, after[0] if after else None)
 
 
 def count_missing(bag: Bag, saved: Counter[str]) -> dict[str, int]:
@@ -221,11 +160,6 @@ def count_missing(bag: Bag, saved: Counter[str]) -> dict[str, int]:
         if entry.topic in counts:
             counts[entry.topic] = max(counts[entry.topic], entry.messages)
     return {topic: n - saved[topic] for topic, n in counts.items() if n > saved[topic]}
-
-
-def seconds_since_start(bag: Bag, time: int | None) -> float | None:
-    """Return a log time since the first intact message. [s]"""
-    return None if time is None or bag.start is None else round((time - bag.start) * 1e-9, 9)
 
 
 def build_definition(channel: Channel, schema: Schema | None) -> MessageDefinition:

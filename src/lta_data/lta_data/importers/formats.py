@@ -19,7 +19,7 @@ from lta_data.importers.readers import (
     rosbags_bag,
     sensor_folder,
 )
-from lta_data.importers.readers.line_stream import detect_encoding, GZIP
+from lta_data.importers.readers.csv_text import detect_encoding, GZIP
 from mcap.writer import MCAP0_MAGIC
 
 HEAD = 4096  # bytes read to detect the format

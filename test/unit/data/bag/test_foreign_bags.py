@@ -44,4 +44,3 @@ def test_whole_and_cut(tmp_path, measured):
     assert kept == theirs[: len(kept)]
     assert found.messages == len(kept) > 0
     assert kept[-1][1] <= middle.message_start_time <= theirs[len(kept)][1]
-    assert found.lost_spans[-1][1] is None

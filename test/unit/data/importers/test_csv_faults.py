@@ -1,7 +1,6 @@
 """What is wrong in a text with columns, or in its mapping, is one sentence."""
 
 import gzip
-import io
 from pathlib import Path
 
 from lta_config.errors import BadInput
@@ -35,13 +34,6 @@ def test_what_is_wrong_in_a_text_is_one_sentence(bring, tmp_path, lines, sentenc
     assert {path.name for path in tmp_path.iterdir()} == {'a.csv', 'mapping.yaml'}
 
 
-def test_a_text_with_the_wrong_separator_is_not_read_to_its_end(bring, tmp_path, monkeypatch):
-    monkeypatch.setattr(csv_text, 'MOST_SKIPPED', 75)  # of 7 bytes each, and more later
-    source = text(tmp_path / 'a.csv', 't,x,y,z', *(f'{k};1;2;3' for k in range(5, 500)))
-    with pytest.raises(BadInput, match='11 of 11 rows have another number of cells'):
-        bring(source, POSE)
-
-
 def test_a_text_that_unpacks_to_more_than_a_log_may_have_is_refused(bring, tmp_path, monkeypatch):
     monkeypatch.setattr(csv_text, 'LOG_BYTES', 1000)
     source = tmp_path / 'a.csv.gz'
@@ -49,14 +41,6 @@ def test_a_text_that_unpacks_to_more_than_a_log_may_have_is_refused(bring, tmp_p
     source.write_bytes(gzip.compress(f't,x,y,z\n{rows}'.encode()))
     with pytest.raises(BadInput, match='unpacks to more than 1000 bytes'):
         bring(source, POSE)
-
-
-def test_short_rows_among_as_many_of_another_kind_are_read():
-    """Of a hundred thousand skipped rows, nothing tells how many good ones their part has."""
-    stream = io.BytesIO(b't,x\n' + b'1,2\ne,r,r\n' * 110_000 + b'3,4\n')
-    rows = csv_text.TextRows(stream, csv_text.TextFormat(), ['t', 'x'])
-    assert sum(batch.num_rows for batch in rows) == 110_001
-    assert rows.describe_skipped()[0].startswith('110000 rows have another number of cells')
 
 
 def test_a_cut_compressed_text_is_refused(bring, tmp_path):

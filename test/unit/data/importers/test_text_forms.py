@@ -2,7 +2,7 @@
 
 from lta_config.errors import BadInput
 from lta_data.importers.draft.draft_mapping import draft_mapping
-from lta_data.importers.readers.line_stream import detect_encoding
+from lta_data.importers.readers.csv_text import detect_encoding
 from lta_data.importers.readers.sensor_folder import read_text_file
 import numpy as np
 import pytest

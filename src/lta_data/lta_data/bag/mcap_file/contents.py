@@ -1,7 +1,7 @@
 """Represent the contents of one MCAP file, and read them from the summary of a finished one."""
 
-from collections import Counter, deque
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from io import BytesIO
 import os
@@ -10,8 +10,7 @@ from typing import BinaryIO, final, NamedTuple
 import zlib
 
 from lta_bridge.bag.mcap_file import PROVENANCE
-from lta_bridge.bag.schemas import generate_definition
-from lta_config.errors import BadInput, strip_control_codes, to_one_line
+from lta_config.errors import strip_control_codes, to_one_line
 from lta_config.limits import CHANNELS, NOTE_BYTES, SUMMARY_BYTES
 from lta_data.bag.mcap_file.chunks import DamagedRecord, iterate_records, RECORD
 from mcap.data_stream import ReadDataStream
@@ -47,17 +46,12 @@ class DamagedRegion:
     """
     A region of the file that cannot be used. [bytes from the start of the file]
 
-    `start` and `end` are the first and last log time in it in ns, None if unknown. `chunks` is the
-    number of chunks that it certainly contained, `reason` why it cannot be used, as a clause, if
-    not for damage.
+    `reason`: why, as a clause, if not for damage.
     """
 
     offset: int
     length: int
-    chunks: int = 0
     reason: str = ''
-    start: int | None = None
-    end: int | None = None
 
 
 @final
@@ -147,9 +141,6 @@ FOOTER = struct.Struct('<BQQQI')  # opcode, length, summary, summary offsets, CR
 TAIL = FOOTER.size + len(MCAP0_MAGIC)
 CHUNK_INDEX = struct.Struct('<QQQQI')  # start, end, offset, length, bytes of the channels
 CHANNEL = struct.Struct('<HQ')  # channel, offset of its message index
-UNUSABLE = (
-    'The summary at the end of the file is damaged; the file is scanned from its start instead.'
-)
 
 
 def read_summary(stream: BinaryIO, size: int) -> McapContents | None:
@@ -159,22 +150,6 @@ def read_summary(stream: BinaryIO, size: int) -> McapContents | None:
         return parse_summary(stream, start, section)
     except (DamagedRecord, struct.error, UnicodeDecodeError, McapError):
         return None
-
-
-def summary_is_damaged(stream: BinaryIO, size: int) -> bool:
-    """Return whether a file ends like a finished one but with a damaged summary."""
-    if size < TAIL:
-        return False
-    tail = read_at(stream, size - TAIL, TAIL)
-    opcode, _, start, _, _ = FOOTER.unpack_from(tail)
-    if opcode != Opcode.FOOTER or not tail.endswith(MCAP0_MAGIC) or start == 0:
-        return False
-    try:
-        _, section = read_summary_section(stream, size)
-        deque(iterate_records(section), maxlen=0)
-    except DamagedRecord:
-        return True
-    return False
 
 
 def read_summary_section(stream: BinaryIO, size: int) -> tuple[int, bytes]:
@@ -285,53 +260,11 @@ def parse_topic_metadata(described: Mapping[str, object]) -> list[TopicMetadata]
     return entries
 
 
-def complete_names(contents: McapContents, metadata_topics: Sequence[TopicMetadata]) -> None:
-    """
-    Name the channels of a scanned file whose records are lost, with the chunk that held them.
-
-    Modifies `contents`. `metadata_topics` are the topics of metadata.yaml, in order.
-    """
-    types = {entry.topic: entry.type_name for entry in metadata_topics}
-    for channel in contents.channels.values():
-        type_name = types.get(channel.topic)
-        if type_name and channel.schema_id and channel.schema_id not in contents.schemas:
-            contents.schemas[channel.schema_id] = build_ros_schema(channel.schema_id, type_name)
-            contents.remarks.append(
-                f"The recording lacks the message definition of '{type_name}'; the standard ROS "
-                'definition is used instead.'
-            )
-    # If the known channels are numbered as in metadata.yaml, so are the others
-    channels, entries = contents.channels, dict(enumerate(metadata_topics, start=1))
-    if any(entries[id].topic != channels[id].topic for id in entries.keys() & channels):
-        entries = {}
+def name_lost_channels(contents: McapContents) -> None:
+    """Name the channels of a scanned file whose records are lost, with the chunk that had them."""
     for id in sorted(set(contents.counts) - set(contents.channels)):
-        name_channel(contents, id, entries.get(id))
-
-
-def name_channel(contents: McapContents, id: int, entry: TopicMetadata | None) -> None:
-    """Name one channel by its entry in metadata.yaml, otherwise by its number."""
-    if entry is None:
         contents.channels[id] = Channel(id, NAMELESS.format(id), 'cdr', {}, 0)
         contents.remarks.append(
             f'The recording does not contain the topic name of channel {id}; its messages are '
             f"kept under the topic '{NAMELESS.format(id)}'."
         )
-        return
-    schema = next((s for s in contents.schemas.values() if s.name == entry.type_name), None)
-    if schema is None:
-        schema = build_ros_schema(max(contents.schemas, default=0) + 1, entry.type_name)
-        contents.schemas[schema.id] = schema
-    contents.channels[id] = Channel(id, entry.topic, 'cdr', {}, schema.id)
-    contents.remarks.append(
-        f'The topic name of channel {id} is missing in the recording; it is taken from '
-        f"metadata.yaml: '{entry.topic}'."
-    )
-
-
-def build_ros_schema(id: int, type_name: str) -> Schema:
-    """Return the ROS definition of a type, or an empty schema for an unknown type."""
-    try:
-        text, encoding = generate_definition(type_name).text.encode(), 'ros2msg'
-    except BadInput:
-        text, encoding = b'', ''
-    return Schema(id=id, data=text, encoding=encoding, name=type_name)

@@ -208,13 +208,13 @@ class McapScanner:
         # Behind the data end only the summary is damaged, which the scan does not need.
         if self._ended:
             return
-        chunks = int(opcode == Opcode.CHUNK)
-        self._chunked |= bool(chunks)
+        is_chunk = opcode == Opcode.CHUNK
+        self._chunked |= is_chunk
         lost = self.contents.lost
-        if lost and lost[-1].offset + lost[-1].length == at and not chunks:
+        if lost and lost[-1].offset + lost[-1].length == at and not is_chunk:
             lost[-1].length += end - at
         else:
-            lost.append(DamagedRegion(at, end - at, chunks, reason))
+            lost.append(DamagedRegion(at, end - at, reason))
 
     def _describe_losses(self) -> None:
         """Add a sentence for each unusable region, and for an end that is missing."""

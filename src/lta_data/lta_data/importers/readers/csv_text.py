@@ -5,26 +5,152 @@ Numbers are rounded to the nearest float; times are parsed as decimals, so that
 1772424689.277293682 s keeps its nanoseconds. An empty cell is missing; `nan` is NaN.
 """
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+import codecs
+from collections.abc import Sequence
 import csv
+import gzip
 from pathlib import Path
 import re
-from typing import Any, BinaryIO, final, TypeAlias
+from typing import Any, Final, TypeAlias
+import zlib
 
 from lta_config.errors import BadInput
-from lta_config.limits import check_column_count, check_log_size, LINE_BYTES, LOG_BYTES
+from lta_config.limits import check_column_count, check_log_size, LOG_BYTES
 from lta_config.schema.import_file import TextFormat
 from lta_data.importers.protocol import Numbers
-from lta_data.importers.readers.line_stream import decompress_stream, NAMED, open_text_lines
 import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.csv as pacsv
 
-EMPTY = ('', ' ', 'NA', 'null', 'None')  # cells without a number
-PART = 4 << 20  # bytes of text per part
-MOST_SKIPPED = 3 * PART  # bytes of skipped rows without another one; parts are read ahead
+GZIP: Final = b'\x1f\x8b'
+UTF16: Final = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
+HEAD: Final = 1 << 16  # bytes by which the encoding is detected
+HEAD_LINES: Final = 4 << 20  # bytes by which names and delimiters are; longer rows are refused
+CONTROLS: Final = frozenset(range(32)) - frozenset(b'\t\n\v\f\r\x1b')  # bytes that no text has
+# A cell such as "[1.0, 2.0]" or "array([1.0, 2.0])"
+LIST: Final = re.compile(rb'"?(?:(?:np\.)?array\()?[\[(]([^\[\]()"]*)[\])](?:\))?"?')
+QUOTED_DECIMAL: Final = re.compile(rb'"([-+]?\d*),(\d+(?:[eE][-+]?\d+)?)"')
+NAMED: Final = {'tab': '\t', 'whitespace': ' '}
+EMPTY: Final = ('', ' ', 'NA', 'null', 'None')  # cells without a number
 Cells: TypeAlias = pa.ChunkedArray  # of a column, as bytes; null where empty
+
+
+def detect_encoding(head: bytes) -> str:
+    """
+    Return the encoding of a text by its first bytes; '' if they are no text.
+
+    Spreadsheets write UTF-16 with a byte order mark, and European ones Latin-1 with a degree sign.
+    """
+    if head.startswith(UTF16):
+        return '' if '\0' in head.decode('utf-16', errors='replace') else 'utf-16'
+    if b'\0' in head:
+        wide = head[: len(head) // 2 * 2]
+        # Every other byte of plain text in UTF-16 is zero
+        for encoding, zeros in (('utf-16-le', wide[1::2]), ('utf-16-be', wide[::2])):
+            rest = wide[::2] if encoding == 'utf-16-le' else wide[1::2]
+            if len(wide) > 8 and not any(zeros) and b'\0' not in rest:
+                return encoding
+        return ''
+    try:
+        codecs.getincrementaldecoder('utf-8')().decode(head)
+    except UnicodeDecodeError:
+        # Mostly letters, digits and marks of ASCII
+        plain = CONTROLS.isdisjoint(head) and sum(byte > 127 for byte in head) < 0.1 * len(head)
+        return 'cp1252' if plain else ''
+    return 'utf-8'
+
+
+def read_text(path: Path, size: int = LOG_BYTES + 1) -> bytes:
+    """
+    Return the first bytes of a text in UTF-8, decompressed if it is gzip.
+
+    Raise `BadInput` if it cannot be read, or has more bytes than a log may have.
+    """
+    try:
+        with path.open('rb') as stream:
+            is_packed = stream.read(len(GZIP)) == GZIP
+        with gzip.open(path) if is_packed else path.open('rb') as stream:
+            data = stream.read(size)
+    except (EOFError, zlib.error, gzip.BadGzipFile) as error:
+        raise BadInput(
+            f"'{path}' cannot be read: its compressed data are damaged or cut short ({error})."
+        ) from None
+    except OSError as error:
+        raise BadInput(f"'{path}' cannot be read ({error}); give an intact text file.") from None
+    if len(data) > LOG_BYTES:
+        raise BadInput(
+            f"'{path}' unpacks to more than {LOG_BYTES} bytes, the limit of an import; split the "
+            'log.'
+        )
+    encoding = detect_encoding(data[:HEAD])
+    if encoding not in ('', 'utf-8'):
+        data = data.decode(encoding, errors='replace').encode()
+    return data.removeprefix(codecs.BOM_UTF8)
+
+
+def find_line(data: bytes, text: TextFormat, index: int) -> int:
+    """Return where a line begins, of those with content and no comment; the end if it lacks."""
+    at = 0
+    while at < len(data):
+        end = data.find(b'\n', at) + 1 or len(data)
+        if _is_content(data[at:end], text):
+            if not index:
+                return at
+            index -= 1
+        at = end
+    return len(data)
+
+
+def _is_content(line: bytes, text: TextFormat) -> bool:
+    """Return whether a line is neither empty nor a comment."""
+    bare = line.strip()
+    return bool(bare) and not (text.comment and bare.startswith(text.comment.encode()))
+
+
+def clean_text(data: bytes, text: TextFormat, names: Sequence[str]) -> tuple[bytes, list[str]]:
+    """
+    Return the rows of a text as pyarrow reads them, and remarks on lines that are left out.
+
+    Cells are apart by one delimiter, decimal marks are points, and each number of a list has a
+    cell.
+    """
+    notes = []
+    data = data[find_line(data, text, text.skip + (text.header is None)) :]
+    delimiter, is_blank = NAMED.get(text.delimiter, text.delimiter), text.delimiter == 'whitespace'
+    mark = delimiter.encode()
+    if text.comment is not None:
+        data = re.sub(rb'(?m)^[ \t]*' + re.escape(text.comment.encode()) + rb'.*\n?', b'', data)
+    if is_blank:
+        data = re.sub(rb'(?m)^ | (?=\r?$)', b'', re.sub(rb'[ \t]+', b' ', data))
+    if names[0].encode() in data:
+        between = rb'"?[ ]*' + re.escape(mark) + rb'[ ]*"?'
+        line = between.join(re.escape(name.encode()) for name in names)
+        data, count = re.subn(rb'(?m)^[ ]*"?' + line + rb'"?[ \r]*(\n|\Z)', b'', data)
+        if count:
+            times = 'once' if count == 1 else f'{count} times'
+            notes.append(
+                f'The names of the columns are repeated {times}; these lines are skipped.'
+            )
+    if _is_torn(data, mark):
+        data = data[: data.rfind(b'\n') + 1]
+        notes.append('The last line is cut off and skipped.')
+    if text.lists:
+        data = LIST.sub(lambda cell: mark.join(cell[1].replace(b',', b' ').split()), data)
+    if text.decimal == delimiter:
+        data = QUOTED_DECIMAL.sub(rb'\1.\2', data)
+    elif text.decimal != '.':
+        data = data.replace(text.decimal.encode(), b'.')
+    return data, notes
+
+
+def _is_torn(data: bytes, mark: bytes) -> bool:
+    """Return whether the last line has no end and lacks cells, or ends with half a number."""
+    last = data[data.rfind(b'\n') + 1 :].strip()
+    if not last or len(last) == len(data.strip()):
+        return False
+    first = data.lstrip().partition(b'\n')[0]
+    half = last.split(mark)[-1].strip()[-1:] in (b'-', b'+', b'e', b'E')
+    return last.count(mark) < first.strip().count(mark) or half
 
 
 def read_cells(
@@ -32,37 +158,75 @@ def read_cells(
 ) -> tuple[dict[str, Cells], list[str]]:
     """Return the cells of each column, without the empty ones, and remarks on skipped rows."""
     check_log_size(path)
-    with path.open('rb') as stream:
-        try:
-            rows = TextRows(stream, text, names)
-            batches, size = [], 0
-            for batch in rows:
-                size += batch.nbytes
-                # Each cell has four bytes besides its text
-                if size > 4 * LOG_BYTES:
-                    raise BadInput(
-                        f"'{path}' unpacks to more than {LOG_BYTES} bytes, the limit of an "
-                        'import; split the log.'
-                    )
-                batches += [batch] if batch.num_rows else []
-        except (pa.ArrowInvalid, pa.ArrowKeyError, EOFError, OSError) as error:
-            if 'Empty CSV' not in str(error):
-                reason = ' '.join(str(error).split())
-                raise BadInput(
-                    f"'{path}' cannot be read as a text table ({reason[:200]}); correct the file, "
-                    'or the entries under "text" in the mapping, such as the delimiter.'
-                ) from None
-            raise empty_text_error(path) from None
-    notes = rows.describe_skipped()
-    if not batches:
-        raise empty_text_error(path)
-    table = pa.Table.from_batches(batches)
+    data, notes = clean_text(read_text(path), text, names)
+    skipped: list[str] = []  # the first of them; the others are only counted
+
+    def skip_row(row: Any) -> str:  # noqa: ANN401 - pyarrow's InvalidRow
+        skipped.append('' if skipped else shorten_cell(row.text or ''))
+        return 'skip'
+
+    try:
+        table = pacsv.read_csv(
+            pa.BufferReader(data),
+            read_options=pacsv.ReadOptions(
+                column_names=names, block_size=HEAD_LINES, use_threads=False
+            ),
+            parse_options=pacsv.ParseOptions(
+                delimiter=NAMED.get(text.delimiter, text.delimiter), invalid_row_handler=skip_row
+            ),
+            convert_options=pacsv.ConvertOptions(
+                # Bytes, since a text may not be UTF-8
+                column_types=dict.fromkeys(names, pa.binary()),
+                null_values=EMPTY,
+                strings_can_be_null=True,
+            ),
+        )
+    except (pa.ArrowInvalid, pa.ArrowKeyError) as error:
+        if 'Empty CSV' in str(error):
+            raise _empty_text_error(path) from None
+        reason = ' '.join(str(error).split())
+        raise BadInput(
+            f"'{path}' cannot be read as a text table ({reason[:200]}); correct the file, or the "
+            'entries under "text" in the mapping, such as the delimiter.'
+        ) from None
+    notes = [*_describe_skipped(skipped, table.num_rows), *notes]
+    if not table.num_rows:
+        raise _empty_text_error(path)
     return {name: table.column(name) for name in names}, notes
 
 
-def empty_text_error(path: Path) -> BadInput:
+def _empty_text_error(path: Path) -> BadInput:
     """Return the error for a text without rows."""
     return BadInput(f"'{path}' has column names but no rows; give a log with data.")
+
+
+def _describe_skipped(skipped: Sequence[str], rows: int) -> list[str]:
+    """Return remarks on the rows that were skipped; raise `BadInput` if most were."""
+    if not skipped:
+        return []
+    count, first = len(skipped), skipped[0]
+    if count > rows and are_names(first):
+        raise BadInput(
+            f"Another table begins with '{first}', and has other columns; put it into a file of "
+            'its own.'
+        )
+    if count > rows:
+        raise BadInput(
+            f'{count} of {count + rows} rows have another number of cells than the names of the '
+            f'columns, as \'{first}\'; correct "delimiter", "skip" or "header" under "text" '
+            'in the mapping.'
+        )
+    notes = [
+        f'{count} {"row has" if count == 1 else "rows have"} another number of cells than the '
+        f'names of the columns and {"is" if count == 1 else "are"} skipped, the first as '
+        f"'{first}'."
+    ]
+    if are_names(first):
+        notes.append(
+            'There, another table with its own columns begins; put it into a file of its own to '
+            'import it, too.'
+        )
+    return notes
 
 
 def parse_cells(path: Path, name: str, cells: Cells) -> Numbers:
@@ -81,122 +245,15 @@ def parse_cells(path: Path, name: str, cells: Cells) -> Numbers:
         raise
 
 
-@final
-class TextRows:
-    """The rows of a text as record batches; rows with too many or too few cells are skipped."""
-
-    def __init__(
-        self,
-        stream: BinaryIO,
-        text: TextFormat,
-        names: list[str],
-    ) -> None:
-        unread = text.skip + (1 if text.header is None else 0)
-        self._lines, delimiter = open_text_lines(
-            stream, text, unread, NAMED.get(text.delimiter, text.delimiter).join(names).encode()
-        )
-        self._skipped = 0
-        self._skipped_bytes = 0  # since the last row that was read
-        self._first_skipped = ''
-        self._rows = 0
-        with self._refuse_skipped_rows():
-            self._reader = pacsv.open_csv(
-                self._lines,
-                read_options=pacsv.ReadOptions(
-                    column_names=names, block_size=PART, use_threads=False
-                ),
-                parse_options=pacsv.ParseOptions(
-                    delimiter=delimiter, invalid_row_handler=self._skip_row
-                ),
-                convert_options=pacsv.ConvertOptions(
-                    # Bytes, since a text may not be UTF-8
-                    column_types=dict.fromkeys(names, pa.binary()),
-                    null_values=EMPTY,
-                    strings_can_be_null=True,
-                ),
-            )
-
-    def __iter__(self) -> Iterator[Any]:
-        """Yield the rows as record batches."""
-        with self._refuse_skipped_rows():
-            for batch in self._reader:
-                self._rows += batch.num_rows
-                if batch.num_rows:
-                    self._skipped_bytes = 0
-                yield batch
-
-    @contextmanager
-    def _refuse_skipped_rows(self) -> Iterator[None]:
-        """Raise BadInput if pyarrow stopped because too many rows were skipped."""
-        try:
-            yield
-        except pa.ArrowInvalid:
-            self._check_skipped()
-            raise
-
-    def _check_skipped(self) -> None:
-        """Raise BadInput if most rows were skipped."""
-        if self._skipped > self._rows and are_names(self._first_skipped):
-            raise BadInput(
-                f"Another table begins with '{self._first_skipped}', and has other columns; put "
-                'it into a file of its own.'
-            )
-        if self._skipped > self._rows:
-            raise BadInput(
-                f'{self._skipped} of {self._skipped + self._rows} rows have another number of '
-                f"cells than the names of the columns, as '{self._first_skipped}'; correct "
-                '"delimiter", "skip" or "header" under "text" in the mapping.'
-            )
-
-    def describe_skipped(self) -> list[str]:
-        """
-        Return a remark on what was skipped, once all rows are read.
-
-        Raise `BadInput` if most rows were.
-        """
-        self._check_skipped()
-        skipped = self._skipped
-        notes = []
-        if skipped:
-            notes.append(
-                f'{skipped} {"row has" if skipped == 1 else "rows have"} another number of cells '
-                f'than the names of the columns and {"is" if skipped == 1 else "are"} skipped, '
-                f"the first as '{self._first_skipped}'."
-            )
-            if are_names(self._first_skipped):
-                notes.append(
-                    'There, another table with its own columns begins; put it into a file of its '
-                    'own to import it, too.'
-                )
-        if self._lines.headers:
-            times = 'once' if self._lines.headers == 1 else f'{self._lines.headers} times'
-            notes.append(
-                f'The names of the columns are repeated {times}; these lines are skipped.'
-            )
-        if self._lines.torn:
-            notes.append('The last line is cut off and skipped.')
-        return notes
-
-    def _skip_row(self, row: Any) -> str:  # noqa: ANN401 - pyarrow's InvalidRow
-        text = row.text or ''
-        if not self._skipped:
-            self._first_skipped = shorten_cell(text)
-        self._skipped += 1
-        self._skipped_bytes += len(text)
-        hopeless = self._skipped > self._rows and self._skipped_bytes > MOST_SKIPPED
-        return 'error' if hopeless else 'skip'
-
-
 def read_column_names(path: Path, text: TextFormat) -> list[str]:
     """Return the unique names of a text's columns, stripped; raise BadInput if there are none."""
     if text.header is not None:
         return list(text.header)
-    try:
-        with path.open('rb') as stream:
-            source, delimiter = open_text_lines(stream, text, text.skip)
-            line = read_first_line(source)
-    except (OSError, EOFError, pa.ArrowInvalid) as error:
-        raise BadInput(f"'{path}' cannot be read ({error}); give an intact text file.") from None
+    data = read_text(path, HEAD_LINES)
+    line = decode_cell(data[find_line(data, text, text.skip) :].partition(b'\n')[0]).strip()
+    if text.delimiter == 'whitespace':
+        line = ' '.join(line.split())
+    delimiter = NAMED.get(text.delimiter, text.delimiter)
     cells = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])
     check_column_count(path, len(cells))
     names: list[str] = []
@@ -212,23 +269,9 @@ def read_column_names(path: Path, text: TextFormat) -> list[str]:
     return names
 
 
-def read_first_line(source: Any) -> str:  # noqa: ANN401 - a stream of pyarrow or of ours
-    """Return the first line that is not empty."""
-    data = b''
-    while b'\n' not in data.lstrip() and len(data) < LINE_BYTES:
-        more = source.read(1 << 14)
-        if not more:
-            break
-        data += bytes(more)
-    # utf-8-sig drops the byte order mark that spreadsheets write
-    text = data.decode('utf-8-sig', errors='replace').lstrip('\r\n')
-    return text.splitlines()[0] if text.strip() else ''
-
-
 def read_header(path: Path) -> list[str]:
     """Return the cells of the first line, to find a fitting mapping."""
-    with path.open('rb') as stream:
-        line = read_first_line(decompress_stream(stream))
+    line = decode_cell(read_text(path, HEAD_LINES).lstrip(b'\r\n').partition(b'\n')[0]).strip()
     # The most frequent separator of the header line.
     delimiter = max(',;\t', key=line.count)
     return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter), [])]

@@ -1,7 +1,7 @@
 """Detect how a text with columns is written: delimiter, comments, lines before the names."""
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 import csv
 from itertools import chain
 from pathlib import Path
@@ -9,9 +9,9 @@ import re
 from typing import Final, Literal
 
 from lta_config.errors import BadInput
-from lta_config.limits import check_column_count, LINE_BYTES
+from lta_config.limits import check_column_count
 from lta_config.schema.import_file import TextFormat
-from lta_data.importers.readers.line_stream import decompress_stream, LIST
+from lta_data.importers.readers.csv_text import HEAD_LINES, LIST, read_text
 from lta_data.interpretation.column_names import UNIT_WORDS
 
 LINES: Final = 60  # that are looked at
@@ -64,7 +64,7 @@ def detect_text_format(path: Path) -> TextFormat:
 
     Raise `BadInput` if no two lines have equally many numbers.
     """
-    lines = list(_read_lines(path))
+    lines = _read_lines(path)
     lists = sum(bool(LIST.search(line.encode())) for line in lines) > len(lines) // 2
     if lists:
         return _detect_lists(path, lines)
@@ -174,18 +174,14 @@ def _is_echoed(cells: Sequence[str]) -> bool:
     return whole and not _is_number(cells[2])
 
 
-def _read_lines(path: Path) -> Iterator[str]:
-    """Yield the first lines."""
-    try:
-        with path.open('rb') as stream:
-            source = decompress_stream(stream)
-            for _ in range(LINES):
-                line = source.readline(LINE_BYTES)
-                if not line:
-                    return
-                yield line.decode('utf-8-sig', errors='replace')
-    except (OSError, EOFError) as error:
-        raise BadInput(f"'{path}' cannot be read ({error}); give an intact text file.") from None
+def _read_lines(path: Path) -> list[str]:
+    """Return the first lines."""
+    head = read_text(path, HEAD_LINES)
+    lines = head.decode(errors='replace').split('\n')
+    # The end of a head is cut off, and that of a text has no line behind it
+    if len(head) >= HEAD_LINES or not lines[-1]:
+        lines = lines[:-1]
+    return lines[:LINES]
 
 
 def _split_numbers(line: str, mark: str | None, decimal: str) -> list[str]:
