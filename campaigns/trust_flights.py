@@ -14,7 +14,7 @@ from typing import Any, Final
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.files import find_file
-from lta_data.bag.channels import BLOCK
+from lta_data.bag.channels import BLOCK_STATISTICS
 from lta_data.flight import Channel, Flight
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_spec import build_loop, load_spec
@@ -97,7 +97,7 @@ def take(loop: ClosedLoop, kept: dict[str, Any], begun: int) -> None:
         kept['illuminance'].append((now, readings.illuminance or 0.0))
     if readings.block is not None:
         stamp, block = readings.block
-        columns = [reduced(block, axis=0) for reduced in BLOCK.values()]
+        columns = [reduced(block, axis=0) for reduced in BLOCK_STATISTICS.values()]
         kept['block'].append(((stamp - begun) * 1e-9, *np.concatenate(columns)))
 
 
@@ -177,8 +177,8 @@ def of_flown(
 
 def of_blocks(table: Array) -> Iterator[Channel]:
     """Yield what ADC blocks come to."""
-    diodes = (table.shape[1] - 1) // len(BLOCK)
-    for index, what in enumerate(BLOCK):
+    diodes = (table.shape[1] - 1) // len(BLOCK_STATISTICS)
+    for index, what in enumerate(BLOCK_STATISTICS):
         for diode in range(diodes):
             column = table[:, 1 + index * diodes + diode]
             yield Channel(f'photodiodes/{what}[{diode}]', 'ADC counts', table[:, 0], column)

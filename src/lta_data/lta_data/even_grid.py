@@ -14,7 +14,7 @@ from lta_config.limits import GRID
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-EMPTY = np.empty(0)
+NO_SAMPLES = np.empty(0)
 HOLES = 3.0  # grid points per sample, at most; more would be mostly gaps
 FINEST = 1e-9  # s; resolution of a ROS stamp
 
@@ -64,17 +64,17 @@ def build_uniform_time_grid(
 ) -> NDArray[np.float64]:
     """Return an even grid over `samples` samples, empty if it would be too long. [s]"""
     allowed = is_grid_allowed(last - first, step, samples)
-    return np.arange(first, last, max(FINEST, step)) if allowed else EMPTY
+    return np.arange(first, last, max(FINEST, step)) if allowed else NO_SAMPLES
 
 
 Array = NDArray[np.float64]
-HOLE = 4.0  # periods without a sample that count as a gap
-TOGETHER = 32  # messages that a network may deliver at once
+HOLE_PERIODS = 4.0  # periods without a sample that count as a gap
+DELIVERED_TOGETHER = 32  # messages that a network may deliver at once
 IN_A_ROW = 3  # messages that a network may deliver late together
-LATE = 0.05  # share of late messages beyond which the time stamps are wrong
+LATE_SHARE = 0.05  # share of late messages beyond which the time stamps are wrong
 ABSURD = 1e30  # larger than any real value: some drivers write it for 'unknown'
 UNEVEN = 0.3  # of a period by which steps of a steady rhythm differ, at most
-OFTEN = 0.02  # share of larger differences from which a rhythm is not steady
+UNSTEADY_SHARE = 0.02  # share of larger differences from which a rhythm is not steady
 
 
 @final
@@ -106,7 +106,7 @@ def find_late_messages(time: Array) -> NDArray[np.bool_]:
     late = np.zeros(len(time), dtype=bool)
     for begin, end in find_runs(behind).tolist():
         late[begin:end] = end - begin <= IN_A_ROW
-    return late if late.mean() <= LATE else np.zeros(len(time), dtype=bool)
+    return late if late.mean() <= LATE_SHARE else np.zeros(len(time), dtype=bool)
 
 
 def sort_samples(time: ArrayLike, values: ArrayLike) -> SampledSignal:
@@ -132,7 +132,7 @@ def median_period(time: Array) -> float:
 
     Over several samples, since a network may deliver some together.
     """
-    apart = min(TOGETHER, len(time) - 1)
+    apart = min(DELIVERED_TOGETHER, len(time) - 1)
     if apart < 1:
         return float('nan')
     return float(np.median(time[apart:] - time[:-apart])) / apart
@@ -148,13 +148,16 @@ def spread_evenly(time: Array, values: Array) -> tuple[Array, Array]:
     `time`, shape (n,): increasing [s]. `values`, shape (n, k).
     """
     step, usual = np.diff(time), median_period(time)
-    if len(time) < TOGETHER or np.mean(np.abs(step - usual) > UNEVEN * usual) < OFTEN:
+    if (
+        len(time) < DELIVERED_TOGETHER
+        or np.mean(np.abs(step - usual) > UNEVEN * usual) < UNSTEADY_SHARE
+    ):
         return time, values
     starts = np.concatenate(([0], np.flatnonzero(step > UNEVEN * usual) + 1))
     count = np.diff(np.append(starts, len(time)))
     means = np.add.reduceat(np.column_stack([time, values]), starts) / count[:, None]
     grid = build_uniform_time_grid(means[0, 0], means[-1, 0], usual, len(time))
-    if len(grid) < TOGETHER:
+    if len(grid) < DELIVERED_TOGETHER:
         return time, values
     table, there = interpolate_on_grid(means[:, 0], means[:, 1:], grid)
     return grid[there], table[there]
@@ -173,7 +176,7 @@ def interpolate_on_grid(
     after = np.clip(np.searchsorted(time, grid), 1, len(time) - 1)
     width = time[after] - time[after - 1]
     inside = (grid >= time[0]) & (grid <= time[-1])
-    return table, inside & (width <= HOLE * median_period(time))
+    return table, inside & (width <= HOLE_PERIODS * median_period(time))
 
 
 def hann_kernel(width: float, step: float) -> Array:
@@ -193,9 +196,11 @@ def smooth_columns(table: Array, weights: Array) -> Array:
     return np.stack([np.convolve(column, weights, mode='valid') for column in wide.T], axis=1)
 
 
-SAME = 1e-9  # of the range of a channel; smaller changes are rounding errors of a computer
-NEAR = 0.05  # of a unit of the resolution
-COARSE = 2.0  # units; readings that change less at random follow each other predictably
+ROUNDING_SHARE = (
+    1e-9  # of the range of a channel; smaller changes are rounding errors of a computer
+)
+NEAR_UNIT = 0.05  # of a unit of the resolution
+COARSE_UNITS = 2.0  # units; readings that change less at random follow each other predictably
 
 
 def find_runs(true: NDArray[np.bool_]) -> NDArray[np.int64]:
@@ -227,10 +232,10 @@ def find_coarse_unit(values: NDArray[np.float64]) -> float:
     """
     values = values[np.isfinite(values)]
     steps = np.abs(np.diff(values))
-    moving = steps[steps > SAME * np.ptp(values)] if len(values) else steps
+    moving = steps[steps > ROUNDING_SHARE * np.ptp(values)] if len(values) else steps
     if not len(moving):
         return 0.0
     units = moving / moving.min()
-    on_scale = np.percentile(np.abs(units - np.round(units)), 98.0) < NEAR
+    on_scale = np.percentile(np.abs(units - np.round(units)), 98.0) < NEAR_UNIT
     noise = float(np.median(np.abs(np.diff(values, 2))))
-    return float(moving.min()) if on_scale and noise < COARSE * moving.min() else 0.0
+    return float(moving.min()) if on_scale and noise < COARSE_UNITS * moving.min() else 0.0

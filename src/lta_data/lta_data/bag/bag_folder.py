@@ -11,13 +11,13 @@ from mcap.reader import make_reader
 ADVICE = 'give a rosbag2 folder or an .mcap file'
 MOST_ABSENT = 20  # missing files that are listed
 IN_SQLITE: Final = 'a bag in SQLite format (.db3); convert it to MCAP with `lta import`'
-PACKED: Final = 'compressed with zstd; decompress it with `zstd -d` first'
+PACKED_ADVICE: Final = 'compressed with zstd; decompress it with `zstd -d` first'
 # First bytes of files in other formats
 OTHER_FORMATS: Final = {
     b'SQLite format 3\0': IN_SQLITE,
     b'#ROSBAG V': 'a ROS 1 bag; convert it with `lta import`',
     b'ULog\x01\x12\x35': 'a PX4 log; convert it with `lta import`',
-    b'\x28\xb5\x2f\xfd': PACKED,
+    b'\x28\xb5\x2f\xfd': PACKED_ADVICE,
 }
 
 
@@ -41,7 +41,7 @@ def find_bag_files(path: Path, described: dict[str, object] | None = None) -> li
     if any(path.glob('*.db3')):
         raise BadInput(f"'{path}' is {IN_SQLITE}.")
     if any(path.glob('*.mcap.zst*')):
-        raise BadInput(f"'{path}' is {PACKED}.")
+        raise BadInput(f"'{path}' is {PACKED_ADVICE}.")
     raise BadInput(f"'{path}' contains no .mcap file; {ADVICE}.")
 
 

@@ -19,7 +19,10 @@ from rosbags.interfaces import Nodetype
 
 ENCAPSULATION: Final = 4  # bytes before the message
 FILL: Final = 3  # largest padding behind the message, to a multiple of four bytes
-ORDERS: Final = {b'\x00\x00': '>', b'\x00\x01': '<'}  # representation identifier -> byte order
+BYTE_ORDERS: Final = {
+    b'\x00\x00': '>',
+    b'\x00\x01': '<',
+}  # representation identifier -> byte order
 CODES: Final = {  # ROS type -> numpy type
     'bool': '?',
     'byte': 'i1',
@@ -121,7 +124,7 @@ def derive_layout(type_name: str, data: bytes, fields: Fields) -> CdrLayout:
         If the message does not fit the definition; decoding it as an object gives the reason.
 
     """
-    order = ORDERS.get(data[:2])
+    order = BYTE_ORDERS.get(data[:2])
     if order is None or len(data) < ENCAPSULATION:
         raise LayoutMismatch
     layout = CdrLayout(len(data), order)

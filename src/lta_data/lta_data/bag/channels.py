@@ -17,19 +17,19 @@ from lta_config.covariances import select_estimates
 from lta_config.errors import BadInput
 from lta_data.bag.columns import LAMP_PEAKS, LIGHT_BLOCK, TopicSeries
 from lta_data.bag.recorded_flight import RecordedFlight
-from lta_data.bag.table import ANGLES, find_unit, name_joints
+from lta_data.bag.table import EULER_PARTS, find_unit, name_joints
 from lta_data.flight import Channel, Flight
 from lta_model.attitude import to_euler_angles
 import numpy as np
 from numpy.typing import NDArray
 
-BLOCK: Final[dict[str, Callable[..., NDArray[Any]]]] = {
+BLOCK_STATISTICS: Final[dict[str, Callable[..., NDArray[Any]]]] = {
     'mean': np.mean,
     'std': np.std,
     'min': np.min,
     'max': np.max,
 }
-HIDDEN: Final = re.compile(r'(^|\.)header\.|covariance(\[|$)|^(clock|stamp)\.')
+HIDDEN_FIELDS: Final = re.compile(r'(^|\.)header\.|covariance(\[|$)|^(clock|stamp)\.')
 
 
 def iterate_channels(
@@ -69,7 +69,7 @@ def _iterate_series_channels(
         # Angles instead of components: they have a unit, and q and -q give the same values
         rows = np.where(_find_valid_messages(series, path)[:, None], series.vector(path), np.nan)
         angles = to_euler_angles(rows)
-        for part, values in zip(ANGLES, angles, strict=True):
+        for part, values in zip(EULER_PARTS, angles, strict=True):
             yield Channel(f'{topic}/{path}.{part}', 'rad', series.time, values, angular=True)
         # Not of an attitude that was declared unknown, or never filled in
         if quaternions and (is_there := np.isfinite(angles[0])).any():
@@ -79,7 +79,7 @@ def _iterate_series_channels(
     joints = name_joints(series)
     for path, values in series.numbers.items():
         # Quaternion components are replaced by angles.
-        if HIDDEN.search(path) or path.rpartition('.')[0] in turned:
+        if HIDDEN_FIELDS.search(path) or path.rpartition('.')[0] in turned:
             continue
         unit, name = find_unit(kind, path, topic), joints.get(path, path)
         valid = np.where(_find_valid_messages(series, path), values.astype(np.float64), np.nan)
@@ -102,7 +102,7 @@ def _iterate_block_channels(flight: RecordedFlight, topic: str) -> Iterator[Chan
     if not len(blocks.time):  # topic without messages
         return
     unit = find_unit(LIGHT_BLOCK, 'counts')
-    for what, reduced in BLOCK.items():
+    for what, reduced in BLOCK_STATISTICS.items():
         # Block by block, to save memory: float64 is four times as large as the ADC samples.
         rows = [reduced(block, axis=0) for block in blocks.samples]
         table = np.array(rows, dtype=np.float64).reshape(len(rows), -1)

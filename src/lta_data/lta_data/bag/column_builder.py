@@ -18,7 +18,7 @@ from lta_data.bag.columns import (
     merge_columns,
     PiecewiseColumn,
     Rows,
-    SECOND,
+    SECOND_NS,
 )
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +27,7 @@ BATCH_MESSAGES: Final = 4096
 BATCH_BYTES: Final = 1 << 24  # a batch ends at either limit
 NEW_LAYOUTS: Final = 16  # new layouts per batch; further ones are decoded as objects
 MOST_KNOWN: Final = 64  # cached layouts per message length
-KINDS: Final = {
+NUMBER_TYPES: Final = {
     'i': np.int64,
     'u': np.int64,
     'f': np.float64,
@@ -213,7 +213,7 @@ def normalize_leaf(layout: CdrLayout, table: NDArray[np.uint8], leaf: CdrLeaf) -
     values = layout.extract_values(table, leaf)
     if leaf.length is not None:
         return values.astype(values.dtype.newbyteorder('='))
-    return values.astype(np.uint64 if leaf.code == 'u8' else KINDS[values.dtype.kind])
+    return values.astype(np.uint64 if leaf.code == 'u8' else NUMBER_TYPES[values.dtype.kind])
 
 
 def decode_texts(letters: NDArray[np.uint8]) -> NDArray[Any]:
@@ -233,5 +233,5 @@ def extract_stamps(layout: CdrLayout, values: Sequence[NDArray[Any]]) -> NDArray
     if place is None:
         return 0
     seconds, rest = (by_path[f'{place}.{part}'].astype(np.int64) for part in ('sec', 'nanosec'))
-    stamps: NDArray[np.int64] = seconds * SECOND + rest
+    stamps: NDArray[np.int64] = seconds * SECOND_NS + rest
     return stamps

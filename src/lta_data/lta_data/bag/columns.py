@@ -13,9 +13,9 @@ from lta_config.errors import BadInput, unknown_name_error
 import numpy as np
 from numpy.typing import NDArray
 
-SECOND: Final = 1_000_000_000  # ns
+SECOND_NS: Final = 1_000_000_000  # ns
 # Paths of the stamp: first transform, header, or clock.
-PLACES: Final = ('transforms[0].header.stamp', 'header.stamp', 'clock')
+STAMP_PATHS: Final = ('transforms[0].header.stamp', 'header.stamp', 'clock')
 
 
 def extract_stamp(message: object) -> int | None:
@@ -31,12 +31,12 @@ def extract_stamp(message: object) -> int | None:
     seconds, rest = getattr(time, 'sec', None), getattr(time, 'nanosec', None)
     if seconds is None or rest is None:
         return None
-    return int(seconds) * SECOND + int(rest) or None
+    return int(seconds) * SECOND_NS + int(rest) or None
 
 
 def find_stamp_path(paths: Collection[str]) -> str | None:
     """Return the path of the stamp among the paths of a message's fields; None without a stamp."""
-    for place in PLACES:
+    for place in STAMP_PATHS:
         if f'{place}.sec' in paths and f'{place}.nanosec' in paths:
             return place
     return None

@@ -12,13 +12,13 @@ from lta_report.formatting import format_count
 from rich.console import Console
 from rich.table import Table
 
-MOST = 10  # sentences of one kind, at most
+MAX_SENTENCES = 10  # sentences of one kind, at most
 
 
 def describe_irregularities(bag: Bag) -> list[str]:
     """Return one sentence for each irregularity in the contents of a bag."""
     return [
-        *bag.remarks[:MOST],
+        *bag.remarks[:MAX_SENTENCES],
         *describe_omitted(len(bag.remarks), 'remarks on the files of the bag'),
         *describe_empty_bag(bag),
         *describe_undecodable_topics(bag),
@@ -27,7 +27,7 @@ def describe_irregularities(bag: Bag) -> list[str]:
 
 def describe_omitted(count: int, what: str) -> list[str]:
     """Return a sentence on the number of remarks not listed."""
-    return [f'There are {count - MOST} more {what}.'] if count > MOST else []
+    return [f'There are {count - MAX_SENTENCES} more {what}.'] if count > MAX_SENTENCES else []
 
 
 def describe_empty_bag(bag: Bag) -> list[str]:
@@ -46,7 +46,7 @@ def describe_undecodable_topics(bag: Bag) -> list[str]:
         for _, topic in sorted(bag.topics.items())
         if topic.undecodable is not None
     ]
-    return [*lines[:MOST], *describe_omitted(len(lines), 'topics that cannot be decoded')]
+    return [*lines[:MAX_SENTENCES], *describe_omitted(len(lines), 'topics that cannot be decoded')]
 
 
 @final

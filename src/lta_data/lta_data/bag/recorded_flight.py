@@ -47,7 +47,9 @@ from numpy.typing import NDArray
 # Topics that only draw a robot: every viewer reads them, and no analysis does
 URDF = 'robot_description'
 MARKERS = 'visualization_msgs/msg/MarkerArray'
-LATEST: Final = int(np.iinfo(np.int64).max)  # ns; MCAP log times are unsigned, ROS stamps are not
+LATEST_STAMP: Final = int(
+    np.iinfo(np.int64).max
+)  # ns; MCAP log times are unsigned, ROS stamps are not
 
 
 class FlightOrigin(NamedTuple):
@@ -300,7 +302,7 @@ class RecordedFlight:
         for index in np.flatnonzero(stamps == 0):
             # Messages without a stamp: log time, shifted to the clock of the stamps.
             placed = self.start + int(columns.logged[index]) - self._origin.log
-            stamps[index] = min(placed, LATEST)
+            stamps[index] = min(placed, LATEST_STAMP)
         # Subtract as integers first: float64 does not resolve 1 ns in times since 1970
         time = (stamps - self.start).astype(np.float64) * 1e-9
         logged = limit_log_times(columns.logged)
@@ -325,7 +327,7 @@ class RecordedFlight:
 
 def limit_log_times(logged: Sequence[int]) -> NDArray[np.int64]:
     """Return log times as an array; those that no stamp can have are the latest. [ns]"""
-    return np.array([min(one, LATEST) for one in logged], dtype=np.int64)
+    return np.array([min(one, LATEST_STAMP) for one in logged], dtype=np.int64)
 
 
 def find_flight_origin(bag: Bag, topics: list[str]) -> FlightOrigin:
@@ -347,7 +349,7 @@ def find_flight_origin(bag: Bag, topics: list[str]) -> FlightOrigin:
 
 
 # Topics that only a robot has
-FLOWN: Final = ('ground_truth/odom', 'odom', 'motors', 'wrench_command')
+ROBOT_TOPICS: Final = ('ground_truth/odom', 'odom', 'motors', 'wrench_command')
 
 
 def list_robots(bag: Bag) -> list[str]:
@@ -380,7 +382,9 @@ def select_robot(bag: Bag, robot: str | None) -> str:
         raise unknown_name_error('robot', robot, robots)
     if robot is None and len(robots) > 1:
         # An imported bag keeps the topics of others: /joy/set_feedback is of no robot
-        flying = [one for one in robots if any(f'/{one}/{topic}' in bag.topics for topic in FLOWN)]
+        flying = [
+            one for one in robots if any(f'/{one}/{topic}' in bag.topics for topic in ROBOT_TOPICS)
+        ]
         robots = flying or robots
     if robot is None and len(robots) > 1:
         raise BadInput(

@@ -19,7 +19,7 @@ from lta_data.bag.reader import Bag, read_bag
 from lta_report.formatting import format_count
 from mcap.records import Channel, Schema
 
-ORIGIN = 'recovered_from'  # keys of the provenance
+RECOVERED_FROM = 'recovered_from'  # keys of the provenance
 LOSSES = 'recovered_without'
 MOST_NOTED = 20  # losses listed in the provenance
 
@@ -129,7 +129,7 @@ def write_recovered_bag(bag: Bag, out: Path, at: Callable[[int, int], None]) -> 
     """Write the new bag; see `recover_bag`."""
     counts: Counter[str] = Counter()
     expected = sum(topic.count for topic in bag.topics.values())
-    note = {ORIGIN: f'{bag.path.resolve()} ({bag.size} bytes, {expected} messages seen)'}
+    note = {RECOVERED_FROM: f'{bag.path.resolve()} ({bag.size} bytes, {expected} messages seen)'}
     if bag.losses:
         note[LOSSES] = ' '.join(bag.losses[:MOST_NOTED])
     with BagWriter(out, bag.provenance | note) as writer:

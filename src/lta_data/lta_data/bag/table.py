@@ -28,20 +28,20 @@ from numpy.typing import NDArray
 from rosbags.interfaces import Nodetype
 from scipy.spatial.transform import Rotation
 
-ONE: Final = '1'
-UNKNOWN: Final = ''
-RULES: Final = {
+DIMENSIONLESS: Final = '1'
+UNKNOWN_UNIT: Final = ''
+UNIT_RULES: Final = {
     'builtin_interfaces/msg/Time': {'sec': 's', 'nanosec': 'ns'},
     'builtin_interfaces/msg/Duration': {'sec': 's', 'nanosec': 'ns'},
-    'geometry_msgs/msg/Pose': {'position': 'm', 'orientation': ONE},
+    'geometry_msgs/msg/Pose': {'position': 'm', 'orientation': DIMENSIONLESS},
     'geometry_msgs/msg/PointStamped': {'point': 'm'},
-    'geometry_msgs/msg/QuaternionStamped': {'quaternion': ONE},
-    'geometry_msgs/msg/Transform': {'translation': 'm', 'rotation': ONE},
+    'geometry_msgs/msg/QuaternionStamped': {'quaternion': DIMENSIONLESS},
+    'geometry_msgs/msg/Transform': {'translation': 'm', 'rotation': DIMENSIONLESS},
     'geometry_msgs/msg/Twist': {'linear': 'm/s', 'angular': 'rad/s'},
     'geometry_msgs/msg/Accel': {'linear': 'm/s2', 'angular': 'rad/s2'},
     'geometry_msgs/msg/Wrench': {'force': 'N', 'torque': 'N m'},
     'sensor_msgs/msg/Imu': {
-        'orientation': ONE,
+        'orientation': DIMENSIONLESS,
         'orientation_covariance': 'rad2',
         'angular_velocity': 'rad/s',
         'angular_velocity_covariance': 'rad2/s2',
@@ -58,7 +58,10 @@ RULES: Final = {
     'sensor_msgs/msg/FluidPressure': {'fluid_pressure': 'Pa', 'variance': 'Pa2'},
     'sensor_msgs/msg/Illuminance': {'illuminance': 'lx', 'variance': 'lx2'},
     'sensor_msgs/msg/Temperature': {'temperature': 'degC', 'variance': 'degC2'},
-    'sensor_msgs/msg/RelativeHumidity': {'relative_humidity': ONE, 'variance': ONE},
+    'sensor_msgs/msg/RelativeHumidity': {
+        'relative_humidity': DIMENSIONLESS,
+        'variance': DIMENSIONLESS,
+    },
     'sensor_msgs/msg/MagneticField': {'magnetic_field': 'T', 'magnetic_field_covariance': 'T2'},
     'sensor_msgs/msg/NavSatFix': {
         'latitude': 'deg',
@@ -73,16 +76,21 @@ RULES: Final = {
         'charge': 'A h',
         'capacity': 'A h',
         'design_capacity': 'A h',
-        'percentage': ONE,
+        'percentage': DIMENSIONLESS,
         'cell_voltage': 'V',
         'cell_temperature': 'degC',
     },
     # For revolute joints; OF_TOPIC overrides it.
     'sensor_msgs/msg/JointState': {'position': 'rad', 'velocity': 'rad/s', 'effort': 'N m'},
-    'sensor_msgs/msg/Joy': {'axes': ONE, 'buttons': ONE},
-    'std_msgs/msg/ColorRGBA': {'r': ONE, 'g': ONE, 'b': ONE, 'a': ONE},
+    'sensor_msgs/msg/Joy': {'axes': DIMENSIONLESS, 'buttons': DIMENSIONLESS},
+    'std_msgs/msg/ColorRGBA': {
+        'r': DIMENSIONLESS,
+        'g': DIMENSIONLESS,
+        'b': DIMENSIONLESS,
+        'a': DIMENSIONLESS,
+    },
     'visualization_msgs/msg/Marker': {'scale': 'm', 'points': 'm'},
-    'visualization_msgs/msg/UVCoordinate': {'u': ONE, 'v': ONE},
+    'visualization_msgs/msg/UVCoordinate': {'u': DIMENSIONLESS, 'v': DIMENSIONLESS},
 }
 MATRICES: Final = {  # 6 x 6 covariances of three linear, then three angular components
     'geometry_msgs/msg/PoseWithCovariance': ('m2', 'm rad', 'rad2'),
@@ -90,11 +98,17 @@ MATRICES: Final = {  # 6 x 6 covariances of three linear, then three angular com
     'geometry_msgs/msg/AccelWithCovariance': ('m2/s4', 'm rad/s4', 'rad2/s4'),
 }
 OF_TOPIC: Final = {  # by relative name; overrides the message type
-    'motors': {'effort': ONE, 'position': 'm', 'velocity': 'm/s'},
+    'motors': {'effort': DIMENSIONLESS, 'position': 'm', 'velocity': 'm/s'},
     'wind': {'vector': 'm/s'},
-    'light/bearing': {'vector': ONE},
-    'light/peaks': {'amplitude': 'ADC counts', 'snr': ONE, 'frequency': 'Hz', 'x': ONE, 'y': ONE}
-    | {'z': ONE},
+    'light/bearing': {'vector': DIMENSIONLESS},
+    'light/peaks': {
+        'amplitude': 'ADC counts',
+        'snr': DIMENSIONLESS,
+        'frequency': 'Hz',
+        'x': DIMENSIONLESS,
+        'y': DIMENSIONLESS,
+    }
+    | {'z': DIMENSIONLESS},
 }
 _INDEX: Final = re.compile(r'\[(\d+)\]$')
 
@@ -118,13 +132,13 @@ def _collect_rules() -> dict[str, Mapping[str, str]]:
         kind: {**units, **{name_column(kind, field): unit for field, unit in units.items()}}
         for kind, units in read_field_units().items()
     }
-    return {**RULES, **own}
+    return {**UNIT_RULES, **own}
 
 
 @cache
 def _find_type_unit(type_name: str, path: str) -> str:
     """Return the unit of a field by its message type."""
-    unit, kind = UNKNOWN, type_name
+    unit, kind = UNKNOWN_UNIT, type_name
     for part in path.split('.'):
         index = _INDEX.search(part)
         field = _INDEX.sub('', part)
@@ -156,17 +170,17 @@ def _find_field_type(kind: str, field: str) -> str:
     return ''
 
 
-TIME: Final = 'time'
-STAMP: Final = 'stamp_ns'
-FIXED_UNITS: Final = {STAMP: 'ns', TIME: 's'}
-AXES: Final = ('x', 'y', 'z', 'w')
-ANGLES: Final = ('yaw', 'pitch', 'roll')
-METHODS: Final = ('linear', 'previous')
+TIME_INDEX: Final = 'time'
+STAMP_COLUMN: Final = 'stamp_ns'
+FIXED_UNITS: Final = {STAMP_COLUMN: 'ns', TIME_INDEX: 's'}
+QUATERNION_AXES: Final = ('x', 'y', 'z', 'w')
+EULER_PARTS: Final = ('yaw', 'pitch', 'roll')
+ALIGN_METHODS: Final = ('linear', 'previous')
 DENSE: Final = 20.0  # rows of an even clock per message of the longest topic, at most
 PERIODS: Final = 3.0  # default of the maximum gap, in periods of the topic
 # Columns without use on another clock
-OWN: Final = re.compile(r'^(clock|stamp)\.|^stamp_ns$|(^|/|\.)header\.|covariance($|\[|/)')
-ELEMENT: Final = re.compile(r'(\w+)\[(\d+)\]')
+OWN_COLUMNS: Final = re.compile(r'^(clock|stamp)\.|^stamp_ns$|(^|/|\.)header\.|covariance($|\[|/)')
+NAMED_ELEMENT: Final = re.compile(r'(\w+)\[(\d+)\]')
 
 Stamps = NDArray[np.int64]
 Table = Any  # a pandas.DataFrame; pandas has no types
@@ -189,7 +203,7 @@ def name_joints(series: TopicSeries) -> dict[str, str]:
     """Return the names of elements by their paths; none if two would have one name."""
     joints = {}
     for path in series.numbers:
-        element = ELEMENT.fullmatch(path)
+        element = NAMED_ELEMENT.fullmatch(path)
         names = series.texts.get(f'name[{element[2]}]') if element else None
         if element and names is not None and len(names) and names[0] and (names == names[0]).all():
             joints[path] = f'{element[1]}.{names[0]}'
@@ -216,9 +230,11 @@ def _add_angles(columns: Columns, units: Mapping[str, str]) -> tuple[Columns, di
     for name, values in columns.items():
         every[name] = values
         turn, _, axis = name.rpartition('.')
-        if axis == 'w' and all(f'{turn}.{one}' in columns for one in AXES):
-            rows = np.stack([columns[f'{turn}.{one}'] for one in AXES], axis=1)
-            for angle, numbers in zip(ANGLES, to_euler_angles(rows.astype(float)), strict=True):
+        if axis == 'w' and all(f'{turn}.{one}' in columns for one in QUATERNION_AXES):
+            rows = np.stack([columns[f'{turn}.{one}'] for one in QUATERNION_AXES], axis=1)
+            for angle, numbers in zip(
+                EULER_PARTS, to_euler_angles(rows.astype(float)), strict=True
+            ):
                 every[f'{turn}.{angle}'] = numbers
                 added[f'{turn}.{angle}'] = 'rad'
     return every, added
@@ -231,8 +247,8 @@ def build_table(
     import pandas  # half a second, which most commands do not need
 
     # Subtract as integers first: float64 does not resolve 1 ns in times since 1970
-    index = pandas.Index((stamps - start).astype(np.float64) * 1e-9, name=TIME)
-    table = pandas.DataFrame({STAMP: stamps, **columns}, index=index)
+    index = pandas.Index((stamps - start).astype(np.float64) * 1e-9, name=TIME_INDEX)
+    table = pandas.DataFrame({STAMP_COLUMN: stamps, **columns}, index=index)
     table.attrs = {'topic': topic, 'start': start, 'units': FIXED_UNITS | dict(units)}
     return table
 
@@ -266,8 +282,8 @@ def align_tables(
         If the method is unknown, or the gap is not above zero.
 
     """
-    if method not in METHODS:
-        raise unknown_name_error('method', method, [*METHODS])
+    if method not in ALIGN_METHODS:
+        raise unknown_name_error('method', method, [*ALIGN_METHODS])
     if gap is not None and not _is_within(gap, np.inf):
         raise BadInput(
             f'The maximum gap is {gap!r}, but must be a number above 0; give it in seconds.'
@@ -285,7 +301,7 @@ def align_tables(
 
 def sort_stamps(table: Table) -> tuple[Stamps, NDArray[np.intp]]:
     """Return stamps in order, and the row of each: the last one of equal stamps."""
-    stamps = table[STAMP].to_numpy()
+    stamps = table[STAMP_COLUMN].to_numpy()
     order = np.argsort(stamps, kind='stable')
     last = np.append(np.diff(stamps[order]) > 0, True)[: len(order)]
     return stamps[order][last], order[last]
@@ -315,9 +331,9 @@ def build_even_clock(tables: Sequence[Table], rate: float) -> Stamps:
 
 def _resample(table: Table, clock: Stamps, linear: bool, gap: float | None) -> Columns:
     """Return the columns of a table at other times, without angles; empty in gaps."""
-    angles = {name for name in table if name.rpartition('.')[2] in ANGLES
+    angles = {name for name in table if name.rpartition('.')[2] in EULER_PARTS
               and f'{name.rpartition(".")[0]}.w' in table}  # fmt: skip
-    names = [name for name in table if name not in angles and not OWN.search(name)]
+    names = [name for name in table if name not in angles and not OWN_COLUMNS.search(name)]
     if not len(table):
         return {
             name: np.full(len(clock), '' if _is_text(table[name].to_numpy()) else np.nan)
@@ -347,10 +363,12 @@ def _resample(table: Table, clock: Stamps, linear: bool, gap: float | None) -> C
             change = values[after[between]] - values[at[between]]
             columns[name][between] += share[between] * change
     for turn in {name.rpartition('.')[0] for name in angles}:
-        quaternions = np.stack([table[f'{turn}.{axis}'].to_numpy()[rows] for axis in AXES], axis=1)
+        quaternions = np.stack(
+            [table[f'{turn}.{axis}'].to_numpy()[rows] for axis in QUATERNION_AXES], axis=1
+        )
         turned = _turn_between(quaternions[at[between]], quaternions[after[between]],
                                share[between])  # fmt: skip
-        for axis, numbers in zip(AXES, turned.T, strict=True):
+        for axis, numbers in zip(QUATERNION_AXES, turned.T, strict=True):
             columns[f'{turn}.{axis}'][between] = numbers
     return columns if is_there.all() else {
         name: np.where(is_there, values, '' if _is_text(values) else np.nan)

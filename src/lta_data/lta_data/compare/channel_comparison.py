@@ -27,7 +27,7 @@ from lta_data.flight import Channel
 import numpy as np
 
 AS: Final = '--pair odom=ground_truth/odom'
-LONGEST_LAG: Final = 5.0  # of a channel behind its pair [s]
+LONGEST_CHANNEL_LAG: Final = 5.0  # of a channel behind its pair [s]
 
 
 class TopicPair(NamedTuple):
@@ -265,7 +265,9 @@ def compare_channels(
         measures=measures,
         parting=when,
         spectra=compute_spectra(both, angular=angular),
-        lag=estimate_coarse_lag([quantity], LONGEST_LAG) if can_be_prepared(quantity) else None,
+        lag=estimate_coarse_lag([quantity], LONGEST_CHANNEL_LAG)
+        if can_be_prepared(quantity)
+        else None,
         score=0.0 if measures is None else score_difference(both, measures, when, angular),
     )
 

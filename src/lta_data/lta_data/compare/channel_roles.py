@@ -8,7 +8,7 @@ from typing import Final, NamedTuple
 from lta_data.compare.channel_comparison import ChannelComparison
 from lta_data.compare.comparison import ComparisonResult
 
-POSES: Final = ('ground_truth/odom', 'odom')  # topics whose position is plotted, by priority
+POSE_TOPICS: Final = ('ground_truth/odom', 'odom')  # topics whose position is plotted, by priority
 
 
 class PanelRole(NamedTuple):
@@ -19,7 +19,7 @@ class PanelRole(NamedTuple):
     patterns: tuple[str, ...]
 
 
-ROLES: Final = (
+PANEL_ROLES: Final = (
     PanelRole('x', 'Position, x', ('{pose}position.x',)),
     PanelRole('y', 'Position, y', ('{pose}position.y',)),
     PanelRole('altitude', 'Altitude', ('{pose}position.z', 'range/range')),
@@ -46,8 +46,8 @@ FIELDS: Final = {  # ending of a field -> common name
     'angular.z': 'yaw rate',
 }
 ENDS: Final = tuple(FIELDS)
-MANY: Final = ('motors', 'light')  # roles with several channels
-MOTION: Final = ('x', 'y', 'altitude', 'heading', 'speed', 'pitch', 'roll', 'motors')
+MANY_CHANNEL_ROLES: Final = ('motors', 'light')  # roles with several channels
+MOTION_ROLES: Final = ('x', 'y', 'altitude', 'heading', 'speed', 'pitch', 'roll', 'motors')
 
 
 class RoleChannel(NamedTuple):
@@ -62,7 +62,7 @@ def find_pose_prefix(channels: Sequence[ChannelComparison]) -> str:
     """Return the prefix of the plotted pose's fields, such as 'odom/pose.pose.', or ''."""
     names = [each.name for each in channels if each.name.endswith('position.x')]
     prefixes = [name.removesuffix('position.x') for name in names]
-    for topic in POSES:
+    for topic in POSE_TOPICS:
         for start in prefixes:
             if start.startswith(f'{topic}/'):
                 return start
@@ -75,7 +75,7 @@ def select_panel_channels(channels: Sequence[ChannelComparison]) -> list[RoleCha
     """Return the channels that get their own panel."""
     pose = find_pose_prefix(channels)
     panels = []
-    for role in ROLES:
+    for role in PANEL_ROLES:
         for pattern in role.patterns:
             # A pattern of the pose without a pose would match anything
             if '{' in pattern and not pose:
@@ -89,7 +89,7 @@ def select_panel_channels(channels: Sequence[ChannelComparison]) -> list[RoleCha
                 and not each.both_constant
             ]
             if fitting:
-                count = len(fitting) if role.name in MANY else 1
+                count = len(fitting) if role.name in MANY_CHANNEL_ROLES else 1
                 # The channels are sorted by divergence, so the first is the largest
                 panels.append(RoleChannel(role, fitting[0], count))
                 break
@@ -99,7 +99,9 @@ def select_panel_channels(channels: Sequence[ChannelComparison]) -> list[RoleCha
 def select_headline_channels(channels: Sequence[ChannelComparison]) -> list[ChannelComparison]:
     """Return the channels for the headline: motion and commands, otherwise all."""
     moving = [
-        panel.channel for panel in select_panel_channels(channels) if panel.role.name in MOTION
+        panel.channel
+        for panel in select_panel_channels(channels)
+        if panel.role.name in MOTION_ROLES
     ]
     hull = find_pose_prefix(channels).rpartition('/')[0]
     ordered = [
@@ -115,7 +117,7 @@ def select_headline_channels(channels: Sequence[ChannelComparison]) -> list[Chan
     return ordered or [each for each in channels if not each.both_constant] or list(channels)
 
 
-WORDS: Final = (('ahead of', 'behind'), ('left of', 'right of'), ('above', 'below'))
+DIRECTION_WORDS: Final = (('ahead of', 'behind'), ('left of', 'right of'), ('above', 'below'))
 NOTABLE: Final = 0.5  # a smaller part of the largest component is not mentioned
 
 
@@ -159,7 +161,7 @@ def format_direction(offset: tuple[float, float, float]) -> str:
     largest = max(map(abs, offset))
     words = [
         plus if part > 0.0 else minus
-        for part, (plus, minus) in zip(offset, WORDS, strict=True)
+        for part, (plus, minus) in zip(offset, DIRECTION_WORDS, strict=True)
         if abs(part) >= NOTABLE * largest
     ]
     return ' and '.join(words) if len(words) < 3 else f'{words[0]}, {words[1]} and {words[2]}'

@@ -30,15 +30,15 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.special import stdtrit
 
 LIKE: Final = 0.5  # least correlation of a channel that the fine step uses
-MOST: Final = 12  # channels of the fine step, at most
-LEVEL: Final = 10.0  # s over which a channel's level is free
+MAX_FINE_CHANNELS: Final = 12  # channels of the fine step, at most
+LEVEL_TIME: Final = 10.0  # s over which a channel's level is free
 HUBER: Final = 1.5  # scaled misfit from which the weight decreases
-RESTING: Final = 0.1  # least scale of a channel's misfit, relative to its RMS
-BLOCKS: Final = 16  # for the uncertainty
-ROUNDS: Final = 30  # Gauss-Newton iterations, at most
-EXACT: Final = 1e-3  # periods of uncertainty, for the interpolation error
-TELLING: Final = 30.0  # s of common time needed to estimate drift
-SURE: Final = 3.0  # standard deviations above which a drift is applied
+RESTING_SCALE: Final = 0.1  # least scale of a channel's misfit, relative to its RMS
+UNCERTAINTY_BLOCKS: Final = 16  # for the uncertainty
+GAUSS_NEWTON_ROUNDS: Final = 30  # Gauss-Newton iterations, at most
+INTERPOLATION_ERROR: Final = 1e-3  # periods of uncertainty, for the interpolation error
+DRIFT_TIME: Final = 30.0  # s of common time needed to estimate drift
+DRIFT_DEVIATIONS: Final = 3.0  # standard deviations above which a drift is applied
 QUARTZ: Final = 2e-3  # largest drift of a real clock; more means a different motion
 AMBIGUOUS: Final = 0.9  # relative height of a second peak that makes it ambiguous
 
@@ -77,7 +77,7 @@ def estimate_clock_offset(shared: Sequence[SharedQuantity]) -> ClockOffset | Non
     if coarse is None:
         return None
     like = {name: value for name, value in coarse.correlations.items() if value > LIKE}
-    names = sorted(like, key=lambda name: -like[name])[:MOST]
+    names = sorted(like, key=lambda name: -like[name])[:MAX_FINE_CHANNELS]
     used = [each for each in shared if each.name in names and can_be_prepared(each)]
     return (
         refine_offset(used, coarse, float(np.median([like[name] for name in names])))
@@ -142,16 +142,16 @@ def refine_offset(
     step = min(median_period(each.time) for each in channels)
     # Offset and drift are referred to the middle of the span, where they hardly correlate.
     both = fit_offset(channels, np.array([shift, 0.0]), middle, span, step, 2)
-    telling = span >= TELLING
+    telling = span >= DRIFT_TIME
     # Over a short span the data hardly determine a drift
     deviation = math.sqrt(both.covariance[1, 1]) if telling else math.inf
-    drifts = telling and SURE * deviation < abs(float(both.values[1])) < QUARTZ
+    drifts = telling and DRIFT_DEVIATIONS * deviation < abs(float(both.values[1])) < QUARTZ
     single = (
         both if drifts else fit_offset(channels, np.array([shift, 0.0]), middle, span, step, 1)
     )
     return ClockOffset(
         value=float(single.values[0]),
-        sigma=math.hypot(math.sqrt(single.covariance[0, 0]), EXACT * step),
+        sigma=math.hypot(math.sqrt(single.covariance[0, 0]), INTERPOLATION_ERROR * step),
         drift=float(both.values[1]) if telling else 0.0,
         drift_sigma=deviation,
         drifts=drifts,
@@ -179,8 +179,8 @@ def fit_offset(
 ) -> OffsetFit:
     """Fit the offset [s], and the drift [1] if `free` is 2, by Gauss-Newton."""
     # Inner edges only: the first and last block are open, so every sample has a block
-    edges = np.linspace(middle - span / 2, middle + span / 2, BLOCKS + 1)[1:-1]
-    for _ in range(ROUNDS):
+    edges = np.linspace(middle - span / 2, middle + span / 2, UNCERTAINTY_BLOCKS + 1)[1:-1]
+    for _ in range(GAUSS_NEWTON_ROUNDS):
         parts = [build_normal_equations(each, at, middle, edges, free) for each in channels]
         normal, curvature, blocks = (np.sum(part, axis=0) for part in zip(*parts, strict=True))
         # Without motion in the common time, the step is undefined
@@ -196,7 +196,7 @@ def fit_offset(
         # Sandwich estimator over blocks: valid for autocorrelated misfits.
         inverse = np.linalg.inv(curvature)
         # BLOCKS / (BLOCKS - free) corrects for the fitted parameters.
-        spread = blocks.T @ blocks * (BLOCKS / (BLOCKS - free))
+        spread = blocks.T @ blocks * (UNCERTAINTY_BLOCKS / (UNCERTAINTY_BLOCKS - free))
         covariance[:free, :free] = inverse @ spread @ inverse * variance_inflation(channels, span)
     return OffsetFit(at, covariance)
 
@@ -210,9 +210,13 @@ def variance_inflation(channels: Sequence[PreparedChannel], span: float) -> floa
     Student's t corrects for the small number of blocks.
     """
     width = max(each.width for each in channels)
-    lost = min(0.5, 2.0 * width * BLOCKS / (math.sqrt(math.pi) * span)) if span > 0.0 else 0.5
+    lost = (
+        min(0.5, 2.0 * width * UNCERTAINTY_BLOCKS / (math.sqrt(math.pi) * span))
+        if span > 0.0
+        else 0.5
+    )
     # Student's t for few blocks, relative to the normal quantile
-    few = float(stdtrit(BLOCKS - 1, 0.975)) / NORMAL_QUANTILE
+    few = float(stdtrit(UNCERTAINTY_BLOCKS - 1, 0.975)) / NORMAL_QUANTILE
     return few**2 / (1.0 - lost)
 
 
@@ -225,15 +229,15 @@ def build_normal_equations(
     time, moved = each.time[valid], moved[valid]
     # Too few samples to determine levels and slopes.
     if len(time) < 8:
-        return np.zeros((free, free)), np.zeros((free, free)), np.zeros((BLOCKS, free))
+        return np.zeros((free, free)), np.zeros((free, free)), np.zeros((UNCERTAINTY_BLOCKS, free))
     # The level of each stretch is free: slow drifts of an estimate must not bias the clock.
-    stretch = ((time - time[0]) // LEVEL).astype(np.int64)
+    stretch = ((time - time[0]) // LEVEL_TIME).astype(np.int64)
     misfit = subtract_block_means(each.a[valid] - each.b(moved), stretch)
     slope = subtract_block_means(each.b(moved, 1), stretch)
     # 1.4826: standard deviation from the median absolute deviation of normal noise.
     scale = 1.4826 * float(np.median(np.abs(misfit)))
     # A channel that is at rest most of the time has a median misfit of zero, but is not exact.
-    scale = max(scale, RESTING * math.sqrt(float(np.mean(misfit**2))))
+    scale = max(scale, RESTING_SCALE * math.sqrt(float(np.mean(misfit**2))))
     scale = max(scale, 1e-9 * float(np.ptp(each.a[valid])), 1e-150)
     size = np.abs(misfit) / scale
     # Huber weights; the division by scale**2 makes channels of any unit comparable
@@ -242,7 +246,9 @@ def build_normal_equations(
     slopes = np.stack([slope, slope * (time - middle)][:free], axis=1)
     pulls = slopes * (weight * misfit)[:, None]
     index = np.searchsorted(edges, time)
-    blocks: Array = np.stack([np.bincount(index, pull, BLOCKS) for pull in pulls.T], axis=1)
+    blocks: Array = np.stack(
+        [np.bincount(index, pull, UNCERTAINTY_BLOCKS) for pull in pulls.T], axis=1
+    )
     # A step by the curvature, to which only misfits within the limit contribute, would overshoot
     # where most misfits are outliers, as without noise: the weighted squares never do
     normal, curvature = (

@@ -16,11 +16,11 @@ from lta_data.interpretation.commands import is_command_topic
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
-STEPS: Final = (0.02, 0.5)  # s; limits of the grid step, which follows the fastest channel
-SMOOTH: Final = 0.15  # s of smoothing, or two steps if longer
-LIVELY: Final = 3.0  # least ratio of a rate's RMS to that of noise alone
+LAG_STEPS: Final = (0.02, 0.5)  # s; limits of the grid step, which follows the fastest channel
+RATE_SMOOTHING: Final = 0.15  # s of smoothing, or two steps if longer
+LIVELY_RATIO: Final = 3.0  # least ratio of a rate's RMS to that of noise alone
 OVERLAP: Final = 0.3  # least overlap, of the shorter recording
-ASIDE: Final = 1.0  # s; least distance of a second peak
+SECOND_PEAK_DISTANCE: Final = 1.0  # s; least distance of a second peak
 
 
 class SharedQuantity(NamedTuple):
@@ -55,7 +55,7 @@ def estimate_coarse_lag(
         return None
     slower = [max(median_period(each.a.time), median_period(each.b.time)) for each in able]
     # Finer than the slower side of any channel gains nothing.
-    step = float(np.clip(min(slower), *STEPS))
+    step = float(np.clip(min(slower), *LAG_STEPS))
     begins = [min(float(both_signals(each)[k].time[0]) for each in able) for k in (0, 1)]
     ends = [max(float(both_signals(each)[k].time[-1]) for each in able) for k in (0, 1)]
     for k, label in enumerate('AB'):
@@ -89,7 +89,7 @@ def estimate_coarse_lag(
         return None
     # Near the peak, lags belong to it; a sensor can have the wrong sign, so opposite peaks count
     rivals = total if math.isinf(search) else np.abs(total)
-    elsewhere = rivals[within & (np.abs(lags - lags[best]) * step > ASIDE)]
+    elsewhere = rivals[within & (np.abs(lags - lags[best]) * step > SECOND_PEAK_DISTANCE)]
     rival = max(0.0, float(elsewhere.max())) / float(total[best]) if len(elsewhere) else 0.0
     # Rolled, so that the peak has both neighbours even at index zero
     shift, _ = fit_parabola_peak(np.roll(total, size // 2 - best), size // 2)
@@ -134,14 +134,14 @@ def smoothed_rate(
     instants = np.arange(count)
     # The filter needs values in the gaps; they become NaN again below.
     held = np.interp(instants, instants[finite], values[finite])
-    width = max(SMOOTH, 2.0 * step)
+    width = max(RATE_SMOOTHING, 2.0 * step)
     rate = gaussian_filter1d(held, width / step, order=1) / step
     rate[~finite] = np.nan
     # White noise after the derivative of a Gaussian: variance h / (4 sqrt(pi) w^3).
     usual = max(median_period(line.time), step)
     alone = noise_deviation(line.values) * math.sqrt(usual / (4.0 * math.sqrt(math.pi) * width**3))
     size = math.sqrt(float(np.nanmean(rate**2)))
-    return rate if size > max(LIVELY * alone, 1e-12) else None
+    return rate if size > max(LIVELY_RATIO * alone, 1e-12) else None
 
 
 def masked_correlation(a: Array, b: Array, size: int, least: float) -> tuple[Array, Array]:
@@ -171,10 +171,10 @@ def masked_correlation(a: Array, b: Array, size: int, least: float) -> tuple[Arr
     )
 
 
-QUIET: Final = 0.3  # s of rest needed before a start
-CLEAR: Final = 8.0  # least deviation from rest, in noise deviations
-PART: Final = 0.02  # least deviation from rest, of the channel's range
-FEWEST: Final = 3  # channels of motion needed for a start and its uncertainty
+REST_TIME: Final = 0.3  # s of rest needed before a start
+START_DEVIATIONS: Final = 8.0  # least deviation from rest, in noise deviations
+START_SHARE: Final = 0.02  # least deviation from rest, of the channel's range
+MIN_START_CHANNELS: Final = 3  # channels of motion needed for a start and its uncertainty
 CREEP: Final = 0.5  # of the limit; largest drift of a channel at rest
 
 
@@ -194,13 +194,13 @@ def find_motion_start(line: SampledSignal, angular: bool = False) -> float | Non
         return None
     step = median_period(time)
     # At least four samples, for the median of slow channels
-    first = time < time[0] + max(QUIET, 4.0 * step)
+    first = time < time[0] + max(REST_TIME, 4.0 * step)
     level = float(np.median(values[first]))
     low, high = np.percentile(values, [2.0, 98.0])
     # The range excludes outliers: 2 % on either side.
-    limit = max(CLEAR * white_noise_deviation(values), PART * float(high - low))
+    limit = max(START_DEVIATIONS * white_noise_deviation(values), START_SHARE * float(high - low))
     away = np.abs(values - level) > limit
-    ends = np.searchsorted(time, time + max(QUIET, 4.0 * step), side='right')
+    ends = np.searchsorted(time, time + max(REST_TIME, 4.0 * step), side='right')
     total = np.concatenate([[0], np.cumsum(away)])
     here = np.arange(len(time))
     # Three quarters of the window must be away, so that a single outlier is no start.
@@ -233,7 +233,7 @@ def estimate_start_offset(shared: Sequence[SharedQuantity]) -> StartOffset | Non
                     # Both starts are known to one period of their own recording
                     step = math.hypot(median_period(each.a.time), median_period(each.b.time))
                     instants[each.name] = starts[1] - starts[0], step
-        if len(instants) >= (1 if by_command else FEWEST):
+        if len(instants) >= (1 if by_command else MIN_START_CHANNELS):
             offsets = np.array([offset for offset, _ in instants.values()])
             middle = float(np.median(offsets))
             scatter = 1.4826 * float(np.median(np.abs(offsets - middle))) / math.sqrt(len(offsets))

@@ -8,9 +8,9 @@ from lta_data.compare.sampling import AlignedSignals, Array, wrap_angle
 import numpy as np
 from scipy.special import stdtrit
 
-DRAWS: Final = 400  # bootstrap samples
-TAIL: Final = 2.5  # percent left on either side of an interval
-LONGEST_LAG: Final = 20_000  # samples; bounds the autocorrelation of long recordings
+BOOTSTRAP_DRAWS: Final = 400  # bootstrap samples
+TAIL_PERCENT: Final = 2.5  # percent left on either side of an interval
+AUTOCORRELATION_SAMPLES: Final = 20_000  # samples; bounds the autocorrelation of long recordings
 FEWEST_BLOCKS: Final = 4  # blocks of the bootstrap, at least
 NORMAL_QUANTILE: Final = 1.959964  # quantile of the normal distribution for the same tail
 
@@ -91,7 +91,9 @@ def autocorrelation_time(values: Array) -> float:
         return 1.0
     # Zero padding, so that the circular correlation of the FFT does not wrap around.
     spectrum = np.fft.rfft(centred, 1 << (2 * count - 1).bit_length())
-    correlation = np.fft.irfft(np.abs(spectrum) ** 2)[: min(count, LONGEST_LAG)] / power
+    correlation = (
+        np.fft.irfft(np.abs(spectrum) ** 2)[: min(count, AUTOCORRELATION_SAMPLES)] / power
+    )
     # Integrated autocorrelation time up to each lag, both sides; lag zero counts once
     total = 2.0 * np.cumsum(correlation) - 1.0
     # Sokal's window: stop at five times the estimate, before noise dominates the sum
@@ -100,7 +102,7 @@ def autocorrelation_time(values: Array) -> float:
 
 
 def rms_interval(
-    difference: Array, chance: np.random.Generator, draws: int = DRAWS
+    difference: Array, chance: np.random.Generator, draws: int = BOOTSTRAP_DRAWS
 ) -> tuple[float, float]:
     """
     Return the 95 % interval of the RMS of an autocorrelated series.
@@ -128,8 +130,8 @@ def rms_interval(
     apart = np.log(np.maximum(means, 1e-300) / mean)
     # Correlation across the block ends is lost, and few blocks estimate their scatter poorly.
     lost = math.sqrt(1.0 / (1.0 - min(0.5, alike / length)))
-    few = float(stdtrit(max(blocks - 1, 1), 1.0 - TAIL / 100.0) / NORMAL_QUANTILE)
-    low, high = np.percentile(apart, [TAIL, 100.0 - TAIL]) * lost * few
+    few = float(stdtrit(max(blocks - 1, 1), 1.0 - TAIL_PERCENT / 100.0) / NORMAL_QUANTILE)
+    low, high = np.percentile(apart, [TAIL_PERCENT, 100.0 - TAIL_PERCENT]) * lost * few
     # A mean cannot lie outside the range of the averaged values.
     lowest, highest = math.sqrt(float(squares.min())), math.sqrt(float(squares.max()))
     # 0.5: from the mean square to its root; the interval must contain the estimate
@@ -139,13 +141,15 @@ def rms_interval(
 
 
 SIGMAS: Final = 4.0  # of the combined noise; 6 of 100 000 normal samples lie outside
-FLOOR: Final = 1e-3  # of the spread; smaller differences are irrelevant
+IRRELEVANT_SHARE: Final = 1e-3  # of the spread; smaller differences are irrelevant
 NORMAL: Final = 1.4826  # standard deviation over median absolute deviation
-LEVELS: Final = 6  # least distinct values of a quantised measurement; fewer: a command
-SECOND: Final = math.sqrt(6.0)  # standard deviation of second differences of unit white noise
-SHORTEST: Final = 1.0  # s that a divergence must last, or 2 % of the span
-SHARE: Final = 0.02
-FEWEST: Final = 10  # samples that a divergence must last
+MIN_LEVELS: Final = 6  # least distinct values of a quantised measurement; fewer: a command
+SECOND_DIFFERENCE_NOISE: Final = math.sqrt(
+    6.0
+)  # standard deviation of second differences of unit white noise
+SHORTEST_DIVERGENCE: Final = 1.0  # s that a divergence must last, or 2 % of the span
+SPAN_SHARE: Final = 0.02
+MIN_DIVERGENT_SAMPLES: Final = 10  # samples that a divergence must last
 
 
 @final
@@ -173,7 +177,9 @@ def noise_deviation(values: Array) -> float:
     # A median of zero: most neighbours are equal, as after rounding
     levels = np.unique(values[np.isfinite(values)]) if deviation == 0.0 else np.empty(0)
     # Standard deviation of rounding to steps: step / sqrt(12)
-    return float(np.diff(levels).min()) / math.sqrt(12.0) if len(levels) >= LEVELS else deviation
+    return (
+        float(np.diff(levels).min()) / math.sqrt(12.0) if len(levels) >= MIN_LEVELS else deviation
+    )
 
 
 def white_noise_deviation(values: Array) -> float:
@@ -188,7 +194,9 @@ def white_noise_deviation(values: Array) -> float:
     seconds = seconds[np.isfinite(seconds)]
     if not len(seconds):
         return 0.0
-    return NORMAL * float(np.median(np.abs(seconds - np.median(seconds)))) / SECOND
+    return (
+        NORMAL * float(np.median(np.abs(seconds - np.median(seconds)))) / SECOND_DIFFERENCE_NOISE
+    )
 
 
 def noise_band(pair: AlignedSignals, *, angular: bool = False, doubt: float = 0.0) -> float:
@@ -210,7 +218,7 @@ def noise_band(pair: AlignedSignals, *, angular: bool = False, doubt: float = 0.
         rate = np.diff(np.unwrap(pair.a[valid]) if angular else pair.a[valid]) / step
         # A clock error shifts the signal by rate times error.
         late = doubt * math.sqrt(float(np.mean(rate**2)))
-    return max(SIGMAS * math.hypot(both, late), FLOOR * spread)
+    return max(SIGMAS * math.hypot(both, late), IRRELEVANT_SHARE * spread)
 
 
 def select_comparable_values(pair: AlignedSignals, angular: bool) -> tuple[Array, Array]:
@@ -235,7 +243,9 @@ def find_divergence(pair: AlignedSignals, band: float, *, by_hand: bool = False)
     if not outside.any():
         return Divergence(band, by_hand, None, None, 0.0)
     step = float(np.median(np.diff(time)))
-    window = max(SHORTEST, FEWEST * step, SHARE * float(time[-1] - time[0]))
+    window = max(
+        SHORTEST_DIVERGENCE, MIN_DIVERGENT_SAMPLES * step, SPAN_SHARE * float(time[-1] - time[0])
+    )
     ends = np.searchsorted(time, time + window, side='right')
     # Cumulative count, so that each window needs one subtraction
     total = np.concatenate([[0], np.cumsum(outside)])

@@ -36,11 +36,11 @@ import numpy as np
 from numpy.typing import NDArray
 from plotly.graph_objects import Figure, Scatter
 
-POINTS: Final = 1200  # per line; a plot is at most about that wide in pixels
-DEGREES: Final = 180.0 / math.pi
+FIGURE_POINTS: Final = 1200  # per line; a plot is at most about that wide in pixels
+DEGREES_PER_RADIAN: Final = 180.0 / math.pi
 
 
-def thin_signal(line: SampledSignal, points: int = POINTS) -> SampledSignal:
+def thin_signal(line: SampledSignal, points: int = FIGURE_POINTS) -> SampledSignal:
     """Thin a signal to about `points` samples: minimum, maximum and gaps of each stretch."""
     count = len(line.time)
     if count <= points:
@@ -76,11 +76,11 @@ class ChannelTrace(NamedTuple):
     band: float
 
 
-def build_channel_trace(each: ChannelComparison, points: int = POINTS) -> ChannelTrace:
+def build_channel_trace(each: ChannelComparison, points: int = FIGURE_POINTS) -> ChannelTrace:
     """Return a channel as drawn: angles in degrees and unwrapped."""
     unit, factor = each.unit, 1.0
     if unit in ('rad', 'rad/s'):
-        unit, factor = unit.replace('rad', '°'), DEGREES
+        unit, factor = unit.replace('rad', '°'), DEGREES_PER_RADIAN
     if each.angular:
         a, b = unwrap_pair(each)
     else:
@@ -256,7 +256,7 @@ def positive_powers(thinned: ChannelSpectra | None) -> list[np.ndarray]:
 Array = NDArray[np.float64]
 MAP_POSE: Final = 'ground_truth/odom/'  # the only pose in the frame of the room
 PLACE: Final = tuple(f'position.{axis}' for axis in 'xyz')
-ANGLES: Final = ('orientation.yaw', 'orientation.pitch', 'orientation.roll')
+ANGLE_FIELDS: Final = ('orientation.yaw', 'orientation.pitch', 'orientation.roll')
 CAPTION: Final = (
     "Both flights at the same time on A's clock, in A's frame. The path ahead is pale; a flight "
     'is hidden while its position is unknown.'
@@ -282,7 +282,7 @@ def render_comparison_scene(
     channels = [each for each in places if each is not None]
     if not pose or len(channels) < len(PLACE):
         return '', {}
-    angles = [by_name.get(f'{pose}{field}') for field in ANGLES]
+    angles = [by_name.get(f'{pose}{field}') for field in ANGLE_FIELDS]
     time = sample_times(*span)
     poses = {side: sample_pose(channels, angles, side, time) for side in ('a', 'b')}
     scene = read_recorded_scene(comparison)

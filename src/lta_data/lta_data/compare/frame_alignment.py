@@ -11,10 +11,10 @@ from lta_data.compare.time_alignment import TimeAlignment
 from lta_data.even_grid import sort_samples
 import numpy as np
 
-ROUNDS: Final = 50  # iterations, at most
+REWEIGHTING_ROUNDS: Final = 50  # iterations, at most
 TUKEY: Final = 4.685  # scaled residuals of zero weight; 95 % efficiency for normal noise
-LEAST: Final = 0.05  # m of horizontal spread needed to estimate the rotation
-TELLING: Final = 3.0  # least ratio of that spread to the misfit
+MIN_PATH_SPREAD: Final = 0.05  # m of horizontal spread needed to estimate the rotation
+TELLING_SPREAD: Final = 3.0  # least ratio of that spread to the misfit
 
 
 @final
@@ -67,7 +67,7 @@ def fit_frame_transform(
     height = robust_center(a[:, 2] - b[:, 2])
     weight = np.ones(len(a))
     yaw, shift = fit_yaw_and_shift(a, b, weight)
-    for _ in range(ROUNDS):
+    for _ in range(REWEIGHTING_ROUNDS):
         apart = horizontal_distances(a, b, yaw, shift)
         # 1.4826: standard deviation from the median absolute deviation of normal noise.
         scale = 1.4826 * float(np.median(apart))
@@ -82,7 +82,7 @@ def fit_frame_transform(
     way = math.sqrt(float(np.sum(np.var(a[:, :2], axis=0))))
     misfit = 1.4826 * float(np.median(horizontal_distances(a, b, yaw, shift)))
     # A hover has no shape from which a rotation could be estimated.
-    by_heading = way < max(LEAST, TELLING * misfit)
+    by_heading = way < max(MIN_PATH_SPREAD, TELLING_SPREAD * misfit)
     if by_heading:
         yaw = mean_heading_difference(heading_a, heading_b)
         shift = fit_shift(a, b, yaw, np.ones(len(a)))
@@ -96,7 +96,7 @@ def fit_frame_transform(
 def robust_center(values: Array) -> float:
     """Return the centre of values with outliers: Tukey's M-estimate, started from the median."""
     middle = float(np.median(values))
-    for _ in range(ROUNDS):
+    for _ in range(REWEIGHTING_ROUNDS):
         scale = 1.4826 * float(np.median(np.abs(values - middle)))
         if scale <= 1e-12:
             break
@@ -150,10 +150,11 @@ def mean_heading_difference(a: Array | None, b: Array | None) -> float:
 
 
 Frames = Literal['auto', 'given', 'fit']
-BODY: Final = 'link'  # frames that move with the robot end in it, after REP-105
+BODY_FRAME_ENDING: Final = 'link'  # frames that move with the robot end in it, after REP-105
 ODOMETRY: Final = 'nav_msgs/msg/Odometry'
-BETTER: Final = 0.2  # remaining share of the distance from which frames count as different
-AXES: Final = ('x', 'y', 'z')
+# Remaining share of the distance from which frames count as different
+FRAMES_DIFFER_SHARE: Final = 0.2
+PLACE_AXES: Final = ('x', 'y', 'z')
 
 
 class PositionPair(NamedTuple):
@@ -213,10 +214,14 @@ def find_world_positions(
     starts = []
     for pair in pairs:
         start = pair.name.removesuffix('position.x')
-        whole = {f'{start}position.{axis}' for axis in AXES} <= names
+        whole = {f'{start}position.{axis}' for axis in PLACE_AXES} <= names
         frames = pair.frames
         # Frames named ..._link move with the robot (REP-105); only world frames are fitted.
-        if start == pair.name or not whole or any(each.endswith(BODY) for each in frames):
+        if (
+            start == pair.name
+            or not whole
+            or any(each.endswith(BODY_FRAME_ENDING) for each in frames)
+        ):
             continue
         kind = types.get(pair.a.topic)
         starts.append(
@@ -229,7 +234,7 @@ def fit_frame_alignment(
     pose: PositionPair, pairs: Mapping[str, ChannelPair], timing: TimeAlignment, frames: Frames
 ) -> FrameAlignment:
     """Fit the transformation of one pair of frames and decide whether to apply it."""
-    both = [pairs[f'{pose.field}position.{axis}'] for axis in AXES]
+    both = [pairs[f'{pose.field}position.{axis}'] for axis in PLACE_AXES]
     joined = [
         align_signals(
             sort_samples(pair.a.time, pair.a.values),
@@ -269,7 +274,7 @@ def decide_alignment(
     if names[0] != names[1]:
         return True, f'The frames differ: A uses {labels[0]}, B uses {labels[1]}.'
     # The same frame name is trusted unless a fit removes most of the distance.
-    better = fit.after < BETTER * fit.before
+    better = fit.after < FRAMES_DIFFER_SHARE * fit.before
     # Two different runs may differ in position; one run recorded twice may not.
     if better and timing.how == 'clock':
         return True, (
@@ -298,10 +303,10 @@ def transform_pairs(
             transformed[name] = pair._replace(b=replace(pair.b, values=turned))
         for kind in ('position', 'vector'):
             start = name.removesuffix(f'{kind}.x')
-            parts = [pairs.get(f'{start}{kind}.{axis}') for axis in AXES]
+            parts = [pairs.get(f'{start}{kind}.{axis}') for axis in PLACE_AXES]
             if start != name:
                 whole = [part for part in parts if part is not None]
-                if len(whole) == len(AXES):
+                if len(whole) == len(PLACE_AXES):
                     transformed |= transform_triple(whole, fit, kind == 'position')
     return transformed
 

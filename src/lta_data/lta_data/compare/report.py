@@ -34,7 +34,7 @@ from lta_data.compare.sentences import (
     format_quantity,
     format_rate,
     format_verdict,
-    MISSING,
+    MISSING_DASH,
 )
 from lta_report.flight_scene import render_time_bar
 from lta_report.formatting import Tile
@@ -42,7 +42,7 @@ from lta_report.html_elements import embed_data
 from lta_report.report import Block, Grid, HtmlBlock, Picture, Report, TextTable
 import numpy as np
 
-ROWS: Final = 20  # channels in the ranking
+RANKING_ROWS: Final = 20  # channels in the ranking
 DASH: Final = '-'
 HEADS: Final = (
     'channel', 'diverges at', 'bias', 'RMS', '95 % of RMS', 'NRMSE', 'maximum', 'at', 'lag',
@@ -57,9 +57,9 @@ NO_FAULTS: Final = 'No gaps, missing values, or time stamps that repeat or go ba
 def build_ranking(comparison: ComparisonResult) -> TextTable:
     """Return the table of channels, those that diverge most and earliest first."""
     count = len(comparison.channels)
-    more = f' (first {ROWS} of {count})' if count > ROWS else ''
+    more = f' (first {RANKING_ROWS} of {count})' if count > RANKING_ROWS else ''
     rows = []
-    for each in comparison.channels[:ROWS]:
+    for each in comparison.channels[:RANKING_ROWS]:
         parts, bias, rms, _, nrmse, *_ = format_ranking_row(each)
         rows.append([each.name, parts, bias, rms, nrmse])
     heads = ('channel', 'diverges at', 'bias', 'RMS', 'NRMSE')
@@ -167,8 +167,8 @@ def build_alignment_table(comparison: ComparisonResult) -> TextTable:
 
 # All channels are embedded in the page for the picker
 PICKED: Final = 320  # points of a line in the channel picker; limits the page's size
-HEIGHT: Final = 330  # of a figure [px]
-COLOURS: Final = (
+FIGURE_HEIGHT: Final = 330  # of a figure [px]
+COMPARED_COLOURS: Final = (
     'Blue: A, orange: B, grey: B - A. Shaded: the noise band or the tolerance. Gaps are not '
     'bridged.'
 )
@@ -183,7 +183,7 @@ def build_report(comparison: ComparisonResult) -> Report:
         command='compare',
         subject=f'A {shorten_path(comparison.a.path)} · B {shorten_path(comparison.b.path)}',
         headline=format_verdict(comparison),
-        introduction=f'{describe_comparison(comparison)} {COLOURS}',
+        introduction=f'{describe_comparison(comparison)} {COMPARED_COLOURS}',
         tiles=build_tiles(comparison),
         blocks=[
             Grid([*build_path_picture(comparison), build_ranking(comparison)]),
@@ -279,12 +279,12 @@ def build_tiles(comparison: ComparisonResult) -> list[Tile]:
             Tile('First divergence', f'{first.parting.at:.2f}', 's', format_channel_name(first))
         )
         rms = worst.measures
-        share = MISSING if rms is None or rms.nrmse is None else f'{rms.nrmse:.2g}'
+        share = MISSING_DASH if rms is None or rms.nrmse is None else f'{rms.nrmse:.2g}'
         tiles.append(
             Tile('NRMSE of the largest divergence', share, '', format_channel_name(worst))
         )
     else:
-        tiles.append(Tile('First divergence', MISSING, '', 'no channel diverges'))
+        tiles.append(Tile('First divergence', MISSING_DASH, '', 'no channel diverges'))
     tiles.append(Tile('Topics with faults', str(wrong), '', 'gaps, duplicates, missing values'))
     return tiles
 
@@ -292,14 +292,14 @@ def build_tiles(comparison: ComparisonResult) -> list[Tile]:
 def build_path_picture(comparison: ComparisonResult) -> list[Picture]:
     """Return the path seen from above, if there is one."""
     above = figures.plot_path(comparison.channels)
-    return [] if above is None else [Picture('path', 'From above', ABOVE, above, HEIGHT)]
+    return [] if above is None else [Picture('path', 'From above', ABOVE, above, FIGURE_HEIGHT)]
 
 
 def build_panel(entry: RoleChannel, time: tuple[float, float]) -> Picture:
     """Return the overlay of a channel of both flights."""
     about = f'{entry.channel.name}. {summarize_channel(entry.channel)}'
     figure = figures.plot_overlay(entry.channel, time)
-    return Picture(entry.role.name, format_title(entry), about, figure, HEIGHT, timed=True)
+    return Picture(entry.role.name, format_title(entry), about, figure, FIGURE_HEIGHT, timed=True)
 
 
 def is_worth_plotting(each: ChannelComparison) -> bool:
@@ -327,10 +327,11 @@ def build_channel_picker(comparison: ComparisonResult) -> list[Block]:
         Grid([
             Picture(
                 'channel', 'Over time', f'{first.name}. {summarize_channel(first)}',
-                figures.plot_overlay(first, time), HEIGHT, timed=True,
+                figures.plot_overlay(first, time), FIGURE_HEIGHT, timed=True,
             ),
             Picture(
-                'spectrum', 'By frequency', by_frequency, figures.plot_spectrum(first), HEIGHT
+                'spectrum', 'By frequency', by_frequency, figures.plot_spectrum(first),
+                FIGURE_HEIGHT,
             ),
         ]),
     ]  # fmt: skip

@@ -8,18 +8,18 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
 
-GAP: Final = 2.5  # periods without a message that count as a gap
-TURN: Final = 2.0 * np.pi
+GAP_PERIODS_COMPARED: Final = 2.5  # periods without a message that count as a gap
+FULL_TURN_RADIANS: Final = 2.0 * np.pi
 Array = NDArray[np.float64]
 
 
 def wrap_angle(angle: Array) -> Array:
     """Return angles in [-pi, pi). [rad]"""
-    return (angle + np.pi) % TURN - np.pi
+    return (angle + np.pi) % FULL_TURN_RADIANS - np.pi
 
 
 def interpolate_signal(
-    line: SampledSignal, at: Array, *, angular: bool = False, gap: float = GAP
+    line: SampledSignal, at: Array, *, angular: bool = False, gap: float = GAP_PERIODS_COMPARED
 ) -> Array:
     """
     Interpolate a signal linearly at the times `at`. [s]
@@ -65,7 +65,7 @@ class AlignedSignals(NamedTuple):
 
 
 def align_signals(
-    a: SampledSignal, b: SampledSignal, *, angular: bool = False, gap: float = GAP
+    a: SampledSignal, b: SampledSignal, *, angular: bool = False, gap: float = GAP_PERIODS_COMPARED
 ) -> AlignedSignals:
     """
     Return two signals at the times of the slower one, on their common span.
@@ -86,7 +86,7 @@ def align_signals(
     return AlignedSignals(at, of_a, of_b, wrap_angle(difference) if angular else difference)
 
 
-def break_at_gaps(line: SampledSignal, gap: float = GAP) -> SampledSignal:
+def break_at_gaps(line: SampledSignal, gap: float = GAP_PERIODS_COMPARED) -> SampledSignal:
     """Insert a NaN into each gap, so that plots do not bridge it."""
     if len(line.time) < 2:
         return line
@@ -100,7 +100,7 @@ def break_at_gaps(line: SampledSignal, gap: float = GAP) -> SampledSignal:
 
 SEGMENT: Final = 1024  # samples per segment, at most
 SEGMENTS: Final = 4  # at least, with half overlap
-FEWEST: Final = 32  # samples needed for a spectrum
+MIN_SPECTRUM_SAMPLES: Final = 32  # samples needed for a spectrum
 
 
 @final
@@ -155,7 +155,7 @@ def compute_spectra(pair: AlignedSignals, *, angular: bool = False) -> ChannelSp
     """
     time, a, b = resample_evenly(pair, angular=angular)
     count = len(time)
-    if count < FEWEST:
+    if count < MIN_SPECTRUM_SAMPLES:
         return None
     # With half overlap, n segments of length L cover (n + 1) L / 2 samples.
     length = min(SEGMENT, 2 * count // (SEGMENTS + 1))

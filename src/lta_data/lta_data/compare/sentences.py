@@ -22,9 +22,9 @@ from lta_report.formatting import format_count
 from lta_report.json_value import to_json_value
 import numpy as np
 
-DEGREES: Final = 180.0 / math.pi
+DEGREES_PER_RADIAN: Final = 180.0 / math.pi
 BASIS: Final = 1e6  # ppm
-MISSING: Final = '\N{EN DASH}'
+MISSING_DASH: Final = '\N{EN DASH}'
 
 
 def format_channel_name(channel: ChannelComparison) -> str:
@@ -37,7 +37,7 @@ def format_channel_name(channel: ChannelComparison) -> str:
 def format_quantity(value: float, unit: str, digits: int = 3) -> str:
     """Format a value with its unit; angles in degrees."""
     if unit in ('rad', 'rad/s'):
-        value, unit = value * DEGREES, unit.replace('rad', '°')
+        value, unit = value * DEGREES_PER_RADIAN, unit.replace('rad', '°')
     return f'{value:.{digits}g}' + (
         unit if unit.startswith('°') else f' {unit}' if unit not in ('', '1') else ''
     )
@@ -231,9 +231,8 @@ def describe_frame_transform(fit: FrameTransform) -> str:
     """Describe a rotation and shift."""
     how = ' (rotation estimated from the headings)' if fit.by_heading else ''
     shift = ', '.join(format_decimal(part, 3) for part in (fit.x, fit.y, fit.z))
-    moved = (
-        f'is rotated by {format_decimal(fit.yaw * DEGREES, 2)}° and shifted by ({shift}) m{how}'
-    )
+    degrees = format_decimal(fit.yaw * DEGREES_PER_RADIAN, 2)
+    moved = f'is rotated by {degrees}° and shifted by ({shift}) m{how}'
     return (
         f'{moved}; this reduces the distance between the paths from {fit.before:.3f} m to '
         f'{fit.after:.3f} m'
@@ -242,10 +241,10 @@ def describe_frame_transform(fit: FrameTransform) -> str:
 
 def format_rate(faults: TopicFaults) -> str:
     """Format the rate of a topic."""
-    return MISSING if not faults.period else f'{1.0 / faults.period:.4g} Hz'
+    return MISSING_DASH if not faults.period else f'{1.0 / faults.period:.4g} Hz'
 
 
-UNITS = {
+JSON_UNITS = {
     'offset': 's', 'sigma': 's', 'lead': 's', 'drift': '1', 'drift_sigma': '1', 'middle': 's',
     'span': 's', 'yaw': 'rad', 'x': 'm', 'y': 'm', 'z': 'm', 'before': 'm', 'after': 'm',
     'periods': 's', 'at': 's', 'first': 's', 'greatest_at': 's', 'lag': 's', 'frequency': 'Hz',
@@ -269,7 +268,7 @@ def comparison_to_dict(comparison: ComparisonResult) -> dict[str, Any]:
         'remarks': comparison.remarks,
         'channels': [channel_to_dict(each) for each in comparison.channels],
         'normalised_by': 'standard deviation of A at the compared times',
-        'units': UNITS,
+        'units': JSON_UNITS,
     }
     plain: dict[str, Any] = to_json_value(content)
     return plain

@@ -17,8 +17,8 @@ import numpy as np
 Align = Literal['auto', 'clock', 'motion', 'none']
 SAME_RUN: Final = 0.9  # least correlation of the rates of one run recorded twice
 SAME_COUNT: Final = 0.98  # the same for two logs without a clock: repeated runs reach 0.961
-TELLING: Final = 3  # standard deviations from which an offset is mentioned
-PLACES: Final = ('position.x', 'position.y')
+TELLING_DEVIATIONS: Final = 3  # standard deviations from which an offset is mentioned
+PLACE_FIELDS: Final = ('position.x', 'position.y')
 
 
 @final
@@ -191,7 +191,7 @@ def describe_suspected_offset(estimate: ClockOffset | None) -> tuple[str, ...]:
     if estimate is None or estimate.correlation < SAME_RUN or estimate.is_ambiguous:
         return ()
     # Offsets below 1 ms are irrelevant.
-    if abs(estimate.value) <= max(TELLING * estimate.sigma, 1e-3):
+    if abs(estimate.value) <= max(TELLING_DEVIATIONS * estimate.sigma, 1e-3):
         return ()
     return (
         f'The motions agree best at an offset of {1e3 * estimate.value:+.1f} ms (standard '
@@ -213,12 +213,12 @@ def select_frame_invariants(
         a = sort_samples(pair.a.time, pair.a.values)
         b = sort_samples(pair.b.time - bare.lead, pair.b.values)
         # Horizontal positions depend on the world frame; their speed does not.
-        if not pair.name.endswith(PLACES):
+        if not pair.name.endswith(PLACE_FIELDS):
             invariants.append(SharedQuantity(pair.name, a, b, pair.angular))
     by_name = {pair.name: pair for pair in pairs}
     for name, pair in by_name.items():
-        other = by_name.get(name.removesuffix(PLACES[0]) + PLACES[1])
-        if name.endswith(PLACES[0]) and other is not None:
+        other = by_name.get(name.removesuffix(PLACE_FIELDS[0]) + PLACE_FIELDS[1])
+        if name.endswith(PLACE_FIELDS[0]) and other is not None:
             a = ground_speed(pair.a.time, pair.a.values, other.a.values)
             b = ground_speed(pair.b.time - bare.lead, pair.b.values, other.b.values)
             invariants.append(SharedQuantity(f'{name.removesuffix(".x")}.way', a, b))

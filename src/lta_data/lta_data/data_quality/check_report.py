@@ -20,14 +20,14 @@ from rich.console import Console
 from rich.progress import BarColumn, TextColumn
 from rich.text import Text
 
-STYLES: Final = {
+SEVERITY_STYLES: Final = {
     Severity.NOTE: 'dim',
     Severity.WARNING: 'yellow',
     Severity.SUSPICIOUS: 'red',
     Severity.ERROR: 'bold red',
 }
 
-WIDEST: Final = 120  # characters of a line, also in a pipe
+REPORT_WIDTH: Final = 120  # characters of a line, also in a pipe
 INDENT: Final = '    '  # before the evidence
 
 
@@ -121,12 +121,12 @@ def findings_to_json(done: Sequence[CheckedRecording]) -> str:
 
 def print_findings(one: CheckedRecording, console: Console) -> None:
     """Print the findings of one recording."""
-    width = min(WIDEST, console.width)
+    width = min(REPORT_WIDTH, console.width)
     whose = f' ({one.robot})' if one.robot else ''
     kind = ', declared as simulated' if one.simulated else ''
     console.print(f'{one.path}{whose}{kind}', style='bold', highlight=False, markup=False)
     for finding in one.report.findings:
-        head = Text(finding.severity.value, STYLES[finding.severity])
+        head = Text(finding.severity.value, SEVERITY_STYLES[finding.severity])
         head.append(f'  {finding.kind}  ').append(finding.channel, 'bold')
         head.append(f'  {finding.from_s:.2f} to {finding.to_s:.2f} s')
         console.print(head, soft_wrap=True)

@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 KIND = 'twin'
-KINDS: Final = ('position', 'attitude', 'rates', 'turning', 'force', 'velocity')
+NOISY_QUANTITIES: Final = ('position', 'attitude', 'rates', 'turning', 'force', 'velocity')
 SAME_RATE: Final = 0.01  # largest difference of the periods of a copy
-LIVELY: Final = 0.2  # least share of signs that change, as those of noise do
+LIVELY_SHARE: Final = 0.2  # least share of signs that change, as those of noise do
 
 
 @final
@@ -77,13 +77,13 @@ def extract_signs(recording: Flight) -> dict[str, NoiseSigns]:
     """Return the signs of the noise of each topic."""
     topics: dict[str, NoiseSigns] = {}
     for channel in recording.channels.values():
-        if roles.match_noisy_quantity(channel) not in KINDS:
+        if roles.match_noisy_quantity(channel) not in NOISY_QUANTITIES:
             continue
         time, table = sort_samples(channel.time, channel.values[:, None]).select_complete()
         if len(time) < limits.LEAST_SAMPLES:
             continue
         row = np.sign(np.diff(table[:, 0], 2))
-        if np.mean(row[1:] != row[:-1]) > LIVELY:
+        if np.mean(row[1:] != row[:-1]) > LIVELY_SHARE:
             topic = topics.setdefault(channel.topic, NoiseSigns(median_period(time), {}))
             topic.rows[channel.name] = row
     return topics

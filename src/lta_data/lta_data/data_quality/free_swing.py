@@ -23,20 +23,20 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 Array = NDArray[np.float64]
-STEP: Final = 0.04  # of the grid [s]
-CALM: Final = (0.4, 1.2)  # smoothing, a third of a period within these limits [s]
-SHORTEST: Final = 4.0  # of a swing that is judged [s]
-SWUNG: Final = 0.04  # least amplitude [rad]
+SWING_STEP: Final = 0.04  # of the grid [s]
+SMOOTHING_LIMITS: Final = (0.4, 1.2)  # smoothing, a third of a period within these limits [s]
+SHORTEST_SWING: Final = 4.0  # of a swing that is judged [s]
+MIN_SWING: Final = 0.04  # least amplitude [rad]
 LEAVES: Final = 0.15  # m/s; a vehicle that is faster on average is pushed by its rotors
 RESTS: Final = 0.03  # m/s; slower motion beside the mean velocity is that of the air
 TILTED: Final = 0.9  # of its largest tilt, at which a vehicle is held before it is released
 HALFWAY: Final = 0.5  # of its largest tilt, below which it is released
-LATE: Final = 0.6  # of the flight; a free swing is released before
+LATEST_RELEASE: Final = 0.6  # of the flight; a free swing is released before
 LAWFUL: Final = 0.88  # of the angular acceleration that the law of a pendulum explains
-SLOWEST: Final = 0.5  # angular frequency of a swing, at least [rad/s]
-LOST: Final = 0.95  # of the energy of its first third a swing has in its last, at most
+SLOWEST_SWING: Final = 0.5  # angular frequency of a swing, at least [rad/s]
+DECAYED_ENERGY: Final = 0.95  # of the energy of its first third a swing has in its last, at most
 GROWS: Final = 1.4  # times the energy that it had before; nothing but rotors or a hand give more
-LEFT: Final = 0.1  # of the largest energy; less of it may be noise
+NEGLIGIBLE_ENERGY: Final = 0.1  # of the largest energy; less of it may be noise
 
 
 def require_commands(flight: str, recording: Flight) -> None:
@@ -70,43 +70,47 @@ def _judge_swing(pose: PoseSeries) -> str:
     assert pose.position is not None
     assert pose.attitude is not None
     place, attitude = pose.position, pose.attitude
-    grid = build_uniform_time_grid(attitude.time[0], attitude.time[-1], STEP, len(attitude.time))
-    if len(grid) * STEP < SHORTEST:
-        return f'less than {SHORTEST:g} s do not prove a free swing'
+    grid = build_uniform_time_grid(
+        attitude.time[0], attitude.time[-1], SWING_STEP, len(attitude.time)
+    )
+    if len(grid) * SWING_STEP < SHORTEST_SWING:
+        return f'less than {SHORTEST_SWING:g} s do not prove a free swing'
     turns, _ = interpolate_on_grid(attitude.time, attitude.values, grid)
     # Where the world's up is in the body
     up = Rotation.from_quat(turns).inv().apply([0.0, 0.0, 1.0])[:, :2]
     where, _ = interpolate_on_grid(place.time, place.values, grid)
     # A third of its period, which is estimated with the least smoothing before
-    _, released, law = _fit_pendulum(up, CALM[0])
-    width = math.tau / max(SLOWEST, math.sqrt(max(0.0, law.stiffness))) / 3.0
-    off, released, law = _fit_pendulum(up, min(max(CALM[0], width), CALM[1]))
-    if released > LATE * len(up) and np.abs(off).max() > SWUNG:
+    _, released, law = _fit_pendulum(up, SMOOTHING_LIMITS[0])
+    width = math.tau / max(SLOWEST_SWING, math.sqrt(max(0.0, law.stiffness))) / 3.0
+    off, released, law = _fit_pendulum(
+        up, min(max(SMOOTHING_LIMITS[0], width), SMOOTHING_LIMITS[1])
+    )
+    if released > LATEST_RELEASE * len(up) and np.abs(off).max() > MIN_SWING:
         return 'it is no free swing: its largest tilt comes late'
     free = off[released:]
-    if len(free) * STEP < SHORTEST or np.abs(free).max() < SWUNG:
+    if len(free) * SWING_STEP < SHORTEST_SWING or np.abs(free).max() < MIN_SWING:
         return 'the vehicle does not swing for long enough after its largest tilt'
-    way = smooth_columns(where[released:], hann_kernel(CALM[0], STEP))
-    speed = float(np.linalg.norm(way[-1] - way[0])) / (len(way) * STEP)
+    way = smooth_columns(where[released:], hann_kernel(SMOOTHING_LIMITS[0], SWING_STEP))
+    speed = float(np.linalg.norm(way[-1] - way[0])) / (len(way) * SWING_STEP)
     if speed > LEAVES:
         return f'it is no free swing: the vehicle travels at {speed:.2g} m/s on average'
-    if law.explained < LAWFUL or law.stiffness < SLOWEST**2:
+    if law.explained < LAWFUL or law.stiffness < SLOWEST_SWING**2:
         return (
             'it is no free swing: the law of a pendulum explains '
             f'{100 * max(0.0, law.explained):.0f} % of its angular acceleration'
         )
-    moved = np.gradient(way, STEP, axis=0)
+    moved = np.gradient(way, SWING_STEP, axis=0)
     moved -= moved.mean(axis=0)
     motion = np.square(moved).sum(axis=1)
     for energy, least in ((law.energy, 0.0), (motion, RESTS**2)):
         first, _, last = (float(part.mean()) for part in np.array_split(energy, 3))
-        if last > max(LOST * first, least):
+        if last > max(DECAYED_ENERGY * first, least):
             return (
                 'it is no free swing: its energy does not decay, but is '
                 f'{last / first:.2g} times as large at the end'
             )
     after = np.maximum.accumulate(law.energy[::-1])[::-1]
-    if (after > np.maximum(GROWS * law.energy, LEFT * after[0])).any():
+    if (after > np.maximum(GROWS * law.energy, NEGLIGIBLE_ENERGY * after[0])).any():
         return 'it is no free swing: its energy grows on the way'
     return ''
 
@@ -126,7 +130,7 @@ def _fit_pendulum(up: Array, width: float) -> tuple[Array, int, PendulumLaw]:
 
     `up`, shape (n, 2): horizontal parts of the body's up [rad]. `width`: of the smoothing [s].
     """
-    calm = smooth_columns(up, hann_kernel(width, STEP))
+    calm = smooth_columns(up, hann_kernel(width, SWING_STEP))
     off = calm - np.median(calm[len(calm) // 2 :], axis=0)
     size = np.linalg.norm(off, axis=1)
     # A hand may hold it at its largest tilt for a while before
@@ -135,8 +139,8 @@ def _fit_pendulum(up: Array, width: float) -> tuple[Array, int, PendulumLaw]:
     free = off[released:]
     if len(free) < 3:
         return off, released, PendulumLaw(0.0, 0.0, np.zeros(len(free)))
-    rate = np.gradient(free, STEP, axis=0)
-    pull = np.gradient(rate, STEP, axis=0)
+    rate = np.gradient(free, SWING_STEP, axis=0)
+    pull = np.gradient(rate, SWING_STEP, axis=0)
     # Both axes at once, as they swing at frequencies of their own
     terms = np.column_stack([free, rate, np.ones(len(free))])
     law = np.linalg.lstsq(terms, pull, rcond=None)[0]
@@ -145,8 +149,8 @@ def _fit_pendulum(up: Array, width: float) -> tuple[Array, int, PendulumLaw]:
     main = np.linalg.svd(free, full_matrices=False)[2][0]
     energy = np.square(rate).sum(axis=1) + (free @ back * free).sum(axis=1)
     stiffness = float(main @ back @ main)
-    period = math.tau / max(SLOWEST, math.sqrt(max(0.0, stiffness)))
-    weights = hann_kernel(min(2.0 * period, 0.5 * len(free) * STEP), STEP)
+    period = math.tau / max(SLOWEST_SWING, math.sqrt(max(0.0, stiffness)))
+    weights = hann_kernel(min(2.0 * period, 0.5 * len(free) * SWING_STEP), SWING_STEP)
     return (
         off,
         released,

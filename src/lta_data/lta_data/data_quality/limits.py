@@ -58,7 +58,7 @@ KERNEL: Final = 0.25
 # Shortest overlap of two channels that are compared [s]
 PAIR_TIME: Final = 6.0
 # Lowest correlation at which two channels count as the same motion
-AGREE: Final = 0.8
+MOTION_CORRELATION: Final = 0.8
 # Smallest angular rates that count as motion, not as noise of the motion capture [rad/s]
 TURN_MOTION: Final = 0.006
 # Smallest speeds that count as motion, not as noise of the motion capture [m/s]
@@ -72,7 +72,7 @@ HEIGHT_MOTION: Final = 0.12
 # unit, such as 1000
 FACTOR_SPREAD: Final = 0.25
 # Largest plausible tilt; an attitude beyond it most of the time is reported [deg]
-UPRIGHT: Final = 60.0
+UPRIGHT_TILT: Final = 60.0
 # Largest lag between two channels that is not reported; motion capture, filters and radios cause
 # some [s]
 CLOCK_OFFSET: Final = 0.04

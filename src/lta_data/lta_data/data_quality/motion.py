@@ -88,7 +88,7 @@ def collect_vectors(
 def collect_attitudes(channels: Mapping[str, Channel]) -> dict[str, VectorSeries]:
     """Return attitudes as quaternions by topic, from quaternions or Euler angles."""
     attitudes = {}
-    for topic, vector in collect_vectors(channels, roles.QUATERNION, 'xyzw').items():
+    for topic, vector in collect_vectors(channels, roles.QUATERNION_FIELD, 'xyzw').items():
         length = np.linalg.norm(vector.values, axis=1)
         # An unfilled quaternion is zero.
         good = length > 1e-6
@@ -124,7 +124,7 @@ def collect_poses(channels: Mapping[str, Channel], evenly: bool = True) -> list[
     place = collect_vectors(channels, roles.POSITION, 'xyz')
     attitude = collect_attitudes(channels)
     speed = collect_vectors(channels, roles.SPEED, 'xyz')
-    turning = collect_vectors(channels, roles.TURNING, 'xyz')
+    turning = collect_vectors(channels, roles.TURNING_FIELD, 'xyz')
     topics = dict.fromkeys((*place, *attitude, *speed, *turning))
     poses = []
     for topic in topics:
@@ -139,8 +139,8 @@ def collect_poses(channels: Mapping[str, Channel], evenly: bool = True) -> list[
 
 def collect_inertials(channels: Mapping[str, Channel]) -> list[InertialSeries]:
     """Return the inertial sensors."""
-    rates = collect_vectors(channels, roles.RATES, 'xyz')
-    force = collect_vectors(channels, roles.FORCE, 'xyz')
+    rates = collect_vectors(channels, roles.RATES_FIELD, 'xyz')
+    force = collect_vectors(channels, roles.FORCE_FIELD, 'xyz')
     return [
         InertialSeries(
             topic, *(part and part.spread() for part in (rates.get(topic), force.get(topic)))
@@ -150,7 +150,7 @@ def collect_inertials(channels: Mapping[str, Channel]) -> list[InertialSeries]:
 
 
 # Smallest standard deviation of a derived vector that is motion, not noise of the tracker
-MOVING: Final = {
+MOVING_SPREADS: Final = {
     'rates': limits.TURN_MOTION, 'velocity': limits.SPEED_MOTION, 'force': limits.FORCE_MOTION,
 }  # fmt: skip
 

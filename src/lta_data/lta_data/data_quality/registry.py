@@ -16,20 +16,25 @@ from lta_data.data_quality.checks import (
 from lta_data.data_quality.checks.clocks import is_regular
 from lta_data.data_quality.checks.repeated_values import is_constant
 from lta_data.data_quality.checks.rereadings import find_rereadings, remove_explained_findings
-from lta_data.data_quality.checks.units import SIZES
+from lta_data.data_quality.checks.units import SIZE_RULES
 from lta_data.data_quality.recording import CheckContext, CheckVerdict, QualityFinding, Severity
-from lta_data.data_quality.roles import COUNTS, RANGES, SPREAD, vector_name
+from lta_data.data_quality.roles import COUNT_CHANNELS, RANGES, SPREAD_CHANNELS, vector_name
 from lta_data.even_grid import find_coarse_unit
 from lta_data.flight import Channel, Flight
 from lta_data.interpretation.commands import is_command_topic
 import numpy as np
 
-MISSING: Final = 'missing'
-POSE: Final = ('position', 'attitude')  # that a model of a vehicle needs
-SENSED: Final = ('rates', 'force')
-RULES: Final = (*(one.names for one in RANGES), *(one.names for one in SIZES), COUNTS, SPREAD)
-MOVING: Final = ('position', 'attitude', 'velocity', 'rates', 'force')
-WORDS: Final = {'turning': 'rates', 'force': 'acceleration'}
+MISSING_KIND: Final = 'missing'
+POSE_PARTS: Final = ('position', 'attitude')  # that a model of a vehicle needs
+SENSED_PARTS: Final = ('rates', 'force')
+RANGE_RULES: Final = (
+    *(one.names for one in RANGES),
+    *(one.names for one in SIZE_RULES),
+    COUNT_CHANNELS,
+    SPREAD_CHANNELS,
+)
+MOVING_QUANTITIES: Final = ('position', 'attitude', 'velocity', 'rates', 'force')
+QUANTITY_WORDS: Final = {'turning': 'rates', 'force': 'acceleration'}
 
 
 @final
@@ -76,27 +81,29 @@ def _describe_topic(topic: str, channels: Sequence[Channel]) -> Coverage:
     measured: dict[str, bool] = {}
     for channel in channels:
         quantity = roles.match_noisy_quantity(channel)
-        if roles.QUATERNION.match(channel.field) or roles.ANGLE.match(channel.field):
+        if roles.QUATERNION_FIELD.match(channel.field) or roles.ANGLE.match(channel.field):
             quantity = 'attitude'
         # An estimate may be constant or smooth, and is a number all the same
         quantity = 'position' if roles.POSITION.match(channel.field) else quantity
-        if quantity is None and any(rule.search(channel.name) for rule in RULES):
+        if quantity is None and any(rule.search(channel.name) for rule in RANGE_RULES):
             quantity = 'range of values'
         if quantity is not None:
             finite = bool(np.isfinite(channel.values).any())
             measured[quantity] = measured.get(quantity, False) or finite
-    there = [WORDS.get(name, name) for name, is_there in measured.items() if is_there]
-    expected = SENSED if 'force' in measured else POSE if 'position' in measured else ()
+    there = [QUANTITY_WORDS.get(name, name) for name, is_there in measured.items() if is_there]
+    expected = (
+        SENSED_PARTS if 'force' in measured else POSE_PARTS if 'position' in measured else ()
+    )
     absent = [name for name in expected if name in measured and not measured[name]]
     # A setpoint has only what is controlled
     absent = [] if is_command_topic(topic) else absent
     time = channels[0].time
     missing = tuple(
         QualityFinding(
-            MISSING, topic, float(time[0]), float(time[-1]),
-            f'The {WORDS.get(name, name)} {"were" if name == "rates" else "was"} never measured: '
-            f'none of the {len(time)} messages '
-            'has a number for it, so nothing that needs it is judged.',
+            MISSING_KIND, topic, float(time[0]), float(time[-1]),
+            f'The {QUANTITY_WORDS.get(name, name)} {"were" if name == "rates" else "was"} never '
+            f'measured: none of the {len(time)} messages has a number for it, so nothing that '
+            'needs it is judged.',
             Severity.NOTE,
         )
         for name in absent
@@ -107,7 +114,7 @@ def _describe_topic(topic: str, channels: Sequence[Channel]) -> Coverage:
     if not is_regular(time):
         unjudged.append(f"The stamps of '{topic}' are irregular: lost messages cannot be counted.")
     span = float(np.ptp(time))
-    if span < limits.PAIR_TIME and any(name in measured for name in MOVING):
+    if span < limits.PAIR_TIME and any(name in measured for name in MOVING_QUANTITIES):
         unjudged.append(
             f"'{topic}' is too short to compare motions (units, axes, clocks): {span:.1f} s, and "
             f'{limits.PAIR_TIME:g} s are needed.'
@@ -141,7 +148,7 @@ class QualityCheck(Protocol):
 
 
 CHECKS: Final[dict[str, QualityCheck]] = {
-    repeated_values.CONSTANT: repeated_values.find_constant_channels,
+    repeated_values.CONSTANT_KIND: repeated_values.find_constant_channels,
     repeated_values.FROZEN: repeated_values.find_freezes,
     repeated_values.CLIPPED: repeated_values.find_clipping,
     repeated_values.DUPLICATE: repeated_values.find_duplication,

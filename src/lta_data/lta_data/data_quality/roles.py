@@ -14,12 +14,12 @@ DERIVED: Final = re.compile(r'^(odom$|light/|energy/|wind$)')
 TRACKED: Final = re.compile(r'^(ground_truth/|vicon|mocap|optitrack|qualisys|tracker|pose$)')
 
 POSITION: Final = re.compile(r'(.*position|.*translation|point)\.([xyz])$')
-QUATERNION: Final = re.compile(r'(.*orientation|.*rotation|quaternion)\.([xyzw])$')
+QUATERNION_FIELD: Final = re.compile(r'(.*orientation|.*rotation|quaternion)\.([xyzw])$')
 ANGLE: Final = re.compile(r'(.*orientation|.*rotation|quaternion)\.(yaw|pitch|roll)$')
 SPEED: Final = re.compile(r'(.*linear)\.([xyz])$')
-TURNING: Final = re.compile(r'(.*angular)\.([xyz])$')
-RATES: Final = re.compile(r'(angular_velocity)\.([xyz])$')
-FORCE: Final = re.compile(r'(linear_acceleration)\.([xyz])$')
+TURNING_FIELD: Final = re.compile(r'(.*angular)\.([xyz])$')
+RATES_FIELD: Final = re.compile(r'(angular_velocity)\.([xyz])$')
+FORCE_FIELD: Final = re.compile(r'(linear_acceleration)\.([xyz])$')
 # The empty group stands for the missing axis, as all these patterns have two groups
 PRESSURE: Final = re.compile(r'(fluid_pressure)()$')
 SHINE: Final = re.compile(r'(mean|std)\[(\d+)\]$')
@@ -29,9 +29,9 @@ RESTLESS: Final = {
     'position': POSITION,
     'attitude': ANGLE,
     'velocity': SPEED,
-    'turning': TURNING,
-    'rates': RATES,
-    'force': FORCE,
+    'turning': TURNING_FIELD,
+    'rates': RATES_FIELD,
+    'force': FORCE_FIELD,
     'pressure': PRESSURE,
 }
 
@@ -124,8 +124,8 @@ RANGES: Final = (
         'a temperature in flight is between -60 and 150 degrees Celsius',
     ),
 )
-COUNTS: Final = re.compile(r'^photodiodes/(min|max|mean)\[|^light/peaks/amplitude\[')
-SPREAD: Final = re.compile(r'^photodiodes/std\[')
+COUNT_CHANNELS: Final = re.compile(r'^photodiodes/(min|max|mean)\[|^light/peaks/amplitude\[')
+SPREAD_CHANNELS: Final = re.compile(r'^photodiodes/std\[')
 # Single cells and packs; no battery has less than 2.5 V or 4.4 to 5 V. [V]
 CELLS: Final = ((2.5, 4.4), (5.0, 61.0))
 
@@ -139,13 +139,13 @@ def build_light_ranges(top: float | None) -> tuple[ValidRange, ...]:
     if top is None:
         return tuple(
             ValidRange(n, 0.0, INFINITE, 'an ADC reading cannot be negative')
-            for n in (COUNTS, SPREAD)
+            for n in (COUNT_CHANNELS, SPREAD_CHANNELS)
         )
     return (
-        ValidRange(COUNTS, 0.0, top, f'the ADC counts from 0 to {top:.0f}'),
+        ValidRange(COUNT_CHANNELS, 0.0, top, f'the ADC counts from 0 to {top:.0f}'),
         # The standard deviation of bounded values is at most half their range
         ValidRange(
-            SPREAD,
+            SPREAD_CHANNELS,
             0.0,
             (top + 1.0) / 2.0,
             'a standard deviation is at most half of the range of the ADC '

@@ -23,15 +23,22 @@ from lta_config.errors import BadInput, unknown_name_error
 from lta_config.topics import load_topic_table
 from lta_data.bag.columns import Columns, LAMP_PEAKS, LIGHT_BLOCK
 from lta_data.bag.recorded_flight import RecordedFlight
-from lta_data.bag.table import find_unit, FIXED_UNITS, name_columns, STAMP, Table, TIME
+from lta_data.bag.table import (
+    find_unit,
+    FIXED_UNITS,
+    name_columns,
+    STAMP_COLUMN,
+    Table,
+    TIME_INDEX,
+)
 import numpy as np
 from numpy.typing import NDArray
 import pyarrow as arrow
 from pyarrow import csv, parquet
 from scipy.io import savemat
 
-LARGEST: Final = 2**31 - 1  # bytes of a variable in version 5
-LONGEST: Final = 63  # characters of a name, namelengthmax of MATLAB
+MAT_BYTES: Final = 2**31 - 1  # bytes of a variable in version 5
+MAT_NAME_LENGTH: Final = 63  # characters of a name, namelengthmax of MATLAB
 MAT_UNITS: Final = 'units'
 _INDEX: Final = re.compile(r'\[(\d+)\]')
 _LAST: Final = re.compile(r'(.*)\[(\d+)\]')
@@ -48,7 +55,7 @@ def write_mat(source: 'ExportSource', path: Path) -> Iterator[arrow.Table]:
     parts, size = [], 0
     for part in source.iterate_arrow():
         size += part.nbytes
-        if size > LARGEST:
+        if size > MAT_BYTES:
             raise BadInput(
                 f"'{source.name}' is larger than the 2 GB that a MATLAB file can hold; leave it "
                 'out with --topics, or export it with --format parquet.'
@@ -94,7 +101,7 @@ def set_nested_value(struct: Struct, path: str, value: object) -> None:
     for name in outer:
         inside = struct.setdefault(name, {})
         if not isinstance(inside, dict):  # the name already holds a value
-            inside = struct.setdefault(f'{name}_'[:LONGEST], {})
+            inside = struct.setdefault(f'{name}_'[:MAT_NAME_LENGTH], {})
         struct = inside
     while last in struct:
         last = f'{last}_'
@@ -104,12 +111,12 @@ def set_nested_value(struct: Struct, path: str, value: object) -> None:
 def format_matlab_name(name: str) -> str:
     """Return a valid MATLAB name: letters, digits and underscores, starting with a letter."""
     plain = re.sub(r'\W', '_', _INDEX.sub(r'_\1', name), flags=re.ASCII).strip('_')
-    return (plain if plain[:1].isalpha() else f'x{plain}')[:LONGEST]
+    return (plain if plain[:1].isalpha() else f'x{plain}')[:MAT_NAME_LENGTH]
 
 
 BLOCK_ROWS: Final = 512  # blocks of the photodiodes per part, 16 kB each
 POINT_ROWS: Final = 1024  # messages with points per part
-PACKED: Final = ('sensor_msgs/msg/Image', 'sensor_msgs/msg/PointCloud2')
+PACKED_TYPES: Final = ('sensor_msgs/msg/Image', 'sensor_msgs/msg/PointCloud2')
 
 
 @final
@@ -158,13 +165,15 @@ def build_topic_source(flight: RecordedFlight, topic: str) -> ExportSource:
     series = flight.read_series(topic)
     columns, units = name_columns(series, kind, topic)
     columns = _build_clock_columns(flight, series.stamps) | columns
-    remark = f"Of the messages on '{topic}', the data are not exported." if kind in PACKED else ''
+    remark = (
+        f"Of the messages on '{topic}', the data are not exported." if kind in PACKED_TYPES else ''
+    )
     return ExportSource(topic, kind, FIXED_UNITS | units, iter([columns]), remark)
 
 
 def build_table_source(table: Table, name: str) -> ExportSource:
     """Return the source of a `pandas.DataFrame` as of `lta_data.bag.table`."""
-    columns = {STAMP: table[STAMP].to_numpy(), TIME: table.index.to_numpy()}
+    columns = {STAMP_COLUMN: table[STAMP_COLUMN].to_numpy(), TIME_INDEX: table.index.to_numpy()}
     columns |= {name: table[name].to_numpy() for name in table}
     return ExportSource(name, '', table.attrs['units'], iter([columns]))
 
@@ -214,7 +223,7 @@ def _iterate_point_rows(flight: RecordedFlight, topic: str) -> Iterator[Columns]
 
 def _build_clock_columns(flight: RecordedFlight, stamps: NDArray[np.int64]) -> Columns:
     """Return the columns of the time."""
-    return {STAMP: stamps, TIME: (stamps - flight.start).astype(np.float64) * 1e-9}
+    return {STAMP_COLUMN: stamps, TIME_INDEX: (stamps - flight.start).astype(np.float64) * 1e-9}
 
 
 def _compute_stamps(flight: RecordedFlight, time: NDArray[np.float64]) -> NDArray[np.int64]:
@@ -242,13 +251,13 @@ def write_csv(source: ExportSource, path: Path) -> Iterator[arrow.Table]:
             yield part
 
 
-FORMATS: Final[dict[str, Callable[[ExportSource, Path], Iterator[arrow.Table]]]] = {
+EXPORT_FORMATS: Final[dict[str, Callable[[ExportSource, Path], Iterator[arrow.Table]]]] = {
     'parquet': write_parquet,
     'csv': write_csv,
     'mat': write_mat,
 }
 ALIGNED: Final = 'aligned'
-UNITS: Final = 'units.csv'  # beside the files of CSV
+UNITS_FILE: Final = 'units.csv'  # beside the files of CSV
 
 
 class ExportObserver(Protocol):
@@ -300,8 +309,8 @@ def export_recording(
     Raise `BadInput` if the format or a named topic is unknown, the topic cannot be decoded, the
     folder is not empty, or the files cannot be written.
     """
-    if order.form not in FORMATS:
-        raise unknown_name_error('format', order.form, list(FORMATS))
+    if order.form not in EXPORT_FORMATS:
+        raise unknown_name_error('format', order.form, list(EXPORT_FORMATS))
     topics = select_topics(flight, order.topics)
     done = ExportResult([], [])
     units: list[tuple[str, str, str, str]] = []
@@ -382,7 +391,7 @@ def write_source_file(
     path = folder / f'{name}.{form}'
     rows, columns = 0, list[str]()
     with replace_atomically(path) as part:
-        for table in FORMATS[form](source, part):
+        for table in EXPORT_FORMATS[form](source, part):
             rows, columns = rows + len(table), table.column_names
     done.files.append(ExportedFile(source.name, path, rows, len(columns)))
     if source.remark:
@@ -392,5 +401,5 @@ def write_source_file(
 
 def write_units(rows: Iterable[tuple[str, str, str, str]], folder: Path) -> None:
     """Write the unit of each column of each file; '' if unknown."""
-    with (folder / UNITS).open('w', newline='', encoding='utf-8') as file:
+    with (folder / UNITS_FILE).open('w', newline='', encoding='utf-8') as file:
         writer(file).writerows([('file', 'topic', 'column', 'unit'), *rows])

@@ -16,7 +16,7 @@ from lta_data.importers.protocol import LogTable, Numbers
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-EXACT = 1e-12  # tolerance of matrix elements that should be whole numbers
+WHOLE_NUMBER_TOLERANCE = 1e-12  # tolerance of matrix elements that should be whole numbers
 
 
 def signed_permutation(axes: Sequence[str] | None) -> Numbers:
@@ -71,7 +71,7 @@ def attitude_matrix(world: Sequence[str] | None, body: Sequence[str] | None) -> 
     parts = [(to_world * Rotation.from_quat(unit) * to_body.inv()).as_quat() for unit in np.eye(4)]
     product = np.stack(parts, axis=1)
     whole = np.round(product)
-    exact: Numbers = np.where(np.abs(product - whole) < EXACT, whole, product)
+    exact: Numbers = np.where(np.abs(product - whole) < WHOLE_NUMBER_TOLERANCE, whole, product)
     return exact
 
 

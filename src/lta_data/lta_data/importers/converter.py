@@ -16,7 +16,7 @@ from lta_data.importers.axes import (
 )
 from lta_data.importers.entry_plan import (
     CdrTemplate,
-    CHILD,
+    CHILD_FRAMES,
     EntryPlan,
     JOINT_DIMENSIONS,
     JOINTS,
@@ -25,9 +25,9 @@ from lta_data.importers.entry_plan import (
 from lta_data.importers.protocol import encode_label, LogTable, Numbers, Times
 import numpy as np
 
-UNKNOWN = -1.0  # first covariance element of an unknown quantity, as in sensor_msgs/Imu
-LATEST = 2**31 * 1_000_000_000  # ROS counts the seconds of a stamp in 32 bits [ns]
-CONSTANT = {  # constant fields by message type
+UNKNOWN_COVARIANCE = -1.0  # first covariance element of an unknown quantity, as in sensor_msgs/Imu
+STAMP_END = 2**31 * 1_000_000_000  # ROS counts the seconds of a stamp in 32 bits [ns]
+CONSTANT_FIELDS = {  # constant fields by message type
     'sensor_msgs/msg/BatteryState': {'present': 1},
     'sensor_msgs/msg/Range': {'radiation_type': 1},  # infrared, as all sensors on this topic
 }
@@ -129,8 +129,8 @@ class TopicConverter:
     def _build_layout(self) -> CdrTemplate:
         """Return the template of the messages, once the actuators are known."""
         type_name, frame = self.plan.target
-        constants: dict[str, Any] = {'header.frame_id': frame, **CHILD.get(type_name, {})}
-        constants |= CONSTANT.get(type_name, {})
+        constants: dict[str, Any] = {'header.frame_id': frame, **CHILD_FRAMES.get(type_name, {})}
+        constants |= CONSTANT_FIELDS.get(type_name, {})
         constants |= dict.fromkeys(NOBODY.get(type_name, ()), np.nan)
         names = self._list_actuators()
         fields = {field for name, field, _ in self.plan.iterate_joints() if name in names}
@@ -211,7 +211,7 @@ def _sum_forces(
 
 def _fill_unknown(part: MessagePart) -> dict[str, Any]:
     """Return an unknown part: NaN with -1 in its covariance; an unknown attitude is zero."""
-    fill: dict[str, Any] = {part.unknown: UNKNOWN} if part.unknown else {}
+    fill: dict[str, Any] = {part.unknown: UNKNOWN_COVARIANCE} if part.unknown else {}
     if part.kind == 'number':
         return fill | {part.place: np.nan}
     if part.kind == 'attitude':
@@ -319,7 +319,7 @@ def _check_stamps(table: LogTable, topic: str) -> None:
     """Raise BadInput for times that a ROS stamp cannot hold."""
     stamps: Sequence[Times] = (table.stamps, table.log_times)
     for times in stamps:
-        wrong = np.flatnonzero((times < 0) | (times >= LATEST))
+        wrong = np.flatnonzero((times < 0) | (times >= STAMP_END))
         if len(wrong):
             seconds = times[wrong[0]] * 1e-9
             raise BadInput(

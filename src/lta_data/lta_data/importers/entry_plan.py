@@ -65,14 +65,14 @@ JOINT_DIMENSIONS: Mapping[str, tuple[str, ...]] = {
 # A command in a log may be a force or a place, which an ActuatorDuty cannot hold; and vehicles may
 # be driven by body forces
 EXTRA = {'motors': ImportTarget(JOINTS, 'base_link'), 'wrench_command': WRENCH}
-CHILD = {'nav_msgs/msg/Odometry': {'child_frame_id': 'base_link'}}
+CHILD_FRAMES = {'nav_msgs/msg/Odometry': {'child_frame_id': 'base_link'}}
 
 # No covariance: an unknown quantity can only be NaN
 _POSE = {
     'position': MessagePart('pose.position', 'm', 'vector', 'world'),
     'orientation': MessagePart('pose.orientation', '', 'attitude'),
 }
-SHAPES: Mapping[str, Mapping[str, MessagePart]] = {
+MESSAGE_SHAPES: Mapping[str, Mapping[str, MessagePart]] = {
     'nav_msgs/msg/Odometry': {
         'position': MessagePart(
             'pose.pose.position', 'm', 'vector', 'world', 'pose.covariance[0]'
@@ -136,7 +136,7 @@ def list_targets() -> dict[str, ImportTarget]:
     listed = {
         name: ImportTarget(topic.type, topic.frame)
         for name, topic in load_topic_table().topics.items()
-        if topic.type in SHAPES and name not in ELSEWHERE
+        if topic.type in MESSAGE_SHAPES and name not in ELSEWHERE
     }
     return listed | EXTRA
 
@@ -167,7 +167,7 @@ class EntryPlan:
     @property
     def target_parts(self) -> dict[str, MessagePart]:
         """The parts of the target message."""
-        return dict(SHAPES[self.target.type_name])
+        return dict(MESSAGE_SHAPES[self.target.type_name])
 
     def find_axes(self, frame: str) -> Axes | None:
         """Return the axes of a frame, 'world' or 'body'."""

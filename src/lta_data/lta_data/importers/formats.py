@@ -9,7 +9,7 @@ import zlib
 
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.schema.import_file import ImportMapping as MappingFile
-from lta_data.bag.bag_folder import PACKED
+from lta_data.bag.bag_folder import PACKED_ADVICE
 from lta_data.importers.protocol import LogReader
 from lta_data.importers.readers import (
     array_files,
@@ -22,7 +22,7 @@ from lta_data.importers.readers import (
 from lta_data.importers.readers.csv_text import detect_encoding, GZIP
 from mcap.writer import MCAP0_MAGIC
 
-HEAD = 4096  # bytes read to detect the format
+FORMAT_HEAD_BYTES = 4096  # bytes read to detect the format
 ULOG = b'ULog\x01\x12\x35'
 SQLITE = b'SQLite format 3\0'
 ZSTD = b'\x28\xb5\x2f\xfd'
@@ -66,7 +66,7 @@ def _open_columns(
     return column_log.ColumnLog(path, tables, notes, mapping)
 
 
-FORMATS: dict[str, LogFormat] = {
+LOG_FORMATS: dict[str, LogFormat] = {
     'csv': LogFormat('a text table such as CSV, also compressed with gzip', None, _open_csv),
     'usd': LogFormat(
         "a log from a Crazyflie's SD card", 'crazyflie_usd', crazyflie_usd.open_usd_log
@@ -110,7 +110,7 @@ def detect_format(path: Path) -> str:
         if any(path.glob('*.mcap')) or any(path.glob('*.db3')):
             return 'bag'
         if packed := sorted(file for end in PACKED_BAGS for file in path.glob(f'*{end}')):
-            raise BadInput(f"'{packed[0]}' is {PACKED}.")
+            raise BadInput(f"'{packed[0]}' is {PACKED_ADVICE}.")
         if sensor_folder.list_run_files(path):
             return 'folder'
         raise BadInput(
@@ -124,7 +124,7 @@ def detect_format(path: Path) -> str:
     if head.startswith((MCAP0_MAGIC, SQLITE, rosbags_bag.ROS1)):
         return 'bag'
     if head.startswith(ZSTD):
-        raise BadInput(f"'{path}' is {PACKED}.")
+        raise BadInput(f"'{path}' is {PACKED_ADVICE}.")
     _refuse_pickle(path, head)
     if binary := _detect_binary(path, head):
         return binary
@@ -138,7 +138,7 @@ def detect_format(path: Path) -> str:
     for begin, what in PACKAGES.items():
         if head.startswith(begin):
             raise BadInput(f"'{path}' is {what}.")
-    formats = '; '.join(f'{name}: {format_.about}' for name, format_ in FORMATS.items())
+    formats = '; '.join(f'{name}: {format_.about}' for name, format_ in LOG_FORMATS.items())
     raise BadInput(f"'{path}' is not in a known format ({formats}); convert it to one of these.")
 
 
@@ -151,7 +151,9 @@ def _detect_binary(path: Path, head: bytes) -> str | None:
     if head.startswith(b'PAR1'):
         return 'parquet'
     # The first message defines the type of all definitions
-    return 'dataflash' if head.startswith(dataflash.HEAD + bytes([dataflash.FMT])) else None
+    return (
+        'dataflash' if head.startswith(dataflash.DATAFLASH_HEAD + bytes([dataflash.FMT])) else None
+    )
 
 
 def _refuse_pickle(path: Path, head: bytes) -> None:
@@ -166,19 +168,19 @@ def _refuse_pickle(path: Path, head: bytes) -> None:
 
 def find_format(name: str) -> LogFormat:
     """Return a format; raise `BadInput` with the known names if it is unknown."""
-    if name not in FORMATS:
-        raise unknown_name_error('format', name, list(FORMATS))
-    return FORMATS[name]
+    if name not in LOG_FORMATS:
+        raise unknown_name_error('format', name, list(LOG_FORMATS))
+    return LOG_FORMATS[name]
 
 
 def _read_head(path: Path) -> bytes:
     """Return the first bytes of a file, decompressed."""
     try:
         with path.open('rb') as stream:
-            head = stream.read(HEAD)
+            head = stream.read(FORMAT_HEAD_BYTES)
         if head.startswith(GZIP):
             with gzip.open(path) as unpacked:
-                return unpacked.read(HEAD)
+                return unpacked.read(FORMAT_HEAD_BYTES)
     except (OSError, EOFError, zlib.error) as error:
         raise BadInput(
             f"'{path}' cannot be read ({error}); check its permissions, or copy it again if it is "

@@ -20,7 +20,8 @@ from lta_data.interpretation.commands import DRIVES
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-ALIKE: Final = 0.5  # range of the offsets of one pair of clocks, each of which is 0.25 s off [s]
+# Range of the offsets of one pair of clocks, each of which is 0.25 s off [s]
+SAME_OFFSET_RANGE: Final = 0.5
 Clocks = dict[str, AlignedClock]  # by table
 
 
@@ -71,7 +72,7 @@ def share_clocks(logs: Sequence[Clocks]) -> list[Clocks]:
             continue
         span = max(offsets) - min(offsets)
         middle = float(np.median(offsets))
-        if span <= ALIKE:
+        if span <= SAME_OFFSET_RANGE:
             why = f'that of {len(clear_clocks)} logs, which agree within {max(span, 0.01):.2f} s'
             shared[name] = clear_clocks[0]._replace(seconds=middle, why=why, is_shared=True)
     return [{name: shared.get(name, clock) for name, clock in log.items()} for log in logs]

@@ -11,8 +11,8 @@ from lta_config.files import find_file
 from lta_config.schema.import_file import ImportMapping
 from lta_config.version import VERSION
 
-BLOCK = 1 << 20  # bytes
-CLOCK: Final = 'clock'  # provenance key of logs whose stamps share no clock with others
+HASHED_BYTES = 1 << 20  # bytes
+CLOCK_KEY: Final = 'clock'  # provenance key of logs whose stamps share no clock with others
 
 
 def have_separate_clocks(a: Mapping[str, str], b: Mapping[str, str]) -> bool:
@@ -22,7 +22,7 @@ def have_separate_clocks(a: Mapping[str, str], b: Mapping[str, str]) -> bool:
     One source imported twice counts as one clock.
     """
     sources = a.get('source_sha256'), b.get('source_sha256')
-    return CLOCK in a and CLOCK in b and sources[0] != sources[1]
+    return CLOCK_KEY in a and CLOCK_KEY in b and sources[0] != sources[1]
 
 
 def build_provenance(
@@ -76,6 +76,6 @@ def source_digest(source: Path) -> str:
 def _hash_file(path: Path) -> str:
     digest = hashlib.sha256()
     with path.open('rb') as stream:
-        while block := stream.read(BLOCK):
+        while block := stream.read(HASHED_BYTES):
             digest.update(block)
     return digest.hexdigest()

@@ -49,7 +49,9 @@ def _format_times(count: int) -> str:
 
 
 Message = tuple[int, str, int, bytes]  # position in the log, topic, log time in ns, CDR
-QOS = [build_offered_qos('reliable', 'volatile', 10)]  # for topics that no publisher offered
+DEFAULT_QOS = [
+    build_offered_qos('reliable', 'volatile', 10)
+]  # for topics that no publisher offered
 
 
 def write_log_bag(
@@ -110,7 +112,7 @@ def _announce_topics(
     for name, ours in names.items():
         writer.add_topic(ours, log.raw[name].definition, log.raw[name].qos)
     for converter in converters:
-        writer.add_topic(converter.plan.topic, converter.plan.target.type_name, QOS)
+        writer.add_topic(converter.plan.topic, converter.plan.target.type_name, DEFAULT_QOS)
     return names
 
 

@@ -9,12 +9,12 @@ from lta_config.files import list_shipped_names
 from lta_config.schema.import_file import ImportMapping, load_mapping, TopicMapping
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_data.importers.entry_plan import EntryPlan, plan_entry
-from lta_data.importers.formats import FORMATS
+from lta_data.importers.formats import LOG_FORMATS
 from lta_data.importers.protocol import LogReader
 from lta_data.importers.readers.bag_tables import can_pass_unchanged, complete_entry
 from lta_data.importers.readers.csv_text import missing_columns_error, read_header
 
-MASS = 'moving_mass'  # its position is logged as actuators moving_mass_x, _y and _z
+MASS_ACTUATOR = 'moving_mass'  # its position is logged as actuators moving_mass_x, _y and _z
 
 
 @final
@@ -34,7 +34,7 @@ def select_mapping(
 
     Raise `BadInput` if the mapping is for another format, or none is named and none fits.
     """
-    name = requested or FORMATS[format_].mapping
+    name = requested or LOG_FORMATS[format_].mapping
     if name is None and format_ == 'csv':
         name = _detect_mapping(path)
     if name is None and format_ != 'bag':
@@ -118,7 +118,7 @@ def describe_unknown_actuators(vehicle: str, chosen: MappingChoice) -> list[str]
     Raise `BadInput` if the vehicle is unknown or its file is invalid.
     """
     file = load_vehicle_file(vehicle)
-    there = {*file.rotors, *(f'{MASS}_{axis}' for axis in 'xyz' if file.moving_mass)}
+    there = {*file.rotors, *(f'{MASS_ACTUATOR}_{axis}' for axis in 'xyz' if file.moving_mass)}
     names = [name for plan in chosen.plans for name in plan.entry.actuators or {}]
     strange = [name for name in names if name not in there]
     if not strange:

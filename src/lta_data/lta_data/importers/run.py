@@ -33,7 +33,7 @@ from lta_report.results_folder import stage_results
 from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 
-LOOK = 0.1  # s of wall time between two updates of the bar
+BAR_UPDATE_TIME = 0.1  # s of wall time between two updates of the bar
 
 
 @final
@@ -44,7 +44,7 @@ class ImportProgress(ProgressBar):
         columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
         super().__init__(console, *columns, total=float(total))
         self._done = 0
-        self._shown_at = -LOOK
+        self._shown_at = -BAR_UPDATE_TIME
 
     def begin_log(self, name: str) -> None:
         """Show which log is being read."""
@@ -53,7 +53,7 @@ class ImportProgress(ProgressBar):
     def show_fraction(self, part: float) -> None:
         """Show the fraction of it that has been read, 0 to 1."""
         now = time.monotonic()
-        if now - self._shown_at >= LOOK:
+        if now - self._shown_at >= BAR_UPDATE_TIME:
             self._shown_at = now
             self.update_bar(completed=self._done + part)
 
@@ -63,7 +63,7 @@ class ImportProgress(ProgressBar):
         self.update_bar(completed=float(self._done))
 
 
-BAG = 'bag'  # as in a flight's results folder
+BAG_FOLDER = 'bag'  # as in a flight's results folder
 
 
 @final
@@ -108,10 +108,10 @@ def import_logs(order: ImportRequest, out: Path, progress: ImportProgress) -> li
         prepare_empty_folder(out)
     clocks = share_clocks([_estimate_clocks(order, source) for source in sources])
     # Written beside the target and moved at the end: all logs or none
-    with stage_results(out, BAG) as folder:
+    with stage_results(out, BAG_FOLDER) as folder:
         for source, name, times in zip(sources, _name_folders(sources), clocks, strict=True):
             progress.begin_log(source.name)
-            inside = Path(name) / BAG if len(sources) > 1 else Path(BAG)
+            inside = Path(name) / BAG_FOLDER if len(sources) > 1 else Path(BAG_FOLDER)
             imported = _import_log(
                 order, source, times, len(sources) == 1, folder / inside, progress.show_fraction
             )

@@ -12,19 +12,19 @@ from typing import Any, Final, final, NamedTuple
 from lta_data.even_grid import hann_kernel, median_period, smooth_columns
 from lta_data.importers.protocol import Numbers
 from lta_data.interpretation.column_group import ColumnGroup, find_turn, measure_length
-from lta_data.interpretation.column_names import HEADINGS, parse_column_name, WORDS
+from lta_data.interpretation.column_names import HEADINGS, parse_column_name, WORD_PATTERN
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 UNCLEAR: Final = (7.0, 40.0)  # a larger heading is unlikely in radians, and is in degrees
-UPRIGHT: Final = (3.3, 1.65)  # a larger roll or pitch is in degrees
-STILL: Final = 1.0  # a vehicle in flight turns by more, in degrees
+DEGREES_BEYOND: Final = (3.3, 1.65)  # a larger roll or pitch is in degrees
+STILL_TURN: Final = 1.0  # a vehicle in flight turns by more, in degrees
 RARE: Final = 0.1  # of a score, that a rare reading must gain
 # Signs of yaw, pitch and roll that are tried after the usual ones
 RARE_SENSES: Final = (
     (-1, 1, 1), (-1, -1, 1), (1, 1, -1), (1, -1, -1), (-1, 1, -1), (-1, -1, -1),
 )  # fmt: skip
-NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
+NOTHING_STATED: Final[Mapping[str, str]] = MappingProxyType({})
 # Words for axis times angle, as RX, RY and RZ of Vicon
 ROTATION_VECTORS: Final = frozenset(['r', 'rotvec', 'rvec', 'helical'])
 
@@ -40,7 +40,7 @@ class AttitudeReading(NamedTuple):
 
 
 def list_readings(
-    group: ColumnGroup, numbers: Numbers, stated: Mapping[str, str] = NOTHING
+    group: ColumnGroup, numbers: Numbers, stated: Mapping[str, str] = NOTHING_STATED
 ) -> Iterator[AttitudeReading]:
     """
     Yield the readings of a group, the conventional one first.
@@ -178,7 +178,9 @@ def _describe_sense(signs: list[int], compass: bool) -> str:
 
 def is_compass(group: ColumnGroup, angles: Numbers) -> bool:
     """Return whether the yaw of a group may be a compass heading, by its name and its size."""
-    words = frozenset(word.lower() for column in group.columns for word in WORDS.findall(column))
+    words = frozenset(
+        word.lower() for column in group.columns for word in WORD_PATTERN.findall(column)
+    )
     return bool(words & HEADINGS) and float(angles[:, -1].min()) >= 0.0
 
 
@@ -199,10 +201,10 @@ def _list_angle_units(group: ColumnGroup, angles: Numbers) -> tuple[str, ...]:
         return ('deg', 'rad') if group.unit.startswith(('deg', '°')) else ('rad', 'deg')
     sizes = np.percentile(np.abs(angles), 99.0, axis=0)
     spread = np.ptp(np.percentile(angles, [1.0, 99.0], axis=0), axis=0)
-    tilted = len(sizes) == 3 and bool((sizes[:2] > UPRIGHT).any())
+    tilted = len(sizes) == 3 and bool((sizes[:2] > DEGREES_BEYOND).any())
     if tilted or sizes[-1] > UNCLEAR[1]:
         return ('deg',)
-    return ('rad',) if spread.max() < STILL else ('rad', 'deg')
+    return ('rad',) if spread.max() < STILL_TURN else ('rad', 'deg')
 
 
 def _fill_rows(rows: Numbers, instead: list[float]) -> Numbers:
@@ -214,8 +216,8 @@ def _fill_rows(rows: Numbers, instead: list[float]) -> Numbers:
     return filled
 
 
-DEGREES: Final = 180.0 / np.pi
-TURN: Final = 2.0 * np.pi
+DEGREES_PER_RADIAN: Final = 180.0 / np.pi
+FULL_TURN_RADIANS: Final = 2.0 * np.pi
 OFFSETS: Final = 58  # whole turns of degrees in a turn of radians
 
 
@@ -229,7 +231,7 @@ def measure_turn(turn: Rotation, seconds: Numbers) -> float:
 def magnify_angles(turn: Rotation) -> Rotation:
     """Return the attitudes whose Euler angles are 57.3 times as large."""
     angles = np.unwrap(turn.as_euler('ZYX'), axis=0)
-    return Rotation.from_euler('ZYX', angles * DEGREES)
+    return Rotation.from_euler('ZYX', angles * DEGREES_PER_RADIAN)
 
 
 def shrink_angles(turn: Rotation) -> Numbers:
@@ -248,8 +250,8 @@ def shrink_angles(turn: Rotation) -> Numbers:
     for row in range(1, len(base)):
         expected = angles[row - 1] + pace
         moved = sets[row] - expected
-        near = sets[row] - TURN * np.round(moved / TURN)
+        near = sets[row] - FULL_TURN_RADIANS * np.round(moved / FULL_TURN_RADIANS)
         best = near[int(np.argmin(np.abs(near - expected).sum(axis=1)))]
         pace = best - angles[row - 1]
         angles[row] = best
-    return angles / DEGREES
+    return angles / DEGREES_PER_RADIAN

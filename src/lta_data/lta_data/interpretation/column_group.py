@@ -13,7 +13,7 @@ GEODETIC: Final = ('lat', 'lon', 'alt')
 FIX_SCALES: Final = {
     'm': (1.0, 1.0, 1.0), 'mm': (1e-7, 1e-7, 1e-3), 'rad': (180.0 / np.pi, 180.0 / np.pi, 1.0),
 }  # fmt: skip
-COMMON: Final = 0.9  # of the quaternions of a log that have one length
+COMMON_LENGTH_SHARE: Final = 0.9  # of the quaternions of a log that have one length
 UNIT_NORM: Final = 0.02  # largest median deviation of the length of a quaternion
 Columns = Mapping[str, Numbers]
 
@@ -63,7 +63,7 @@ def measure_length(rows: Numbers) -> float:
     lengths = lengths[np.isfinite(lengths) & (lengths > 0.0)]
     usual = float(np.median(lengths)) if len(lengths) else 1.0
     alike = np.abs(lengths / usual - 1.0) < UNIT_NORM
-    is_other = abs(usual - 1.0) > UNIT_NORM and len(lengths) and alike.mean() > COMMON
+    is_other = abs(usual - 1.0) > UNIT_NORM and len(lengths) and alike.mean() > COMMON_LENGTH_SHARE
     return float(f'{usual:.6g}') if is_other else 1.0
 
 

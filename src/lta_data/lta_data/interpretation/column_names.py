@@ -53,8 +53,8 @@ ENDINGS: Final = frozenset(
         'percent',
     ]
 )
-AXES: Final = frozenset(['x', 'y', 'z', 'w', 'n', 'e', 'd', 'i', 'j', 'k'])
-ANGLES: Final = {
+AXIS_WORDS: Final = frozenset(['x', 'y', 'z', 'w', 'n', 'e', 'd', 'i', 'j', 'k'])
+ANGLE_WORDS: Final = {
     'roll': 'roll', 'pitch': 'pitch', 'yaw': 'yaw', 'heading': 'yaw',
     'phi': 'roll', 'theta': 'pitch', 'psi': 'yaw', 'th': 'pitch',
     'hdg': 'yaw', 'compass': 'yaw', 'azimuth': 'yaw',
@@ -64,7 +64,7 @@ COMPASS: Final = {'north': 'n', 'east': 'e', 'down': 'd'}
 HEADINGS: Final = frozenset(['heading', 'hdg', 'compass', 'azimuth'])  # clockwise from north
 LATITUDES: Final = frozenset(['lat', 'latitude'])
 LONGITUDES: Final = frozenset(['lon', 'lng', 'long', 'longitude'])
-HEIGHTS: Final = frozenset(['alt', 'altitude', 'height', 'elevation'])
+HEIGHT_WORDS: Final = frozenset(['alt', 'altitude', 'height', 'elevation'])
 # An element of an array, whose name says nothing
 NUMBERED: Final = re.compile(r'(data|axes|buttons|channels|values)\[\d+\]')
 JOINED: Final = re.compile(
@@ -73,16 +73,16 @@ JOINED: Final = re.compile(
     r'|m(?=[xyz])|u(?=[xyz\d])|(?:cmd|ctrl|control|input|chan|channel|ch)(?=\d))([xyzwned]|\d)'
 )
 # An angle behind the letter of a command: upsi
-TURNED: Final = re.compile(r'(tau|cmd|[uftm])(roll|pitch|yaw|phi|theta|psi)')
+TURNED_WORD: Final = re.compile(r'(tau|cmd|[uftm])(roll|pitch|yaw|phi|theta|psi)')
 # A rate behind its angle: rollrate, yawspeed
-SPUN: Final = re.compile(r'(roll|pitch|yaw|phi|theta|psi)(rate|speed|vel|dot)')
+SPUN_WORD: Final = re.compile(r'(roll|pitch|yaw|phi|theta|psi)(rate|speed|vel|dot)')
 # A velocity behind its axis: xdot
-MOVED: Final = re.compile(r'([xyz])(vel|speed|dot)')
+MOVED_WORD: Final = re.compile(r'([xyz])(vel|speed|dot)')
 # The frame of a quantity, which is not what it is: XToGlobal1
-FRAME: Final = re.compile(r'to|wrt|global\d?')
-WORDS: Final = re.compile(r'[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+\d?|[A-Z]+\d?|\d+')
+FRAME_WORD: Final = re.compile(r'to|wrt|global\d?')
+WORD_PATTERN: Final = re.compile(r'[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+\d?|[A-Z]+\d?|\d+')
 
-KINDS: Final[dict[str, frozenset[str]]] = {
+KIND_WORDS: Final[dict[str, frozenset[str]]] = {
     name: frozenset(words.split())
     for name, words in {
         'quaternion': 'q quat quaternion orientation rotation attitude att',
@@ -96,14 +96,14 @@ KINDS: Final[dict[str, frozenset[str]]] = {
     }.items()
 }
 # Words for angles, and for their first and second derivative
-TURNS: Final = frozenset([
+TURN_WORDS: Final = frozenset([
     'ang', 'angle', 'angles', 'angular', 'rot', 'rotational', 'euler', 'rpy', 'attitude', 'att',
 ])  # fmt: skip
 FIRST_DERIVATIVES: Final = frozenset(
     ['vel', 'velocity', 'velocities', 'speed', 'rate', 'rates', 'dot']
 )
 SECOND_DERIVATIVES: Final = frozenset(['acc', 'accel', 'acceleration', 'accelerations', 'ddot'])
-ROLES: Final[dict[str, frozenset[str]]] = {
+ROLE_WORDS: Final[dict[str, frozenset[str]]] = {
     name: frozenset(words.split())
     for name, words in {
         'setpoint': 'sp set setpoint ref reference des desired cmd command commanded target goal '
@@ -114,7 +114,7 @@ ROLES: Final[dict[str, frozenset[str]]] = {
         'rigid marker markers groundtruth',
     }.items()
 }
-TIMES: Final = frozenset(
+TIME_WORDS: Final = frozenset(
     ['t', 'time', 'timestamp', 'timestamps', 'stamp', 'sec', 'secs', 'seconds', 'clock', 'tick']
 )
 ACTUATORS: Final = frozenset(
@@ -147,7 +147,7 @@ ACTUATORS: Final = frozenset(
 
 
 # Words for one actuator, which is no command of a body axis
-PARTS: Final = frozenset([
+ACTUATOR_PART_WORDS: Final = frozenset([
     'motor', 'motors', 'pwm', 'duty', 'rpm', 'rotor', 'rotors', 'esc', 'prop', 'propeller',
     'servo', 'm',
 ])  # fmt: skip
@@ -167,8 +167,8 @@ SERVOS: Final = frozenset(['servo', 'servos'])
 # What a learned controller puts out; a1, a2, a3 can be an acceleration, too
 ACTIONS: Final = frozenset(['a', 'act', 'action', 'actions'])
 # A command of a place is that of the actuator there: cmd_left
-COMMANDS: Final = frozenset(['cmd', 'command', 'commanded', 'ctrl', 'control', 'input'])
-PLACES: Final[frozenset[str]] = frozenset([
+COMMAND_WORDS: Final = frozenset(['cmd', 'command', 'commanded', 'ctrl', 'control', 'input'])
+PLACE_WORDS: Final[frozenset[str]] = frozenset([
     'left', 'right', 'up', 'down', 'front', 'rear', 'back', 'top', 'bottom', 'main', 'tail',
     'side', 'vertical', 'lateral', 'l', 'r',
 ])  # fmt: skip
@@ -201,12 +201,12 @@ def parse_column_name(column: str) -> ColumnName:
     tokens = [token for token in re.split(r'[_\s.]+', text) if token]
     for count in (2, 1):
         end = ' '.join(tokens[-count:]).lower()
-        rest = [word.lower() for token in tokens[:-count] for word in WORDS.findall(token)]
+        rest = [word.lower() for token in tokens[:-count] for word in WORD_PATTERN.findall(token)]
         # A row of units may repeat what the names say: fx_N [N]
         is_same = not unit or UNIT_WORDS.get(end) == UNIT_WORDS[unit]
         if is_same and rest and end in UNIT_WORDS and _ends_with_unit(rest, end):
             return _find_axis(column, rest, end)
-    return _find_axis(column, [word.lower() for word in WORDS.findall(text)], unit)
+    return _find_axis(column, [word.lower() for word in WORD_PATTERN.findall(text)], unit)
 
 
 def _normalise_unit(text: str) -> str:
@@ -216,26 +216,28 @@ def _normalise_unit(text: str) -> str:
 
 def _find_axis(column: str, words: Sequence[str], unit: str) -> ColumnName:
     """Return a name of words in lower case."""
-    words = [word for word in words if not FRAME.fullmatch(word)] or words
+    words = [word for word in words if not FRAME_WORD.fullmatch(word)] or words
     for index in range(len(words) - 1, -1, -1):
         word = words[index]
-        if word in ANGLES:
-            return ColumnName(column, (*words[:index], *words[index + 1 :]), ANGLES[word], unit)
+        if word in ANGLE_WORDS:
+            return ColumnName(
+                column, (*words[:index], *words[index + 1 :]), ANGLE_WORDS[word], unit
+            )
         if word in COMPASS:
             return ColumnName(column, (*words[:index], *words[index + 1 :]), COMPASS[word], unit)
-        if word in AXES or word.isdigit():
+        if word in AXIS_WORDS or word.isdigit():
             return ColumnName(column, (*words[:index], *words[index + 1 :]), word, unit)
         if numbered := re.fullmatch(r'([xyz])(\d)', word):
             stem = (*words[:index], numbered[2], *words[index + 1 :])
             return ColumnName(column, stem, numbered[1], unit)
-        if joined := JOINED.fullmatch(word) or TURNED.fullmatch(word):
+        if joined := JOINED.fullmatch(word) or TURNED_WORD.fullmatch(word):
             stem = (*words[:index], joined[1], *words[index + 1 :])
-            return ColumnName(column, stem, ANGLES.get(joined[2], joined[2]), unit)
-        if moved := MOVED.fullmatch(word):
+            return ColumnName(column, stem, ANGLE_WORDS.get(joined[2], joined[2]), unit)
+        if moved := MOVED_WORD.fullmatch(word):
             return ColumnName(column, (*words[:index], 'vel', *words[index + 1 :]), moved[1], unit)
-        if spun := SPUN.fullmatch(word):
+        if spun := SPUN_WORD.fullmatch(word):
             stem = (*words[:index], 'rate', *words[index + 1 :])
-            return ColumnName(column, stem, ANGLES[spun[1]], unit)
+            return ColumnName(column, stem, ANGLE_WORDS[spun[1]], unit)
     return ColumnName(column, tuple(words), '', unit)
 
 
@@ -244,7 +246,7 @@ def _ends_with_unit(words: Sequence[str], end: str) -> bool:
     if end in ENDINGS:
         return True
     if end in ('m', 's'):  # x_m, t_s
-        return words[-1] in ({*AXES, *COMPASS} if end == 'm' else TIMES)
+        return words[-1] in ({*AXIS_WORDS, *COMPASS} if end == 'm' else TIME_WORDS)
     unit = UNIT_WORDS[end][0]
     name = _find_axis('', words, '')
     if unit in FORCE_UNITS:
@@ -263,24 +265,24 @@ def _ends_with_unit(words: Sequence[str], end: str) -> bool:
 
 def is_placed_command(column: str) -> bool:
     """Return whether a name consists of words for a command, and a place or a number."""
-    words = frozenset(word.lower() for word in WORDS.findall(column))
-    rest = {word.rstrip('0123456789') for word in words} - COMMANDS - PLACES - {''}
+    words = frozenset(word.lower() for word in WORD_PATTERN.findall(column))
+    rest = {word.rstrip('0123456789') for word in words} - COMMAND_WORDS - PLACE_WORDS - {''}
     numbered = any(word[-1].isdigit() for word in words)
-    return bool((words & PLACES or numbered) and not rest)
+    return bool((words & PLACE_WORDS or numbered) and not rest)
 
 
 def match_kind(words: Iterable[str]) -> str:
     """Return the quantity that words name, '' if none."""
     there = frozenset(words)
     # An angle with a word for its derivative: ang_vel, roll_acc
-    if there & TURNS:
+    if there & TURN_WORDS:
         if there & SECOND_DERIVATIVES:
             return ''
         if there & FIRST_DERIVATIVES:
             return 'rates'
     # The quantity is named by a full word before it is by a letter
     for long in (True, False):
-        for kind, kind_words in KINDS.items():
+        for kind, kind_words in KIND_WORDS.items():
             if any((len(word) > 1) == long for word in there & kind_words):
                 return kind
     return ''
@@ -291,7 +293,7 @@ def match_role(words: Iterable[str]) -> str:
     there = frozenset(words)
     if 'state' in there and 'estimate' in there:
         return 'estimate'
-    return next((role for role, role_words in ROLES.items() if there & role_words), '')
+    return next((role for role, role_words in ROLE_WORDS.items() if there & role_words), '')
 
 
 def needs_translation(names: Sequence[ColumnName]) -> bool:
@@ -303,5 +305,5 @@ def needs_translation(names: Sequence[ColumnName]) -> bool:
         and 't' not in name.words
     ]  # fmt: skip
     turned = any(match_kind(name.words) == 'quaternion' or name.axis in ANGLE_AXES
-                 for name in names if not name.words & KINDS['torque'])  # fmt: skip
+                 for name in names if not name.words & KIND_WORDS['torque'])  # fmt: skip
     return turned and not places

@@ -7,7 +7,7 @@ from lta_data.interpretation.column_names import JOYSTICKS, match_role, parse_co
 import numpy as np
 
 DRIVES: Final = ('motors', 'wrench_command')  # topics that drive the rotors
-HELD: Final = 0.5  # share of repeated rows from which a place is a setpoint
+HELD_SHARE: Final = 0.5  # share of repeated rows from which a place is a setpoint
 
 
 def is_command_topic(topic: str) -> bool:
@@ -21,4 +21,4 @@ def is_command_topic(topic: str) -> bool:
 def is_held(rows: Numbers) -> bool:
     """Return whether rows, shape (n, k), are those of a setpoint: they change, mostly by steps."""
     repeated = float(np.mean((np.diff(rows, axis=0) == 0.0).all(axis=1)))
-    return HELD < repeated < 1.0
+    return HELD_SHARE < repeated < 1.0

@@ -7,16 +7,17 @@ import numpy as np
 from scipy.ndimage import median_filter, uniform_filter1d
 from scipy.spatial.transform import Rotation
 
-LONGEST: Final = 1.5  # of a jump [s]
-AROUND: Final = 15  # changes; width of the median filter that gives the usual one
-HALF: Final = 0.6745  # median of the absolute value of white noise, in standard deviations
-CLEAR: Final = 12.0  # standard deviations off the usual change
-LEAST: Final = 0.02  # m, or quaternion component
-REACH: Final = 0.5  # that a vehicle may accelerate within a gap [m/s2]
+LONGEST_JUMP: Final = 1.5  # of a jump [s]
+CHANGE_WINDOW: Final = 15  # changes; width of the median filter that gives the usual one
+# Median of the absolute value of white noise, in standard deviations
+MEDIAN_OF_NOISE: Final = 0.6745
+JUMP_DEVIATIONS: Final = 12.0  # standard deviations off the usual change
+MIN_JUMP: Final = 0.02  # m, or quaternion component
+GAP_ACCELERATION: Final = 0.5  # that a vehicle may accelerate within a gap [m/s2]
 RETURNS: Final = 0.5  # of the jump, at most, that the pose behind it is off
-BODIES: Final = 4  # that a tracker may report in turn
-QUIET: Final = 0.2  # quantile of the changes that no jump has, however many there are
-NOISE: Final = 1.0  # that quantile of the length of white noise, in standard deviations
+MAX_BODIES_IN_TURN: Final = 4  # that a tracker may report in turn
+QUIET_QUANTILE: Final = 0.2  # quantile of the changes that no jump has, however many there are
+QUIET_NOISE: Final = 1.0  # that quantile of the length of white noise, in standard deviations
 BURST: Final = 2.0  # times its usual speed a vehicle changes its speed from pose to pose, at most
 
 
@@ -32,12 +33,12 @@ def find_steps(time: Numbers, poses: Numbers, least: float) -> tuple[Any, Number
     """
     count = len(time) - 1
     slopes, usual = [], []
-    for apart in range(1, BODIES + 1):
+    for apart in range(1, MAX_BODIES_IN_TURN + 1):
         change, step = _measure_changes(poses, apart), (time[apart:] - time[:-apart])[:, None]
         # Not the median of quotients, since messages that come together have no time between them
-        way = median_filter(change, size=(AROUND, 1), mode='nearest')
-        slope = way / uniform_filter1d(step, AROUND, axis=0, mode='nearest')
-        usual.append(np.quantile(np.linalg.norm(change - way, axis=1), QUIET))
+        way = median_filter(change, size=(CHANGE_WINDOW, 1), mode='nearest')
+        slope = way / uniform_filter1d(step, CHANGE_WINDOW, axis=0, mode='nearest')
+        usual.append(np.quantile(np.linalg.norm(change - way, axis=1), QUIET_QUANTILE))
         slopes.append(np.pad(slope, ((0, count - len(slope)), (0, 0)), mode='edge'))
     paces = np.array([np.linalg.norm(slope, axis=1) for slope in slopes])
     # Where bodies alternate, the speed from one pose to the next of the same body is the true one
@@ -46,9 +47,10 @@ def find_steps(time: Numbers, poses: Numbers, least: float) -> tuple[Any, Number
     off = np.linalg.norm(_measure_changes(poses, 1) - slope * step[:, None], axis=1)
     fast = float(np.quantile(paces.min(axis=0), 0.75))
     allowed = np.maximum(
-        CLEAR * min(usual) / NOISE, BURST * fast * np.maximum(step, np.median(step))
+        JUMP_DEVIATIONS * min(usual) / QUIET_NOISE,
+        BURST * fast * np.maximum(step, np.median(step)),
     )
-    return off > np.maximum(allowed + REACH * step**2, least), off
+    return off > np.maximum(allowed + GAP_ACCELERATION * step**2, least), off
 
 
 def _measure_changes(poses: Numbers, apart: int) -> Numbers:
@@ -68,22 +70,22 @@ def find_tracker_jumps(time: Numbers, poses: Numbers) -> Any:  # noqa: ANN401 - 
     """
     out = np.zeros(len(poses), dtype=np.bool_)
     rows = np.flatnonzero(np.isfinite(poses).all(axis=1))
-    if len(rows) < 2 * AROUND:
+    if len(rows) < 2 * CHANGE_WINDOW:
         return out
     at, whole = time[rows], poses[rows]
     change, step = np.diff(whole, axis=0), np.diff(at)[:, None]
-    slope = median_filter(change / step, size=(AROUND, 1), mode='nearest')
+    slope = median_filter(change / step, size=(CHANGE_WINDOW, 1), mode='nearest')
     off = np.abs(change - slope * step)
-    usual = np.median(off, axis=0) / HALF
-    far = off / np.maximum(CLEAR * usual, LEAST + REACH * step**2)
+    usual = np.median(off, axis=0) / MEDIAN_OF_NOISE
+    far = off / np.maximum(JUMP_DEVIATIONS * usual, MIN_JUMP + GAP_ACCELERATION * step**2)
     jumps = np.flatnonzero((far > 1.0).any(axis=1))
     done = -1
     for index, begin in enumerate(jumps.tolist()):
         later = jumps[index + 1 :]
-        later = later[at[later + 1] - at[begin] <= LONGEST]
+        later = later[at[later + 1] - at[begin] <= LONGEST_JUMP]
         if begin < done or not len(later):
             continue
-        size = far[begin].max() * np.maximum(CLEAR * usual, LEAST)
+        size = far[begin].max() * np.maximum(JUMP_DEVIATIONS * usual, MIN_JUMP)
         # By the speeds on both sides, which a curve needs
         speed = 0.5 * (slope[begin] + slope[later])
         expected = whole[begin] + speed * (at[later + 1] - at[begin])[:, None]

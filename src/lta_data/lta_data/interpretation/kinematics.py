@@ -17,13 +17,12 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 KERNEL: Final = 0.25  # that smooths both sides of a comparison [s]
-DELAYS: Final = 7  # that are tried
-LATEST: Final = 0.3  # that a derived velocity is late: labs filter it [s]
-SMOOTHED: Final = 9  # rows over which a speed is averaged
-UNUSUAL: Final = (
-    0.1  # of a score, that FRD instead of FLU must gain; other axes half as much again
-)
-AGREE: Final = 0.6  # explained share of a motion that counts as agreement
+DELAY_COUNT: Final = 7  # that are tried
+FILTER_DELAY: Final = 0.3  # that a derived velocity is late: labs filter it [s]
+SPEED_ROWS: Final = 9  # rows over which a speed is averaged
+# Of a score, that FRD instead of FLU must gain; other axes half as much again
+UNUSUAL_AXES_COST: Final = 0.1
+AGREEING_SHARE: Final = 0.6  # explained share of a motion that counts as agreement
 # All signed orders of three axes, as matrices; first none, mirrored ones included
 SIGNED_AXES: Final = tuple(sorted(
     (
@@ -36,8 +35,8 @@ SIGNED_AXES: Final = tuple(sorted(
 # Those in which a sensor can be turned against a body
 SENSOR_AXES: Final = tuple(axes for axes in SIGNED_AXES if np.linalg.det(axes) > 0.0)
 FLIP: Final = np.diag([1.0, -1.0, -1.0])  # FRD instead of FLU
-ALL: Final = slice(None)
-TINY: Final = 1e-300  # instead of zero
+ALL_AXES: Final = slice(None)
+INSTEAD_OF_ZERO: Final = 1e-300  # instead of zero
 
 
 @final
@@ -84,7 +83,7 @@ class ScaleFit(NamedTuple):
 
 
 # Units of what a log states, by how many of them are one of SI
-UNITS: Final[dict[str, dict[str, float]]] = {
+UNIT_FACTORS: Final[dict[str, dict[str, float]]] = {
     'rates': {'rad/s': 1.0, 'deg/s': 180.0 / np.pi, 'mrad/s': 1e3},
     'velocity': {'m/s': 1.0, 'mm/s': 1e3, 'cm/s': 100.0, 'km/h': 3.6},
     'force': {
@@ -96,19 +95,19 @@ UNITS: Final[dict[str, dict[str, float]]] = {
 def find_gravity_unit(felt: float, tolerance: float = 0.3) -> str:
     """Return the unit in which a usual length of a specific force is gravity; '' if in none."""
     # 30 %: a slow airship accelerates little compared with gravity
-    for unit, factor in UNITS['force'].items():
+    for unit, factor in UNIT_FACTORS['force'].items():
         if abs(felt / (STANDARD_GRAVITY * factor) - 1.0) < tolerance:
             return unit
     return ''
 
 
 NO_FIT: Final = ScaleFit(float('nan'), 0.0)
-NEAR: Final = 0.3  # tolerance of a factor, as a logarithm
+FACTOR_LOG_TOLERANCE: Final = 0.3  # tolerance of a factor, as a logarithm
 
 
 def is_near(factor: float, other: float) -> bool:
     """Return whether two factors are alike: positive, and within 35 % of each other."""
-    return factor > 0.0 and abs(np.log(factor / other)) < NEAR
+    return factor > 0.0 and abs(np.log(factor / other)) < FACTOR_LOG_TOLERANCE
 
 
 @final
@@ -125,7 +124,7 @@ class VectorMoments(NamedTuple):
         return self.fit_orders(axes[None])[0]
 
     def fit_orders(
-        self, orders: Numbers, moving: NDArray[np.bool_] | slice = ALL
+        self, orders: Numbers, moving: NDArray[np.bool_] | slice = ALL_AXES
     ) -> list[ScaleFit]:
         """Fit the measured vector, turned by each of `orders`, shape (m, 3, 3)."""
         turned, derived = (np.abs(orders) @ self.measured)[:, moving], self.derived[moving]
@@ -133,9 +132,9 @@ class VectorMoments(NamedTuple):
         alike = (self.products * orders).sum(axis=2)[:, moving]
         whole = alike.sum(axis=1)
         # The squared cosine between both, with its sign
-        share = whole * np.abs(whole) / np.maximum(power * total, TINY)
-        singles = alike * np.abs(alike) / np.maximum(turned * derived, TINY)
-        factor = total / np.maximum(np.abs(whole), TINY)
+        share = whole * np.abs(whole) / np.maximum(power * total, INSTEAD_OF_ZERO)
+        singles = alike * np.abs(alike) / np.maximum(turned * derived, INSTEAD_OF_ZERO)
+        factor = total / np.maximum(np.abs(whole), INSTEAD_OF_ZERO)
         rows = zip(factor, share, singles.mean(axis=1), singles.min(axis=1), strict=True)
         return [ScaleFit(*map(float, row)) if row[1] else NO_FIT for row in rows]
 
@@ -165,7 +164,7 @@ def find_sensor_axes(
     derived = body_rates_of(turn[:count], seconds[:count])
     fits = [
         way
-        for one in iterate_moments(rates[:count], derived, seconds[:count], LATEST)
+        for one in iterate_moments(rates[:count], derived, seconds[:count], FILTER_DELAY)
         for way in zip(SENSOR_AXES, one.fit_orders(np.array(SENSOR_AXES)), strict=True)
     ]
     if not fits:
@@ -177,7 +176,7 @@ def weigh_axes(axes: Numbers) -> float:
     """Return what axes of a sensor must gain of a score: those of most are those of the body."""
     if axes is SENSOR_AXES[0]:
         return 0.0
-    return UNUSUAL * (1.0 if (axes == FLIP).all() else 1.5)
+    return UNUSUAL_AXES_COST * (1.0 if (axes == FLIP).all() else 1.5)
 
 
 def iterate_moments(
@@ -197,7 +196,9 @@ def iterate_moments(
     weights = hann_kernel(KERNEL, step)
     left, right = (_smooth_finite(side, good, weights) for side in (measured, derived))
     first, last = (min(round(one / step), int(good.sum()) // 2) for one in (-earliest, latest))
-    delays = np.concatenate([-np.linspace(0, first, DELAYS), np.linspace(0, last, DELAYS)])
+    delays = np.concatenate(
+        [-np.linspace(0, first, DELAY_COUNT), np.linspace(0, last, DELAY_COUNT)]
+    )
     for late in sorted({int(delay) for delay in delays}, key=abs):
         of_left, of_right = (
             slice(max(0, late), len(good) + min(0, late)),
@@ -237,14 +238,14 @@ def score_attitude(turn: Rotation, evidence: MotionEvidence) -> tuple[float, lis
     scores, reasons = [], []
     seconds = evidence.seconds
     if evidence.rates is not None:
-        fit = fit_scale(evidence.rates, body_rates_of(turn, seconds), seconds, LATEST)
+        fit = fit_scale(evidence.rates, body_rates_of(turn, seconds), seconds, FILTER_DELAY)
         scores.append(_score_rates(fit))
         reasons.append(f'the rates follow from it by {100 * max(0.0, fit.share):.0f} %')
     if evidence.velocity is not None and evidence.position is not None:
         speed = differentiate(evidence.position, seconds)
         derived = turn.inv().apply(np.nan_to_num(speed))
-        body = fit_scale(evidence.velocity, derived, seconds, LATEST)
-        world = fit_scale(evidence.velocity, speed, seconds, LATEST)
+        body = fit_scale(evidence.velocity, derived, seconds, FILTER_DELAY)
+        world = fit_scale(evidence.velocity, speed, seconds, FILTER_DELAY)
         # Of a velocity in world axes, the same for all readings
         scores.append(max(body.score, world.score))
         if body.share > world.share:
@@ -312,7 +313,7 @@ def _explain_tilt(
     power = float((moved * moved).sum())
     scale = max(0.0, float(((measured - tilted) * moved).sum()) / power) if power > 0.0 else 0.0
     left = ((measured - tilted - scale * moved) ** 2).sum(axis=0)
-    total = np.maximum((measured**2).sum(axis=0), TINY)
+    total = np.maximum((measured**2).sum(axis=0), INSTEAD_OF_ZERO)
     return float(np.mean(np.clip(1.0 - left / total, -1.0, 1.0)))
 
 
@@ -351,7 +352,7 @@ def measure_forwardness(turn: Rotation, evidence: MotionEvidence) -> tuple[float
     if evidence.position is None:
         return 0.0, 0.0
     speed = differentiate(evidence.position, evidence.seconds)
-    speed = smooth_columns(np.nan_to_num(speed), np.full(SMOOTHED, 1.0 / SMOOTHED))
+    speed = smooth_columns(np.nan_to_num(speed), np.full(SPEED_ROWS, 1.0 / SPEED_ROWS))
     fast = np.linalg.norm(speed, axis=1)
     moving = np.flatnonzero(fast > 0.5 * float(np.percentile(fast, 90.0)))
     if not len(moving) or not fast[moving].all():

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 LOW: Final = 0.05  # heights beyond it say where the floor is [m]
-TILT: Final = 0.5  # cosine of lean and acceleration that tells up from down
+TILT_COSINE: Final = 0.5  # cosine of lean and acceleration that tells up from down
 LEVER: Final = 0.6  # largest distance of markers from the axis of a swing [m]
 
 
@@ -49,10 +49,10 @@ def judge_tilt(turn: Rotation, position: Numbers, seconds: Numbers) -> tuple[int
     """
     fit = fit_tilt(turn, position, seconds)
     size = is_near(fit.ratio / STANDARD_GRAVITY, 1.0) if np.isfinite(fit.ratio) else False
-    if abs(fit.cosine) < TILT or not size:
+    if abs(fit.cosine) < TILT_COSINE or not size:
         return 0, fit
     lever = fit_lever(turn, position, seconds)
-    swings = lever.cosine > TILT and 0.0 < lever.ratio < LEVER
+    swings = lever.cosine > TILT_COSINE and 0.0 < lever.ratio < LEVER
     return (0 if swings else 1 if fit.cosine > 0.0 else -1), fit
 
 

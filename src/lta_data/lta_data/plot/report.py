@@ -33,9 +33,9 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-MOST: Final = 24  # lines in one plot, at most
-NEAR: Final = 4  # names suggested for an unknown one
-DEGREE: Final = math.pi / 180.0
+MAX_PLOT_LINES: Final = 24  # lines in one plot, at most
+SUGGESTED_NAMES: Final = 4  # names suggested for an unknown one
+RADIANS_PER_DEGREE: Final = math.pi / 180.0
 
 
 def select_channels(flight: RecordedFlight, patterns: Sequence[str]) -> list[Channel]:
@@ -61,10 +61,10 @@ def select_channels(flight: RecordedFlight, patterns: Sequence[str]) -> list[Cha
         if not meant:
             raise no_match_error(flight, pattern)
         channels |= {channel.name: channel for channel in meant}
-    if len(channels) > MOST:
+    if len(channels) > MAX_PLOT_LINES:
         raise BadInput(
-            f'{len(channels)} channels are too many for one plot (at most {MOST}); name fewer, '
-            f"such as '{next(iter(channels))}'."
+            f'{len(channels)} channels are too many for one plot (at most {MAX_PLOT_LINES}); '
+            f"name fewer, such as '{next(iter(channels))}'."
         )
     return list(channels.values())
 
@@ -85,7 +85,9 @@ def no_match_error(flight: RecordedFlight, pattern: str) -> BadInput:
     """Return the error for a pattern without a match, with similar names."""
     names = [*flight.topics, *read_flight(flight).channels]
     # 0.4: least similarity, low enough for abbreviations
-    near = get_close_matches(pattern, names, NEAR, 0.4) or flight.topics[:NEAR]
+    near = (
+        get_close_matches(pattern, names, SUGGESTED_NAMES, 0.4) or flight.topics[:SUGGESTED_NAMES]
+    )
     return BadInput(
         f"No channel matches '{pattern}'; similar: {', '.join(near)}. To list all channels, give "
         'no channel.'
@@ -100,7 +102,7 @@ def unwrap_to_degrees(channel: Channel) -> Channel:
     values = channel.values.copy()
     finite = np.isfinite(values)
     values[finite] = np.unwrap(values[finite])
-    return replace(channel, unit='deg', values=values / DEGREE)
+    return replace(channel, unit='deg', values=values / RADIANS_PER_DEGREE)
 
 
 def crop_channel(channel: Channel, begin: float, end: float) -> Channel:
@@ -115,13 +117,13 @@ def group_by_unit(channels: Sequence[Channel]) -> Iterator[tuple[str, list[Chann
         yield unit, [channel for channel in channels if channel.unit == unit]
 
 
-BLOCKS: Final = '▁▂▃▄▅▆▇█'
+SPARK_BLOCKS: Final = '▁▂▃▄▅▆▇█'
 SPARK: Final = 32  # characters of a sparkline
-FIGURES: Final = 36  # characters of unit, minimum and maximum with spaces
-FEW: Final = 8  # least width of a sparkline if names are long
-HEIGHT: Final = 14  # characters of a panel with its axes
-LARGEST: Final = 1e37  # of a value; larger ones overflow 32 bits
-STYLES: Final = ('cyan', 'yellow', 'magenta', 'green', 'red', 'blue', 'white')
+FIGURE_CHARACTERS: Final = 36  # characters of unit, minimum and maximum with spaces
+NARROWEST_SPARK: Final = 8  # least width of a sparkline if names are long
+PANEL_CHARACTERS: Final = 14  # characters of a panel with its axes
+LARGEST_PLOTTED: Final = 1e37  # of a value; larger ones overflow 32 bits
+LINE_STYLES: Final = ('cyan', 'yellow', 'magenta', 'green', 'red', 'blue', 'white')
 
 Array = NDArray[np.float64]
 
@@ -149,7 +151,7 @@ def draw_sparkline(values: NDArray[np.float64], width: int = SPARK) -> str:
         share = (inside.mean() - low) / (high - low) if len(inside) else 0.0
         # share is 1.0 at the maximum, which would be a ninth block.
         # Eight heights of block characters
-        levels.append(BLOCKS[min(7, int(8 * share))] if len(inside) else ' ')
+        levels.append(SPARK_BLOCKS[min(7, int(8 * share))] if len(inside) else ' ')
     return ''.join(levels)
 
 
@@ -158,7 +160,7 @@ def build_channel_listing(channels: Iterable[Channel], width: int) -> Table:
     channels = list(channels)
     longest = max((len(channel.name) for channel in channels), default=0)
     # Keep names whole, so that users can copy them.
-    spark = max(FEW, min(SPARK, width - longest - FIGURES))
+    spark = max(NARROWEST_SPARK, min(SPARK, width - longest - FIGURE_CHARACTERS))
     table = Table(box=None, pad_edge=False)
     table.add_column('channel', overflow='fold')
     for name in ('unit', 'min', 'max'):
@@ -182,11 +184,11 @@ def draw_curves(
     plotext.terminal.limit(False, False)  # `width` holds, also in a pipe
     figure = plotext.figure.clear()
     figure.theme('colorless')
-    figure.plot_size(width, HEIGHT)
+    figure.plot_size(width, PANEL_CHARACTERS)
     if span[0] < span[1]:
         figure.ruler('x').lim(*span)
     legend = Text()
-    for channel, style in zip(channels, cycle(STYLES)):
+    for channel, style in zip(channels, cycle(LINE_STYLES)):
         for time, values in split_at_gaps(channel):
             marker = plotext.marker('braille', Color.parse(style).number)
             signal = figure.signal(time.tolist(), values.tolist(), marker=marker)
@@ -200,7 +202,7 @@ def draw_curves(
 def split_at_gaps(channel: Channel) -> Iterator[tuple[Array, Array]]:
     """Yield time and values of each stretch without a gap, as few points that look the same."""
     # NaN or infinity would end the process in plotext
-    finite = np.flatnonzero(np.abs(channel.values) < LARGEST)
+    finite = np.flatnonzero(np.abs(channel.values) < LARGEST_PLOTTED)
     for part in np.split(finite, np.flatnonzero(np.diff(finite) > 1) + 1):
         yield decimate_line(channel.time[part], channel.values[part])
 
@@ -213,12 +215,12 @@ def print_channels(
         console.print(draw_curves(unit, channels, span, console.width), soft_wrap=True)
 
 
-COLOURS: Final = (TRUTH, ESTIMATE, GOOD, LAMP, TIME[0], SETPOINT, TIME[2])
-LINE: Final = 20  # px per line of the legend
-POINTS: Final = 20_000  # of all lines of a page, which keeps it under 2 MB
-TILES: Final = 8
-NAME: Final = 'channels'
-LONGEST: Final = 100  # characters of a headline
+LINE_COLOURS: Final = (TRUTH, ESTIMATE, GOOD, LAMP, TIME[0], SETPOINT, TIME[2])
+LEGEND_LINE: Final = 20  # px per line of the legend
+PAGE_POINTS: Final = 20_000  # of all lines of a page, which keeps it under 2 MB
+MAX_TILES: Final = 8
+PICTURE_NAME: Final = 'channels'
+HEADLINE_CHARACTERS: Final = 100  # characters of a headline
 Panels = Sequence[tuple[str, list[Channel]]]
 
 
@@ -235,7 +237,7 @@ def plot_channels(
         figure.add_trace(
             Scatter(
                 x=time, y=values, name=channel.name, mode='lines',
-                line={'color': COLOURS[k % len(COLOURS)], 'width': 1.6},
+                line={'color': LINE_COLOURS[k % len(LINE_COLOURS)], 'width': 1.6},
                 hovertemplate=f'%{{y:.4g}} {unit}',
             )
         )  # fmt: skip
@@ -244,7 +246,7 @@ def plot_channels(
     figure.update_xaxes(title_text='time [s]')
     legend = {'orientation': 'h', 'x': 0, 'y': 1.0, 'yanchor': 'bottom', 'font': {'size': 11}}
     # About three entries per line of the legend, rounded up
-    top = LINE * -(-len(channels) // 3) + 12
+    top = LEGEND_LINE * -(-len(channels) // 3) + 12
     return figure.update_layout(showlegend=True, legend=legend, margin={'t': top, 'r': 12})
 
 
@@ -253,7 +255,7 @@ def build_report(
 ) -> Report:
     """Return the report, with a figure of each unit and a tile of each of the first channels."""
     every = [channel for _, channels in panels for channel in channels]
-    most = min(MOST_POINTS, POINTS // max(len(every), 1))
+    most = min(MOST_POINTS, PAGE_POINTS // max(len(every), 1))
     pictures = [
         Picture(
             f'unit-{k}', format_heading(channels), '', plot_channels(unit, channels, span, most),
@@ -265,12 +267,14 @@ def build_report(
     return Report(
         command='bag plot',
         subject=f'{len(every)} channels, {ends}',
-        headline=title if len(title) <= LONGEST else f'{len(every)} channels of a recording',
+        headline=title
+        if len(title) <= HEADLINE_CHARACTERS
+        else f'{len(every)} channels of a recording',
         introduction=(
             'The recorded values. Angles are in degrees and unwrapped (no jumps at 360 degrees).'
         ),
-        tiles=[build_tile(channel) for channel in every[:TILES]],
-        blocks=[Grid(pictures, columns=1, name=NAME)],
+        tiles=[build_tile(channel) for channel in every[:MAX_TILES]],
+        blocks=[Grid(pictures, columns=1, name=PICTURE_NAME)],
         data={},
         facts=facts,
     )
@@ -296,5 +300,5 @@ def write_png(text: str, out: Path) -> Path:
     with tempfile.TemporaryDirectory() as folder:
         page = write_file(text, Path(folder) / 'plot.html')
         shot = Path(folder) / 'plot.png'
-        write_picture(page, shot, NAME)
+        write_picture(page, shot, PICTURE_NAME)
         return write_file(shot.read_bytes(), out)

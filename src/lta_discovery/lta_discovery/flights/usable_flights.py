@@ -280,7 +280,9 @@ def _clean_flight(
             continue
         if finding.kind == impossible_values.KIND and finding.channel.startswith(DUTY) and sound:
             continue  # clipped
-        lost = finding.kind == impossible_values.KIND and impossible_values.LOST in finding.values
+        lost = (
+            finding.kind == impossible_values.KIND and impossible_values.LOST_KEY in finding.values
+        )
         if lost and finding.channel.startswith((pose, *SENSORS)):
             continue  # each leaves a gap of its own, and the readings between them are good
         if finding.kind == impossible_values.FILTERED:

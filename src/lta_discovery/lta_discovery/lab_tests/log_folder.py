@@ -9,14 +9,14 @@ from lta_config.schema.import_file import load_mapping
 from lta_data.bag.bag_folder import find_bag
 from lta_data.importers.draft.choices import DraftQuestion, DraftVehicle
 from lta_data.importers.draft.draft_mapping import (
-    COLUMNS,
+    COLUMN_FORMATS,
     count_changing_columns,
     draft_mapping,
     MappingDraft,
     measure_size,
     read_source,
 )
-from lta_data.importers.formats import detect_format, FORMATS
+from lta_data.importers.formats import detect_format, LOG_FORMATS
 from lta_data.importers.readers.sensor_folder import describe_empty_files, list_run_files
 from lta_data.importers.run import import_logs, ImportProgress, ImportRequest
 from rich.console import Console
@@ -96,18 +96,18 @@ def _find_mapping(log: Path, folder: Path, requested: str | None) -> str | None:
         if requested is None and path.is_file():
             requested = str(path)
     format_ = detect_format(find_bag(log))
-    if format_ in COLUMNS:
+    if format_ in COLUMN_FORMATS:
         return requested or ''
     if format_ == 'bag' and requested is None and not _has_our_topics(find_bag(log)):
         return ''
     # Bags of ours need no mapping; other formats have a shipped one
     fits = requested is not None and load_mapping(requested)[0].format == format_
-    return requested if fits else FORMATS[format_].mapping
+    return requested if fits else LOG_FORMATS[format_].mapping
 
 
 def _has_our_topics(bag: Path) -> bool:
     """Return whether a bag has a pose or commands on topics with the names of LTA."""
-    names = FORMATS['bag'].opened(bag, None).raw
+    names = LOG_FORMATS['bag'].opened(bag, None).raw
     return any(f'/{name.lstrip("/")}'.endswith(OURS) for name in names)
 
 

@@ -24,11 +24,10 @@ class Chunk:
 
 @dataclass(frozen=True)
 class Whole:
-    """A recording as it should be: its bytes, its chunks, and its metadata.yaml if it has one."""
+    """A recording as it should be: its bytes and its chunks."""
 
     data: bytes
     chunks: list
-    metadata: bytes | None = None
 
 
 def payloads(rng):
@@ -49,7 +48,7 @@ def by_us(folder):
             bag.write(topic, data, time)
             if i % PER_CHUNK == PER_CHUNK - 1:
                 bag.flush()
-    return examined(folder / 'bag_0.mcap', (folder / 'metadata.yaml').read_bytes())
+    return examined(folder / 'bag_0.mcap')
 
 
 def by_mcap(folder, compression):
@@ -68,7 +67,7 @@ def by_mcap(folder, compression):
     return examined(folder / 'bag_0.mcap')
 
 
-def examined(file, metadata=None):
+def examined(file):
     """Return a recording with its chunks, as mcap's own reader finds them."""
     data = file.read_bytes()
     chunks = []
@@ -81,7 +80,7 @@ def examined(file, metadata=None):
             inside = [m for m in messages if span[0] <= m[0] <= span[1]]
             chunks.append(Chunk(start, end, (end - found.compressed_size, end), inside))
     assert sum(len(chunk.messages) for chunk in chunks) == CHUNKS * PER_CHUNK
-    return Whole(data, chunks, metadata)
+    return Whole(data, chunks)
 
 
 def recordings(folder):

@@ -220,7 +220,7 @@ def test_what_cannot_be_exported_is_one_sentence(flight_bag, mixed_bag, tmp_path
         path.touch()
         raise OSError(28, 'No space left on device')
 
-    monkeypatch.setitem(run.FORMATS, 'csv', full)
+    monkeypatch.setitem(run.EXPORT_FORMATS, 'csv', full)
     with pytest.raises(
         BadInput, match=r'cannot be written to .*\(No space left on device\); check'
     ):
@@ -245,7 +245,7 @@ def test_a_topic_that_cannot_be_decoded_is_left_out_and_named(record, types, tmp
 
 
 def test_a_topic_larger_than_a_matlab_file_is_refused(flight_bag, tmp_path, monkeypatch):
-    monkeypatch.setattr('lta_data.export.run.LARGEST', 1000)
+    monkeypatch.setattr('lta_data.export.run.MAT_BYTES', 1000)
     with pytest.raises(BadInput, match=r"'odom' is larger than the 2 GB .*--format parquet"):
         files(flight_bag, 'mat', tmp_path / 'out', topics=('odom',))
 

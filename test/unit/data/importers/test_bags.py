@@ -185,7 +185,7 @@ def test_one_child_of_the_transforms_is_taken(bring, tmp_path):
 
 @pytest.mark.parametrize('piece', [2, 10_000])
 def test_fields_of_any_type_are_columns(bring, tmp_path, monkeypatch, piece):
-    monkeypatch.setattr('lta_data.importers.readers.bag_tables.PIECE', piece)
+    monkeypatch.setattr('lta_data.importers.readers.bag_tables.MESSAGES_PER_PIECE', piece)
     types = store()
     source = write2(tmp_path / 'bag', StoragePlugin.MCAP, flight(types), types)
     mapping = BAG + (

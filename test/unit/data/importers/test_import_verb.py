@@ -9,8 +9,8 @@ from lta_cli import app
 from lta_config.files import list_shipped_names, parse_yaml, validate_content
 from lta_config.schema.import_file import FIELD_AXES, Format, ImportMapping, load_mapping
 from lta_data.bag.reader import read_bag
-from lta_data.importers.entry_plan import EXTRA, plan_entry, SHAPES
-from lta_data.importers.formats import FORMATS
+from lta_data.importers.entry_plan import EXTRA, MESSAGE_SHAPES, plan_entry
+from lta_data.importers.formats import LOG_FORMATS
 import pytest
 
 TRACE = '1.5 1 2 3 0 0 0 1\n2.5 1 2 4 0 0 0 1\n'
@@ -142,8 +142,10 @@ def test_shipped_mappings_are_named_as_their_files(name):
 
 
 def test_the_formats_of_mappings_are_those_that_are_read():
-    assert list(FORMATS) == list(get_args(Format))
-    assert {load_mapping(name)[0].format for name in list_shipped_names('imports')} <= set(FORMATS)
+    assert list(LOG_FORMATS) == list(get_args(Format))
+    assert {load_mapping(name)[0].format for name in list_shipped_names('imports')} <= set(
+        LOG_FORMATS
+    )
 
 
 def test_a_flights_results_folder_is_its_bag(lta, tmp_path):
@@ -178,6 +180,6 @@ def test_mappings_on_the_page_for_people_are_mappings(block):
 
 
 def test_the_page_for_people_names_all_that_there_is():
-    parts = {name for shape in SHAPES.values() for name in shape}
-    for name in (*list_shipped_names('imports'), *FORMATS, *FIELD_AXES, *parts, *EXTRA):
+    parts = {name for shape in MESSAGE_SHAPES.values() for name in shape}
+    for name in (*list_shipped_names('imports'), *LOG_FORMATS, *FIELD_AXES, *parts, *EXTRA):
         assert re.search(rf'\b{name}\b', PAGE), name

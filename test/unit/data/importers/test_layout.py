@@ -3,14 +3,20 @@
 from lta_bridge.bag.schemas import load_jazzy_types
 from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table
-from lta_data.importers.entry_plan import CdrTemplate, EXTRA, find_target, list_targets, SHAPES
+from lta_data.importers.entry_plan import (
+    CdrTemplate,
+    EXTRA,
+    find_target,
+    list_targets,
+    MESSAGE_SHAPES,
+)
 import numpy as np
 import pytest
 
 TYPES = load_jazzy_types()
 
 
-@pytest.mark.parametrize('type_name', sorted(SHAPES))
+@pytest.mark.parametrize('type_name', sorted(MESSAGE_SHAPES))
 def test_every_number_stands_where_rosbags_reads_it(type_name):
     """Give each number of a type a value of its own; a reader finds each under its path."""
     lengths = {'position': 2, 'effort': 2}
@@ -43,10 +49,10 @@ def leaf(message, path):
     return value
 
 
-@pytest.mark.parametrize('type_name', sorted(SHAPES))
+@pytest.mark.parametrize('type_name', sorted(MESSAGE_SHAPES))
 def test_every_part_has_a_place_in_its_message(type_name):
     places = CdrTemplate(type_name, {}).places
-    for part in SHAPES[type_name].values():
+    for part in MESSAGE_SHAPES[type_name].values():
         axes = {'attitude': 'xyzw', 'number': ''}.get(part.kind, 'xyz')
         wanted = [f'{part.place}.{axis}' for axis in axes] or [part.place]
         assert {*wanted, *([part.unknown] if part.unknown else [])} <= set(places)

@@ -182,6 +182,10 @@ FORMS = {
                         **three('q', in_ned(f)[:, [3, 0, 1, 2]], '0123'),
                         **three('w', f['w'] * DOWN)), 'pqvw',
     ),
+    'a place north, east, down beside an attitude in our axes': Form(
+        lambda f: timed(f, **three('', f['p'] @ TO_NED.T, 'ned')) | angles(f)
+        | dict(zip('pqr', f['w'].T, strict=True)), 'pqw',
+    ),
     'from the world to the body': Form(
         lambda f: timed(f) | place(f) | three('q', f['q'] * [-1.0, -1.0, -1.0, 1.0], 'xyzw')
         | three('v', f['v']) | three('w', f['w']), 'pqvw',

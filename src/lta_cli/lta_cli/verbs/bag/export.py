@@ -6,7 +6,7 @@ from typing import Annotated, final
 from lta_analysis.console import plain_console
 from lta_cli.options.common_options import folder_option, print_json, RobotOption
 from lta_data.bag.recorded_flight import open_flight
-from lta_data.export.run import export_recording, ExportRequest, ExportResult, FORMATS
+from lta_data.export.run import EXPORT_FORMATS, export_recording, ExportRequest, ExportResult
 from lta_report.progress_bar import ProgressBar
 from lta_report.results_folder import resolve_folder
 from rich.console import Console
@@ -34,7 +34,10 @@ class ExportProgress(ProgressBar):
 def export(
     bag: Annotated[Path, typer.Argument(help='Bag folder, results folder or .mcap file.')],
     form: Annotated[
-        str, typer.Option('--format', help=f'Format of the exported files: {", ".join(FORMATS)}.')
+        str,
+        typer.Option(
+            '--format', help=f'Format of the exported files: {", ".join(EXPORT_FORMATS)}.'
+        ),
     ] = 'parquet',
     topics: Annotated[
         str,

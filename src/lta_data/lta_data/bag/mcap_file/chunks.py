@@ -73,7 +73,9 @@ def decompress_lz4(packed: bytes | memoryview) -> bytes:
 RECORD = struct.Struct('<BQ')  # opcode, length
 MESSAGE = struct.Struct('<HIQQ')  # channel, sequence, log time, publish time
 BARE = struct.Struct('<BQHIQQ')  # a message record up to its data
-HEAD = struct.Struct('<QQQII')  # start, end, size, CRC, length of the compression's name
+CHUNK_HEAD_LAYOUT = struct.Struct(
+    '<QQQII'
+)  # start, end, size, CRC, length of the compression's name
 LENGTH = struct.Struct('<Q')
 LONGEST_NAME = 16  # bytes of the name of a compression
 
@@ -120,13 +122,15 @@ def unpack_chunk(body: bytes | memoryview) -> bytes | memoryview:
         If it cannot be decompressed or its CRC is wrong.
 
     """
-    if len(body) < HEAD.size + LENGTH.size:
+    if len(body) < CHUNK_HEAD_LAYOUT.size + LENGTH.size:
         raise DamagedRecord
-    _, _, size, crc, name_length = HEAD.unpack_from(body)
-    start = HEAD.size + name_length + LENGTH.size
+    _, _, size, crc, name_length = CHUNK_HEAD_LAYOUT.unpack_from(body)
+    start = CHUNK_HEAD_LAYOUT.size + name_length + LENGTH.size
     if name_length > LONGEST_NAME or start > len(body):
         raise DamagedRecord
-    name = bytes(body[HEAD.size : HEAD.size + name_length]).decode(errors='replace')
+    name = bytes(body[CHUNK_HEAD_LAYOUT.size : CHUNK_HEAD_LAYOUT.size + name_length]).decode(
+        errors='replace'
+    )
     end = start + LENGTH.unpack_from(body, start - LENGTH.size)[0]
     if end > len(body):
         raise DamagedRecord

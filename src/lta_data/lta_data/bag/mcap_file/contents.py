@@ -138,7 +138,7 @@ def read_at(stream: BinaryIO, offset: int, length: int) -> bytes:
 
 
 FOOTER = struct.Struct('<BQQQI')  # opcode, length, summary, summary offsets, CRC
-TAIL = FOOTER.size + len(MCAP0_MAGIC)
+TAIL_SIZE = FOOTER.size + len(MCAP0_MAGIC)
 CHUNK_INDEX = struct.Struct('<QQQQI')  # start, end, offset, length, bytes of the channels
 CHANNEL = struct.Struct('<HQ')  # channel, offset of its message index
 
@@ -154,15 +154,19 @@ def read_summary(stream: BinaryIO, size: int) -> McapContents | None:
 
 def read_summary_section(stream: BinaryIO, size: int) -> tuple[int, bytes]:
     """Return offset and bytes of the summary section; raise DamagedRecord if it is incomplete."""
-    if size < TAIL:
+    if size < TAIL_SIZE:
         raise DamagedRecord
-    tail = read_at(stream, size - TAIL, TAIL)
+    tail = read_at(stream, size - TAIL_SIZE, TAIL_SIZE)
     opcode, _, start, _, crc = FOOTER.unpack_from(tail)
-    if opcode != Opcode.FOOTER or not tail.endswith(MCAP0_MAGIC) or not 0 < start <= size - TAIL:
+    if (
+        opcode != Opcode.FOOTER
+        or not tail.endswith(MCAP0_MAGIC)
+        or not 0 < start <= size - TAIL_SIZE
+    ):
         raise DamagedRecord
-    if size - TAIL - start > SUMMARY_BYTES:
+    if size - TAIL_SIZE - start > SUMMARY_BYTES:
         raise DamagedRecord
-    section = read_at(stream, start, size - TAIL - start)
+    section = read_at(stream, start, size - TAIL_SIZE - start)
     # CRC 0 means not computed. It covers the footer up to the CRC itself.
     if crc and crc != zlib.crc32(section + tail[: FOOTER.size - 4]):
         raise DamagedRecord

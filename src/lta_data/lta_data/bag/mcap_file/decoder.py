@@ -96,7 +96,7 @@ def count_unrolled_elements(described: Any) -> int:  # noqa: ANN401 - as rosbags
     return int(count) if inner is Nodetype.NAME or what[0] == 'string' else 0
 
 
-READABLE: Final = ('ros2msg', 'ros2idl')
+READABLE_ENCODINGS: Final = ('ros2msg', 'ros2idl')
 # Errors of the deserialiser on damaged or hostile bytes.
 MISFIT = (
     SerdeError,
@@ -118,7 +118,7 @@ def explain_undecodable(schema: Schema | None, message_encoding: str) -> str | N
         return f"are encoded as '{message_encoding}', not as CDR"
     if schema is None or not schema.encoding:
         return 'have a message type that the bag does not define'
-    if schema.encoding not in READABLE:
+    if schema.encoding not in READABLE_ENCODINGS:
         return f"are of type '{schema.name}', defined in '{schema.encoding}', not as a ROS message"
     if not schema.data.strip() and not schema.name.endswith('/Empty'):
         return f"are of type '{schema.name}', which the bag does not define"

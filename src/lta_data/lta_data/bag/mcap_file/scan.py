@@ -37,7 +37,7 @@ MOST_TOLD = 100  # further losses are only counted
 PRIVATE = 0x80  # opcodes from here on are private
 DATA_END_SIZE, FOOTER_SIZE = 4, 20  # bytes without opcode and length
 UNREAD: Final = (Opcode.HEADER, Opcode.ATTACHMENT, Opcode.MESSAGE_INDEX)
-NAMES: Final = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA)
+NAMING_OPCODES: Final = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA)
 
 
 class IntactChunk(NamedTuple):
@@ -149,7 +149,7 @@ class McapScanner:
         elif opcode == Opcode.FOOTER and end - start == FOOTER_SIZE:
             self._ended = True
             self._finished = self._read(end, self._size - end) == MCAP0_MAGIC
-        elif opcode in NAMES and not self._ended:
+        elif opcode in NAMING_OPCODES and not self._ended:
             if end - start > NOTE_BYTES:
                 raise DamagedRecord
             self.contents.add_record(opcode, self._read(start, end - start))

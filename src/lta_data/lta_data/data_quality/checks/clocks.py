@@ -8,11 +8,12 @@ between a sensor and what the pose implies for it.
 from collections.abc import Iterator, Sequence
 from typing import Final, final, NamedTuple
 
-from lta_data.compare.coarse_lag import estimate_coarse_lag, SharedQuantity, STEPS
+from lta_data.compare.coarse_lag import estimate_coarse_lag, LAG_STEPS, SharedQuantity
 from lta_data.data_quality import limits
-from lta_data.data_quality.motion import MeasuredVector, MOVING, PoseMotion
+from lta_data.data_quality.motion import MeasuredVector, MOVING_SPREADS, PoseMotion
 from lta_data.data_quality.recording import CheckContext, CheckVerdict, QualityFinding, Severity
 from lta_data.even_grid import (
+    DELIVERED_TOGETHER,
     find_late_messages,
     find_runs,
     hann_kernel,
@@ -20,7 +21,6 @@ from lta_data.even_grid import (
     median_period,
     SampledSignal,
     smooth_columns,
-    TOGETHER,
 )
 from lta_data.flight import Channel
 import numpy as np
@@ -60,7 +60,7 @@ def find_clock_errors(evidence: CheckContext) -> CheckVerdict:
 def share_axes(motion: PoseMotion, vector: MeasuredVector) -> list[SharedQuantity]:
     """Return the axes of a vector that move, derived from the pose and measured, of one size."""
     seconds = motion.seconds
-    if not is_grid_allowed(float(seconds[-1] - seconds[0]), STEPS[0], len(seconds)):
+    if not is_grid_allowed(float(seconds[-1] - seconds[0]), LAG_STEPS[0], len(seconds)):
         return []  # a clock that was set by hours or years, which `stamps` reports
     weights = hann_kernel(limits.KERNEL, median_period(seconds))
     derived = smooth_columns(motion.derive(vector.kind), weights)
@@ -69,7 +69,7 @@ def share_axes(motion: PoseMotion, vector: MeasuredVector) -> list[SharedQuantit
     for axis in range(3):
         sides = [side[:, axis] - np.nanmean(side[:, axis]) for side in (derived, measured)]
         sizes = [float(np.nanstd(side)) for side in sides]
-        if sizes[0] > MOVING[vector.kind] and sizes[1] > 0.0:
+        if sizes[0] > MOVING_SPREADS[vector.kind] and sizes[1] > 0.0:
             one, other = (
                 SampledSignal(seconds, side / size)
                 for side, size in zip(sides, sizes, strict=True)
@@ -170,7 +170,7 @@ STAMPS: Final = 'stamps'
 TWICE: Final = 0.001  # share of repeated stamps from which they are reported
 REGULAR: Final = 0.3  # relative standard deviation of a period, at most
 LONG: Final = 98.0  # percentile of irregular periods that a gap exceeds
-SHOWN: Final = 5  # findings of one kind per topic, at most
+MAX_STAMP_FINDINGS: Final = 5  # findings of one kind per topic, at most
 
 
 def find_stamp_errors(evidence: CheckContext) -> CheckVerdict:
@@ -205,7 +205,7 @@ def find_backward_stamps(topic: str, time: Array) -> Iterator[QualityFinding]:
     step = np.diff(time[~late])
     time = time[~late]
     back = np.flatnonzero(step < 0.0)
-    for index in back[:SHOWN].tolist():
+    for index in back[:MAX_STAMP_FINDINGS].tolist():
         begin, end = float(time[index + 1]), float(time[index])
         yield QualityFinding(
             STAMPS, topic, begin, end,
@@ -233,7 +233,7 @@ def find_gaps(topic: str, time: Array) -> Iterator[QualityFinding]:
     # On irregular stamps, a gap is longer than nearly all other steps
     longest = usual if regular else float(np.percentile(step, LONG))
     gaps = np.flatnonzero(np.diff(time) > max(limits.GAP_PERIODS * longest, limits.GAP_TIME))
-    for index in gaps[:SHOWN].tolist():
+    for index in gaps[:MAX_STAMP_FINDINGS].tolist():
         begin, end = float(time[index]), float(time[index + 1])
         yield QualityFinding(
             STAMPS, topic, begin, end,
@@ -246,12 +246,12 @@ def find_gaps(topic: str, time: Array) -> Iterator[QualityFinding]:
     # n periods over some messages lack the rest; one that is late lacks none. Gaps are above
     whole = np.diff(time)
     whole[gaps] = usual
-    lost = np.round(np.diff(np.cumsum(whole)[::TOGETHER]) / usual) - TOGETHER
+    lost = np.round(np.diff(np.cumsum(whole)[::DELIVERED_TOGETHER]) / usual) - DELIVERED_TOGETHER
     missing = float(lost[lost > 0.0].sum())
     if missing > limits.DROPOUT_SHARE * (len(time) + missing):
-        at = np.flatnonzero(lost > 0.0) * TOGETHER
+        at = np.flatnonzero(lost > 0.0) * DELIVERED_TOGETHER
         yield QualityFinding(
-            STAMPS, topic, float(time[at[0]]), float(time[at[-1] + TOGETHER]),
+            STAMPS, topic, float(time[at[0]]), float(time[at[-1] + DELIVERED_TOGETHER]),
             f'{missing:.0f} of {len(time) + missing:.0f} messages are missing in small gaps.',
             Severity.WARNING, {'missing': missing},
         )  # fmt: skip
@@ -274,7 +274,7 @@ def find_stamp_jumps(topic: str, time: Array, arrived: Array) -> Iterator[Qualit
     # A constant offset between both clocks is legitimate; only its changes count
     ahead = (time - time[0]) - (arrived - arrived[0])
     jumped = np.abs(np.diff(ahead)) > limits.LOG_JUMP
-    for begin, _ in find_runs(jumped)[:SHOWN].tolist():
+    for begin, _ in find_runs(jumped)[:MAX_STAMP_FINDINGS].tolist():
         size = float(ahead[begin + 1] - ahead[begin])
         low, high = sorted((float(time[begin]), float(time[begin + 1])))
         yield QualityFinding(

@@ -34,20 +34,20 @@ Array = NDArray[np.float64]
 KIND = 'held'
 HOP = 4  # steps per window
 FLANKS = (3.5, 5.0, 13.0, 20.0)  # bands below and above the tremor [Hz]
-CALM = 1.0  # time to coast, fall and settle after the rotors stop [s]
-LIFTED = 0.3  # least range of the vertical speed in a hand [m/s]
-WIDE = 0.5  # smoothing; motion of a hand is slower [s]
-SWINGS = 4  # fewest half swings of a free decay
-STEADY = 1.5  # ratio of its longest to its shortest half period
+SETTLING_TIME = 1.0  # time to coast, fall and settle after the rotors stop [s]
+LIFTED_SPEED = 0.3  # least range of the vertical speed in a hand [m/s]
+HAND_SMOOTHING = 0.5  # smoothing; motion of a hand is slower [s]
+MIN_HALF_SWINGS = 4  # fewest half swings of a free decay
+STEADY_PERIODS = 1.5  # ratio of its longest to its shortest half period
 CYCLES = 6  # fewest periods of a swing that its spectrum shows
-LINE = 0.15  # half the width of a line in that spectrum, relative to the frequency
+LINE_WIDTH = 0.15  # half the width of a line in that spectrum, relative to the frequency
 PURE = 0.93  # of the power of a swing is in the line; in 1 of 500 carried flights, too
 GROWN = 1.1  # most growth from one half swing to the next: noise
 SIDEWAYS = 0.3  # most horizontal speed of a drop, relative to the vertical one
 BUMPS = 0.02  # most decrease of the speed of a drop in a step, relative to the largest
 FINAL = 0.9  # of the largest speed of a drop, which falls below only by an impact
-RESTING = 0.2  # of the same; most speed after the impact
-FORCE = 1e-3  # smaller commanded forces count as zero [N]
+RESTING_SPEED_SHARE = 0.2  # of the same; most speed after the impact
+ZERO_FORCE = 1e-3  # smaller commanded forces count as zero [N]
 
 
 @final
@@ -171,7 +171,7 @@ def find_tremor(vector: VectorSeries, values: Array) -> Iterator[QualityFinding]
 def find_idle_times(recording: Flight) -> tuple[Array, NDArray[np.bool_]] | None:
     """Return times of commands and whether all rotors were idle; None without commands."""
     commands = [
-        (channel, FORCE if channel.unit == 'N' else limits.IDLE_DUTY)
+        (channel, ZERO_FORCE if channel.unit == 'N' else limits.IDLE_DUTY)
         for channel in recording.channels.values()
         if roles.DRIVEN.match(channel.name) and len(channel.time) > 1
     ]
@@ -197,13 +197,13 @@ def find_idle_motion(
     # A tracker that loses a marker moves nothing
     good = ~find_tracker_jumps(place.time, place.values)
     table, valid = interpolate_on_grid(place.time[good], place.values[good], grid)
-    calm = smooth_columns(table, hann_kernel(WIDE, step))
+    calm = smooth_columns(table, hann_kernel(HAND_SMOOTHING, step))
     speed = np.gradient(calm, step, axis=0)
     pulls = np.gradient(speed, step, axis=0)
     pull = np.linalg.norm(pulls, axis=1)
     fast = np.linalg.norm(speed, axis=1)
     for begin, end in find_runs(idle).tolist():
-        first, last = float(time[begin]) + CALM, float(time[end - 1])
+        first, last = float(time[begin]) + SETTLING_TIME, float(time[end - 1])
         inside = valid & (grid >= first) & (grid <= last)
         if inside.sum() * step < limits.HOLD_WINDOW:
             continue
@@ -213,7 +213,7 @@ def find_idle_motion(
         swings = is_decaying_swing(calm[inside]) or is_pure_swing(pulls[inside])
         if swings or is_drop(speed[inside], step):
             continue
-        if lifted > LIFTED and moved.sum() * step > 0.5 and pushed.sum() * step > 0.2:
+        if lifted > LIFTED_SPEED and moved.sum() * step > 0.5 and pushed.sum() * step > 0.2:
             at = grid[moved | pushed]
             yield QualityFinding(
                 KIND, place.name, float(at[0]), float(at[-1]),
@@ -226,18 +226,18 @@ def find_idle_motion(
 
 def is_decaying_swing(place: Array) -> bool:
     """Return whether a vehicle swings freely: with a steady period, and ever less."""
-    if len(place) < SWINGS + 2:
+    if len(place) < MIN_HALF_SWINGS + 2:
         return False
     time = np.linspace(-1.0, 1.0, len(place))
     # A free vehicle may drift while it swings
     apart = place - np.column_stack([np.polyval(np.polyfit(time, c, 1), time) for c in place.T])
     along = apart @ np.linalg.svd(apart, full_matrices=False)[2][0]
     crossings = np.flatnonzero(np.diff(np.sign(along)) != 0.0)
-    if len(crossings) < SWINGS + 1:
+    if len(crossings) < MIN_HALF_SWINGS + 1:
         return False
     half = np.diff(crossings)
     peaks = np.array([np.abs(along[a : b + 1]).max() for a, b in itertools.pairwise(crossings)])
-    steady = half.max() < STEADY * half.min()
+    steady = half.max() < STEADY_PERIODS * half.min()
     return bool(steady and (peaks[1:] < GROWN * peaks[:-1]).all() and peaks[-1] < peaks[0])
 
 
@@ -254,7 +254,7 @@ def is_pure_swing(pull: Array) -> bool:
     if cycles < CYCLES:
         return False
     # The window spreads a line over two bins to either side
-    width = max(2, round(LINE * cycles))
+    width = max(2, round(LINE_WIDTH * cycles))
     pure = power[cycles - width : cycles + width + 1].sum() > PURE * power.sum()
     first, _, last = (float(np.square(part).mean()) for part in np.array_split(along, 3))
     return bool(pure and last < first)
@@ -268,6 +268,8 @@ def is_drop(speed: Array, step: float) -> bool:
     falling = (np.diff(vertical[: top + 1]) > -BUMPS * vertical[top]).all()
     slower = np.flatnonzero(vertical[top:] < FINAL * vertical[top])
     # The smoothed speed needs a moment to fall to 0 at an impact
-    hit = top + int(slower[0]) + round(2.0 * WIDE / step) if len(slower) else len(vertical)
-    rests = np.abs(vertical[hit:]).max(initial=0.0) < RESTING * vertical[top]
-    return bool(straight and falling and rests and top * step > 2.0 * WIDE)
+    hit = (
+        top + int(slower[0]) + round(2.0 * HAND_SMOOTHING / step) if len(slower) else len(vertical)
+    )
+    rests = np.abs(vertical[hit:]).max(initial=0.0) < RESTING_SPEED_SHARE * vertical[top]
+    return bool(straight and falling and rests and top * step > 2.0 * HAND_SMOOTHING)

@@ -22,11 +22,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 KIND = 'impossible'
-LOST = 'lost'  # key of a finding about values that are not there, rather than wrong
-APART = 20  # samples between bad values that still form one stretch
-SHOWN = 20  # stretches beyond which all are one
+LOST_KEY = 'lost'  # key of a finding about values that are not there, rather than wrong
+STRETCH_GAP = 20  # samples between bad values that still form one stretch
+MAX_STRETCHES = 20  # stretches beyond which all are one
 UNIT_LENGTH = 0.01  # tolerance of a quaternion: single precision, three-digit rounding
-QUIET = 25  # samples per block in the search for rest
+REST_BLOCK = 25  # samples per block in the search for rest
 
 
 def find_impossible_values(evidence: CheckContext) -> CheckVerdict:
@@ -60,8 +60,8 @@ def build_stretch_findings(
     key: str = 'values',
 ) -> Iterator[QualityFinding]:
     """Yield a finding for each stretch of bad values, whose number is stored by a key."""
-    stretches = [*merge_runs(find_runs(bad), APART)]
-    if len(stretches) > SHOWN:
+    stretches = [*merge_runs(find_runs(bad), STRETCH_GAP)]
+    if len(stretches) > MAX_STRETCHES:
         stretches = [(stretches[0][0], stretches[-1][1])]
     for begin, end in stretches:
         count = int(bad[begin:end].sum())
@@ -95,7 +95,9 @@ def find_non_numbers(channel: Channel) -> Iterator[QualityFinding]:
     first, last = np.flatnonzero(~missing)[[0, -1]]
     # NaN before the first and after the last value means not yet or no longer measured.
     missing[:first] = missing[last:] = False
-    yield from build_stretch_findings(channel.name, channel.time, missing, 'not a number', LOST)
+    yield from build_stretch_findings(
+        channel.name, channel.time, missing, 'not a number', LOST_KEY
+    )
 
 
 def find_impossible_voltages(channel: Channel) -> Iterator[QualityFinding]:
@@ -115,7 +117,7 @@ def find_unnormalized_quaternions(channels: list[Channel]) -> Iterator[QualityFi
     """Yield quaternions of a topic without unit length."""
     parts: dict[str, dict[str, Channel]] = {}
     for channel in channels:
-        match = roles.QUATERNION.match(channel.field)
+        match = roles.QUATERNION_FIELD.match(channel.field)
         if match is not None:
             parts.setdefault(match[1], {})[match[2]] = channel
     for path, channels_by_part in parts.items():
@@ -163,11 +165,11 @@ def find_jumps(pose: PoseSeries) -> Iterator[QualityFinding]:
 def find_missing_gravity(sensor: InertialSeries) -> Iterator[QualityFinding]:
     """Yield an accelerometer at rest that does not measure gravity."""
     force = sensor.force
-    if force is None or len(force.time) < 4 * QUIET:
+    if force is None or len(force.time) < 4 * REST_BLOCK:
         return
     size = np.linalg.norm(force.values, axis=1)
-    count = len(size) // QUIET
-    blocks = size[: count * QUIET].reshape(count, QUIET)
+    count = len(size) // REST_BLOCK
+    blocks = size[: count * REST_BLOCK].reshape(count, REST_BLOCK)
     # The limit scales with the reading, so that a wrong unit does not hide rest.
     rest = blocks.std(axis=1) < limits.STILL_SPREAD * np.median(size) / STANDARD_GRAVITY
     # A single quiet block may be chance
@@ -178,7 +180,7 @@ def find_missing_gravity(sensor: InertialSeries) -> Iterator[QualityFinding]:
     if (
         limits.STILL_FORCE < apart < 0.7 * STANDARD_GRAVITY
     ):  # larger deviations come from a wrong unit
-        times = force.time[: count * QUIET].reshape(count, QUIET)[rest]
+        times = force.time[: count * REST_BLOCK].reshape(count, REST_BLOCK)[rest]
         yield QualityFinding(
             KIND, force.name, float(times[0, 0]), float(times[-1, -1]),
             f'At rest the accelerometer measures {felt:.2f} m/s2, not 9.81 m/s2.',
@@ -187,7 +189,7 @@ def find_missing_gravity(sensor: InertialSeries) -> Iterator[QualityFinding]:
 
 
 FILTERED = 'filtered'
-LEVELS = {
+NOISE_LEVELS = {
     'position': limits.QUIET_POSITION,
     'attitude': limits.QUIET_ATTITUDE,
     'velocity': limits.QUIET_VELOCITY,
@@ -196,9 +198,9 @@ LEVELS = {
     'force': limits.QUIET_FORCE,
     'pressure': limits.QUIET_PRESSURE,
 }
-WINDOW = 128  # samples of a spectrum
+SPECTRUM_WINDOW = 128  # samples of a spectrum
 FROM = 0.35  # lower limit of the noise band, of the sampling rate
-SHARE = 0.5  # least share of the axes of a vector that lack noise
+QUIET_AXES_SHARE = 0.5  # least share of the axes of a vector that lack noise
 
 
 def find_missing_noise(evidence: CheckContext) -> CheckVerdict:
@@ -219,11 +221,14 @@ def find_missing_noise(evidence: CheckContext) -> CheckVerdict:
         positive = np.array([level for level in levels if level is not None and level > 0.0])
         if len(positive) == 0:
             unjudged.append(
-                f"The noise of '{name}' cannot be judged: it has fewer than {2 * WINDOW} values."
+                f"The noise of '{name}' cannot be judged: it has fewer than "
+                f'{2 * SPECTRUM_WINDOW} values.'
             )
             continue
-        least = LEVELS[what]
-        if np.mean(positive < least) >= SHARE and (positive < least).sum() >= min(2, len(group)):
+        least = NOISE_LEVELS[what]
+        if np.mean(positive < least) >= QUIET_AXES_SHARE and (positive < least).sum() >= min(
+            2, len(group)
+        ):
             findings.append(
                 build_smoothness_finding(name, group[0], float(np.median(positive)), least)
             )
@@ -235,7 +240,7 @@ def channel_noise(channel: Channel) -> float | None:
     _, table = sort_samples(channel.time, channel.values[:, None]).select_complete()
     # A jump from pi to -pi would look like noise
     values = np.unwrap(table[:, 0]) if channel.angular else table[:, 0]
-    if len(values) < 2 * WINDOW:
+    if len(values) < 2 * SPECTRUM_WINDOW:
         return None
     return high_frequency_noise(np.asarray(values, dtype=np.float64))
 
@@ -248,12 +253,12 @@ def high_frequency_noise(values: NDArray[np.float64]) -> float:
     """
     # Second differences suppress the slow motion, which would leak into the noise band
     bent = np.diff(values, 2)
-    starts = np.arange(0, len(bent) - WINDOW + 1, WINDOW // 2)
+    starts = np.arange(0, len(bent) - SPECTRUM_WINDOW + 1, SPECTRUM_WINDOW // 2)
     # Low side lobes, for the same reason
-    shape = np.blackman(WINDOW)
-    pieces = np.stack([bent[start : start + WINDOW] for start in starts]) * shape
+    shape = np.blackman(SPECTRUM_WINDOW)
+    pieces = np.stack([bent[start : start + SPECTRUM_WINDOW] for start in starts]) * shape
     power = np.abs(np.fft.rfft(pieces, axis=1)) ** 2 / (shape**2).sum()
-    share = np.arange(power.shape[1]) / WINDOW
+    share = np.arange(power.shape[1]) / SPECTRUM_WINDOW
     high = share >= FROM
     # Undo the frequency response of the second difference.
     gain = (2.0 * np.sin(np.pi * share[high])) ** 4

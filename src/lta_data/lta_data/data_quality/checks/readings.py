@@ -12,7 +12,7 @@ from typing import Final, final, NamedTuple
 from lta_data.data_quality import limits
 from lta_data.data_quality.motion import (
     MeasuredVector,
-    MOVING,
+    MOVING_SPREADS,
     PoseMotion,
     PoseSeries,
     VectorSeries,
@@ -27,11 +27,11 @@ from lta_data.data_quality.recording import (
 from lta_data.interpretation.attitude_readings import AttitudeReading, list_readings
 from lta_data.interpretation.column_group import ColumnGroup
 from lta_data.interpretation.kinematics import (
+    FILTER_DELAY,
     iterate_moments,
-    LATEST,
     ScaleFit,
     SIGNED_AXES,
-    UNITS,
+    UNIT_FACTORS,
 )
 import numpy as np
 from numpy.typing import NDArray
@@ -39,40 +39,40 @@ from scipy.spatial.transform import Rotation
 
 Array = NDArray[np.float64]
 KIND: Final = 'axes'
-UNIT: Final = 'unit'
+UNIT_KIND: Final = 'unit'
 XYZ: Final = 'xyz'
-BETTER: Final = 0.2  # least gain of the score of a vector by another reading
-EXPLAINED: Final = 0.6  # least score of a reading that explains a vector
+REREADING_GAIN: Final = 0.2  # least gain of the score of a vector by another reading
+EXPLAINED_SCORE: Final = 0.6  # least score of a reading that explains a vector
 AGREES: Final = 0.25  # share of each axis from which it needs no other reading
 OTHER: Final = 0.05  # of a score, that an attitude must gain more than a sensor
 CHANGE: Final = 0.01  # of a score, that each changed axis must gain
-CORRELATED: Final = limits.AGREE**2  # share from which the factor is that of a unit
-DEGREES: Final = 180.0 / np.pi
-HEIGHTS: Final = {'range': {'mm': 1e3, 'cm': 100.0}, 'pressure': {'hPa': 0.01, 'kPa': 1e-3}}
+CORRELATED: Final = limits.MOTION_CORRELATION**2  # share from which the factor is that of a unit
+DEGREES_PER_RADIAN: Final = 180.0 / np.pi
+HEIGHT_UNITS: Final = {'range': {'mm': 1e3, 'cm': 100.0}, 'pressure': {'hPa': 0.01, 'kPa': 1e-3}}
 # Ratio of measured to derived values -> unit of the sensor
 FACTORS: Final[dict[str, dict[float, str]]] = {
     kind: {factor: unit for unit, factor in units.items() if factor != 1.0}
-    for kind, units in (UNITS | HEIGHTS).items()
+    for kind, units in (UNIT_FACTORS | HEIGHT_UNITS).items()
 }
 # The same ratio -> unit of the pose, if that is wrong
-TURNED: Final[dict[str, dict[float, str]]] = {
+POSE_FACTORS: Final[dict[str, dict[float, str]]] = {
     'velocity': {0.001: 'mm', 0.01: 'cm'},
     'range': {0.001: 'mm', 0.01: 'cm'},
     'pressure': {0.001: 'mm'},
-    'rates': {1.0 / DEGREES: 'deg'},
+    'rates': {1.0 / DEGREES_PER_RADIAN: 'deg'},
 }
 
 
 # Labels of another order of a quaternion, and what its fields contain then
-ORDERS: Final = {
+QUATERNION_ORDERS: Final = {
     'quaternion xyzw': '',
     'quaternion xyzw against the names': 'The quaternion fields w, x, y, z contain x, y, z, w',
     'quaternion wxyz against the names': 'The quaternion fields x, y, z, w contain w, x, y, z',
 }
 INVERTED: Final = 'The attitude is inverted (map to body)'
-QUATERNION: Final = ColumnGroup('quaternion', '', tuple('xyzw'), tuple('xyzw'), '', '')
-ANGLES: Final = ('roll', 'pitch', 'yaw')
-EULER: Final = ColumnGroup('euler', '', ANGLES, ANGLES, 'rad', '')
+QUATERNION_GROUP: Final = ColumnGroup('quaternion', '', tuple('xyzw'), tuple('xyzw'), '', '')
+EULER_ANGLES: Final = ('roll', 'pitch', 'yaw')
+EULER: Final = ColumnGroup('euler', '', EULER_ANGLES, EULER_ANGLES, 'rad', '')
 
 
 @final
@@ -115,7 +115,7 @@ def fit_axes(
     stack = np.array(orders)
     costs = [CHANGE * count_changes(axes) for axes in orders]
     fits = []
-    for moments in iterate_moments(one, other, seconds, LATEST, -LATEST):
+    for moments in iterate_moments(one, other, seconds, FILTER_DELAY, -FILTER_DELAY):
         moving = (moments.derived > least**2 * moments.rows) & (moments.measured > 0.0)
         if moving.any():
             ways = moments.fit_orders(stack, moving)
@@ -149,14 +149,17 @@ def find_misreadings(motion: PoseMotion) -> Iterator[QualityFinding]:
     attitude = max(attitudes, key=lambda one: one.score, default=None)
     if attitude is not None and attitude.score > whole:
         recorded = sum(fits[vector.name].recorded.score for vector in vectors)
-        if attitude.score > EXPLAINED * len(vectors) and attitude.score > recorded + BETTER:
+        if (
+            attitude.score > EXPLAINED_SCORE * len(vectors)
+            and attitude.score > recorded + REREADING_GAIN
+        ):
             count = len(vectors)
             yield _build(motion, attitude, doubtful[0].name, recorded / count,
                          attitude.score / count)  # fmt: skip
             return
     for vector in doubtful:
         reading, recorded = best[vector.name], fits[vector.name].recorded.score
-        if reading.words and reading.score > max(EXPLAINED, recorded + BETTER):
+        if reading.words and reading.score > max(EXPLAINED_SCORE, recorded + REREADING_GAIN):
             other = motion.name_reference(vector.kind)
             other = other if reading.channel != other else vector.name
             yield _build(motion, reading, other, recorded, reading.score)
@@ -181,7 +184,7 @@ def _fit_vector(
     orders: Sequence[Array] = SIGNED_AXES[:1],
 ) -> AxesFit | None:
     derived = motion.derive(vector.kind, turn, place)
-    return fit_axes(vector.values, derived, motion.seconds, MOVING[vector.kind], orders)
+    return fit_axes(vector.values, derived, motion.seconds, MOVING_SPREADS[vector.kind], orders)
 
 
 def _explain_vector(motion: PoseMotion, vector: MeasuredVector, fit: AxesFit) -> Reading:
@@ -210,7 +213,9 @@ def _read_velocity(motion: PoseMotion, vector: MeasuredVector) -> Iterator[Readi
          'The body velocity was rotated into the body once more'),
     )  # fmt: skip
     for derived, words in frames:
-        fit = fit_axes(vector.values, derived, motion.seconds, MOVING['velocity'], SIGNED_AXES[:1])
+        fit = fit_axes(
+            vector.values, derived, motion.seconds, MOVING_SPREADS['velocity'], SIGNED_AXES[:1]
+        )
         if fit is not None:
             yield Reading(fit.recorded.score - OTHER, vector.name, words)
     assert motion.place is not None
@@ -236,16 +241,16 @@ def _read_attitude(motion: PoseMotion, vectors: list[MeasuredVector]) -> Iterato
 
 def _list_attitudes(motion: PoseMotion) -> Iterator[tuple[str, AttitudeReading]]:
     """Yield how an attitude can have been misread: as a quaternion, and by signs of angles."""
-    for one in list_readings(QUATERNION, motion.attitude.values):
+    for one in list_readings(QUATERNION_GROUP, motion.attitude.values):
         label, _, direction = one.label.rpartition(', ')
-        words = [ORDERS[label], INVERTED if direction == 'world to body' else '']
+        words = [QUATERNION_ORDERS[label], INVERTED if direction == 'world to body' else '']
         if any(words):
             yield '; '.join(filter(None, words)), one
     for one in list_readings(EULER, motion.turn.as_euler('ZYX')[:, ::-1]):
         if one.entry['direction'] == 'body to world' and one.entry['unit'] == 'rad' and (
             one.entry['sequence'] == 'ZYX' and 'signs' in one.entry
         ):  # fmt: skip
-            signs = zip(ANGLES[::-1], one.entry['signs'], strict=True)
+            signs = zip(EULER_ANGLES[::-1], one.entry['signs'], strict=True)
             names = [name for name, sign in signs if sign < 0]
             verb = 'angle is' if len(names) == 1 else 'angles are'
             yield f'The {" and ".join(names)} {verb} inverted', one
@@ -272,7 +277,7 @@ def name_factor(
     kind: str, sensor: str, reference: str, ratio: float, span: tuple[float, float]
 ) -> Iterator[QualityFinding]:
     """Yield the factor between a sensor and its reference if it is that of a unit."""
-    for table, name in ((FACTORS, sensor), (TURNED, reference)):
+    for table, name in ((FACTORS, sensor), (POSE_FACTORS, reference)):
         for factor, unit in table.get(kind, {}).items():
             if abs(ratio / factor - 1.0) <= limits.FACTOR_SPREAD:
                 text = (
@@ -281,7 +286,7 @@ def name_factor(
                     else f"'{sensor}' moves {ratio:.4g} times as much."
                 )
                 yield QualityFinding(
-                    UNIT, name, *span, f'The unit looks like {unit}: {text}',
+                    UNIT_KIND, name, *span, f'The unit looks like {unit}: {text}',
                     Severity.SUSPICIOUS, {'factor': ratio},
                 )  # fmt: skip
                 return
@@ -307,11 +312,11 @@ def find_lying_attitude(pose: PoseSeries) -> Iterator[QualityFinding]:
     turn = pose.attitude.values
     # z component of the body's z axis in the world.
     up = 1.0 - 2.0 * (turn[:, 0] ** 2 + turn[:, 1] ** 2)
-    share = float(np.mean(up < np.cos(np.radians(limits.UPRIGHT))))
+    share = float(np.mean(up < np.cos(np.radians(limits.UPRIGHT_TILT))))
     if share > 0.5:
         yield QualityFinding(
             KIND, pose.attitude.name, float(pose.attitude.time[0]), float(pose.attitude.time[-1]),
-            f'The vehicle seems to tilt by more than {limits.UPRIGHT:.0f} degrees for '
+            f'The vehicle seems to tilt by more than {limits.UPRIGHT_TILT:.0f} degrees for '
             f'{100 * share:.0f} % of the time: probably the quaternion has the wrong order '
             '(w first), or the z axis points down.',
             Severity.SUSPICIOUS, {'share': share},
@@ -327,7 +332,7 @@ def find_misaligned_gravity(force: VectorSeries) -> Iterator[QualityFinding]:
     size = float(np.linalg.norm(mean))
     spread = float(np.median(np.linalg.norm(force.values, axis=1)))
     # Without a dominant direction the sensor rotates too much to judge.
-    if size < 0.7 * spread or mean[2] > size * np.cos(np.radians(limits.UPRIGHT)):
+    if size < 0.7 * spread or mean[2] > size * np.cos(np.radians(limits.UPRIGHT_TILT)):
         return
     axis = int(np.argmax(np.abs(mean)))
     sign = '-' if mean[axis] < 0 else ''

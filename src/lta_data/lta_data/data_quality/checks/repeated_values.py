@@ -19,7 +19,7 @@ from lta_data.flight import Channel
 import numpy as np
 from numpy.typing import NDArray
 
-CONSTANT = 'constant'
+CONSTANT_KIND = 'constant'
 
 
 def find_constant_channels(evidence: CheckContext) -> CheckVerdict:
@@ -80,7 +80,7 @@ def build_unfilled_finding(name: str, channel: Channel) -> QualityFinding:
             'with heading 0: the sender may not measure it.'
         )
     return QualityFinding(
-        CONSTANT, name, float(channel.time[0]), float(channel.time[-1]), text, Severity.NOTE
+        CONSTANT_KIND, name, float(channel.time[0]), float(channel.time[-1]), text, Severity.NOTE
     )
 
 
@@ -94,17 +94,17 @@ def build_constant_finding(channel: Channel) -> QualityFinding:
             'zero. Export it, too: models are fitted to the tilt.'
         )
     return QualityFinding(
-        CONSTANT, channel.name, float(channel.time[0]), float(channel.time[-1]),
+        CONSTANT_KIND, channel.name, float(channel.time[0]), float(channel.time[-1]),
         f'All {len(channel.time)} values are {held:.6g} {channel.unit}; {why}',
         Severity.SUSPICIOUS, {'value': held},
     )  # fmt: skip
 
 
 FROZEN = 'frozen'
-START = 3  # samples within which a run counts as starting at the beginning
+START_SAMPLES = 3  # samples within which a run counts as starting at the beginning
 RELEASED = 5.0  # least jump at the end of a freeze, in usual steps
-HIDDEN = 2.5  # units to which readings are rounded; a motion may change them so much at once
-NOTHING = 1e-9  # residual speed of a simulated vehicle at rest
+HIDDEN_UNITS = 2.5  # units to which readings are rounded; a motion may change them so much at once
+REST_SPEED = 1e-9  # residual speed of a simulated vehicle at rest
 USUAL = 90.0  # percentile of the run lengths that counts as regular
 
 
@@ -133,7 +133,7 @@ def find_channel_freezes(channel: Channel, simulated: bool) -> Iterator[QualityF
     # Of each value, most of which are read once
     holds = np.diff(np.flatnonzero(np.concatenate(([True], ~equal, [True]))))
     low, high = np.nanmin(values), np.nanmax(values)
-    hidden = HIDDEN * find_coarse_unit(values)
+    hidden = HIDDEN_UNITS * find_coarse_unit(values)
     for (begin, end), length in zip(runs.tolist(), lengths.tolist(), strict=True):
         held = values[begin]
         # A run at an extreme is clipping, which another check reports
@@ -141,7 +141,7 @@ def find_channel_freezes(channel: Channel, simulated: bool) -> Iterator[QualityF
         rests = (
             simulated
             and channel.topic.startswith('ground_truth')
-            and (end == len(equal) or abs(held) < NOTHING)
+            and (end == len(equal) or abs(held) < REST_SPEED)
         )
         # Rounded readings of a slow motion repeat; those of a frozen one jump when it goes on
         slow = hidden and not abs(values[min(end + 1, len(equal))] - held) > hidden
@@ -165,7 +165,7 @@ def find_channel_freezes(channel: Channel, simulated: bool) -> Iterator[QualityF
 def find_initial_run_end(equal: NDArray[np.bool_]) -> int:
     """Return the end of a run at the beginning; 0 without one."""
     runs = find_runs(equal)
-    return int(runs[0, 1]) if len(runs) and runs[0, 0] <= START else 0
+    return int(runs[0, 1]) if len(runs) and runs[0, 0] <= START_SAMPLES else 0
 
 
 def ends_with_jump(values: NDArray[np.float64], end: int) -> bool:
@@ -240,7 +240,7 @@ def find_pileups(channel: Channel, simulated: bool) -> Iterator[QualityFinding]:
         at = find_runs(values == levels[side])
         alone = len(at) == 1
         # A simulated vehicle on the floor is at its extreme, unclipped.
-        rests = simulated and alone and (at[0, 0] <= START or at[0, 1] == len(values))
+        rests = simulated and alone and (at[0, 0] <= START_SAMPLES or at[0, 1] == len(values))
         # A single run that ends with a jump is a freeze, which another check reports
         stopped = alone and ends_with_jump(values, int(at[0, 1]) - 1)
         if (at[:, 1] - at[:, 0]).max() < limits.CLIPPED_RUN or rests or stopped:

@@ -16,18 +16,18 @@ from lta_data.data_quality.motion import PoseMotion, PoseSeries, VectorSeries
 from lta_data.data_quality.recording import CheckContext, QualityFinding, Severity
 from lta_data.even_grid import hann_kernel, median_period, smooth_columns
 from lta_data.interpretation.attitude_readings import (
-    DEGREES,
+    DEGREES_PER_RADIAN,
+    FULL_TURN_RADIANS,
     magnify_angles,
     measure_turn,
     OFFSETS,
     shrink_angles,
-    TURN,
 )
 from lta_data.interpretation.kinematics import (
     differentiate,
+    FILTER_DELAY,
     fit_scale,
     is_near,
-    LATEST,
     NO_FIT,
     ScaleFit,
 )
@@ -36,7 +36,7 @@ from lta_data.interpretation.vertical import (
     is_inverted,
     judge_heights,
     judge_tilt,
-    TILT,
+    TILT_COSINE,
     upright_share,
 )
 import numpy as np
@@ -44,18 +44,18 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 Array = NDArray[np.float64]
-ALIKE: Final = 0.85  # cosine of two vectors of one motion
-RIGID: Final = 0.01  # range of angles that is too small for any flight [rad]
+SAME_MOTION_COSINE: Final = 0.85  # cosine of two vectors of one motion
+RIGID_RANGE: Final = 0.01  # range of angles that is too small for any flight [rad]
 STIFF: Final = 0.03  # the same, of a vehicle that accelerates too much for its lean [rad]
 LEANLESS: Final = 5.0  # acceleration by lean that is too much, by gravity
 TRAVEL: Final = 0.5  # extent of a flight whose angles cannot stay that small [m]
 TUMBLING: Final = 5.0  # usual rates of a vehicle that is not upright [rad/s]
-TURNING: Final = 2.0  # least usual rates at which angles can be 57.3 times too large [rad/s]
-TINY: Final = 0.06  # half a turn, 57.3 times too small [rad]
-FOLLOWED: Final = 0.7  # cosine of a velocity that agrees with larger angles, if late
-MORE: Final = 0.02  # change of a cosine that tells one reading from another
+FAST_TURNING: Final = 2.0  # least usual rates at which angles can be 57.3 times too large [rad/s]
+HALF_TURN_AS_RADIANS: Final = 0.06  # half a turn, 57.3 times too small [rad]
+FOLLOWED_COSINE: Final = 0.7  # cosine of a velocity that agrees with larger angles, if late
+COSINE_GAIN: Final = 0.02  # change of a cosine that tells one reading from another
 NUMERIC: Final = 1e-5  # what a velocity without noise disagrees by, as it is interpolated
-UNEXPLAINED: Final = 0.6  # of what a velocity disagrees by, left with larger angles
+UNEXPLAINED_LEFT: Final = 0.6  # of what a velocity disagrees by, left with larger angles
 
 
 def find_wrong_angle_unit(motion: PoseMotion) -> tuple[str, float] | None:
@@ -69,28 +69,30 @@ def find_wrong_angle_unit(motion: PoseMotion) -> tuple[str, float] | None:
         return None
     small = magnify_angles(turn)
     if reason := _explain_small_angles(motion, small):
-        return _describe_small_angles(reason), DEGREES
+        return _describe_small_angles(reason), DEGREES_PER_RADIAN
     if _agrees_as_recorded(motion):
         return None
     pace = float(np.nanmedian(np.linalg.norm(motion.derive('rates'), axis=1)))
     if pace > TUMBLING and upright_share(turn) < 0.9:
         why = f'read as radians, the vehicle would tumble at {pace:.3g} rad/s'
-        return _describe_large_angles(why), 1.0 / DEGREES
+        return _describe_large_angles(why), 1.0 / DEGREES_PER_RADIAN
     largest = float(np.max(np.abs(turn.as_euler('ZYX'))))
-    if largest < TINY and _explains(motion, small, 1.0 / DEGREES):
+    if largest < HALF_TURN_AS_RADIANS and _explains(motion, small, 1.0 / DEGREES_PER_RADIAN):
         return _describe_small_angles(
             f'with larger ones {_name_agreement(motion)} agrees'
-        ), DEGREES
-    if pace < TURNING and (upright_share(turn) > 0.5 or is_inverted(turn)):
+        ), DEGREES_PER_RADIAN
+    if pace < FAST_TURNING and (upright_share(turn) > 0.5 or is_inverted(turn)):
         return None
     angles = shrink_angles(turn)
     for yaw in (
-        np.arange(OFFSETS) * (TURN / DEGREES) if motion.pose.velocity is not None else (0.0,)
+        np.arange(OFFSETS) * (FULL_TURN_RADIANS / DEGREES_PER_RADIAN)
+        if motion.pose.velocity is not None
+        else (0.0,)
     ):
         other = Rotation.from_euler('ZYX', angles + np.array([yaw, 0.0, 0.0]))
-        if _explains(motion, other, DEGREES):
+        if _explains(motion, other, DEGREES_PER_RADIAN):
             why = f'with smaller angles {_name_agreement(motion)} agrees'
-            return _describe_large_angles(why), 1.0 / DEGREES
+            return _describe_large_angles(why), 1.0 / DEGREES_PER_RADIAN
     return None
 
 
@@ -111,7 +113,7 @@ def _fit_velocity(motion: PoseMotion, turn: Rotation | None = None) -> ScaleFit:
     if velocity is None or motion.place is None:
         return NO_FIT
     measured = velocity.interpolate(motion.seconds)
-    return fit_scale(measured, motion.derive('velocity', turn), motion.seconds, LATEST)
+    return fit_scale(measured, motion.derive('velocity', turn), motion.seconds, FILTER_DELAY)
 
 
 def _fit_lean(motion: PoseMotion, turn: Rotation | None = None) -> ScaleFit:
@@ -123,7 +125,7 @@ def _fit_lean(motion: PoseMotion, turn: Rotation | None = None) -> ScaleFit:
 def _fit_rates(motion: PoseMotion, turn: Rotation | None = None) -> list[ScaleFit]:
     """Compare all rates that were recorded with the derivative of the attitude."""
     derived = motion.derive('rates', turn)
-    return [fit_scale(one.values, derived, motion.seconds, LATEST)
+    return [fit_scale(one.values, derived, motion.seconds, FILTER_DELAY)
             for one in motion.list_vectors('rates')]  # fmt: skip
 
 
@@ -136,23 +138,25 @@ def _explain_small_angles(motion: PoseMotion, small: Rotation) -> str:
     pose = motion.pose
     before, after = (_fit_velocity(motion, turn).cosine for turn in (None, small))
     left = 1.0 - before
-    if after > FOLLOWED and left > NUMERIC and 1.0 - after < UNEXPLAINED * left:
+    if after > FOLLOWED_COSINE and left > NUMERIC and 1.0 - after < UNEXPLAINED_LEFT * left:
         assert pose.velocity is not None
         return f"with larger ones '{pose.velocity.name}' agrees"
     turn = measure_turn(motion.turn, motion.seconds)
     if pose.position is None or not (pose.tracked and turn < STIFF):
         return ''
     lean = _fit_lean(motion)
-    leans = abs(lean.cosine) > TILT and lean.ratio > LEANLESS * STANDARD_GRAVITY
+    leans = abs(lean.cosine) > TILT_COSINE and lean.ratio > LEANLESS * STANDARD_GRAVITY
     extent = float(np.max(np.ptp(pose.position.values, axis=0)))
     # An attitude that does not change at all is another finding
-    if extent < TRAVEL or not RIGID / DEGREES < turn < (STIFF if leans else RIGID):
+    if extent < TRAVEL or not RIGID_RANGE / DEGREES_PER_RADIAN < turn < (
+        STIFF if leans else RIGID_RANGE
+    ):
         return ''
-    if after < before - MORE:
+    if after < before - COSINE_GAIN:
         return ''
     return (
-        f'yaw, pitch and roll stay within {DEGREES * turn:.2g} degrees, while the vehicle covers '
-        f'{extent:.2g} m'
+        f'yaw, pitch and roll stay within {DEGREES_PER_RADIAN * turn:.2g} degrees, while the '
+        f'vehicle covers {extent:.2g} m'
     )
 
 
@@ -161,9 +165,12 @@ def _agrees_as_recorded(motion: PoseMotion) -> bool:
     speed, lean = _fit_velocity(motion), _fit_lean(motion)
     return (
         upright_share(motion.turn) > 0.9
-        and (motion.pose.velocity is None or speed.cosine > ALIKE)
-        and all(fit.cosine > ALIKE and is_near(fit.ratio, 1.0) for fit in _fit_rates(motion))
-        and (lean.cosine < TILT or abs(np.log(lean.ratio / STANDARD_GRAVITY)) < 1.0)
+        and (motion.pose.velocity is None or speed.cosine > SAME_MOTION_COSINE)
+        and all(
+            fit.cosine > SAME_MOTION_COSINE and is_near(fit.ratio, 1.0)
+            for fit in _fit_rates(motion)
+        )
+        and (lean.cosine < TILT_COSINE or abs(np.log(lean.ratio / STANDARD_GRAVITY)) < 1.0)
     )
 
 
@@ -183,36 +190,43 @@ def _explains(motion: PoseMotion, turn: Rotation, excess: float) -> bool:
         return False
     votes = []
     before, after = _fit_velocity(motion), _fit_velocity(motion, turn)
-    if max(before.cosine, after.cosine) > ALIKE and abs(after.cosine - before.cosine) > MORE:
+    if (
+        max(before.cosine, after.cosine) > SAME_MOTION_COSINE
+        and abs(after.cosine - before.cosine) > COSINE_GAIN
+    ):
         votes.append(after.cosine > before.cosine)
     lean = _fit_lean(motion), _fit_lean(motion, turn)
-    if max(lean[0].cosine, lean[1].cosine) > TILT:
-        sizes = [abs(np.log(one.ratio / STANDARD_GRAVITY)) if one.cosine > TILT else 9.0
+    if max(lean[0].cosine, lean[1].cosine) > TILT_COSINE:
+        sizes = [abs(np.log(one.ratio / STANDARD_GRAVITY)) if one.cosine > TILT_COSINE else 9.0
                  for one in lean]  # fmt: skip
         votes.append(sizes[1] < 1.0 < sizes[0])
     recorded, reread = _fit_rates(motion), _fit_rates(motion, turn)
-    matched = [fit for fit in reread if fit.cosine > ALIKE]
+    matched = [fit for fit in reread if fit.cosine > SAME_MOTION_COSINE]
     if upright_share(motion.turn) < 0.5 and excess > 1.0:
-        return bool(matched) or not reread or after.cosine > ALIKE
+        return bool(matched) or not reread or after.cosine > SAME_MOTION_COSINE
     # Rates that agree with the recorded angles are wrong too, or right
     for old, new in zip(recorded, reread, strict=True):
-        if old.cosine > ALIKE and is_near(old.ratio, 1.0) and not votes:
+        if old.cosine > SAME_MOTION_COSINE and is_near(old.ratio, 1.0) and not votes:
             return False
-        if new.cosine > ALIKE and is_near(new.ratio, 1.0) and not is_near(old.ratio, 1.0):
+        if (
+            new.cosine > SAME_MOTION_COSINE
+            and is_near(new.ratio, 1.0)
+            and not is_near(old.ratio, 1.0)
+        ):
             votes.append(True) if len(reread) > 1 or not votes else None
     return bool(votes) and all(votes)
 
 
 REREAD: Final = 'reread'  # figure of a finding that explains the others of its topic
-FASTEST: Final = 5000.0  # messages of a tracker or an IMU per second [Hz]
-SLOWEST: Final = 0.5  # [Hz]
-QUICK: Final = 40.0  # usual acceleration that no vehicle has [m/s2]
-FAST: Final = 30.0  # usual speed that no indoor vehicle has [m/s]
-SLOW: Final = 0.003  # usual speed that no flight stays below [m/s]
-TURNED: Final = 0.03  # least range of the angles of a flight [rad]
-REACH: Final = 0.2  # extent of a flight by the range of its angles, at least [m/rad]
+HIGHEST_RATE: Final = 5000.0  # messages of a tracker or an IMU per second [Hz]
+LOWEST_RATE: Final = 0.5  # [Hz]
+IMPOSSIBLE_ACCELERATION: Final = 40.0  # usual acceleration that no vehicle has [m/s2]
+IMPOSSIBLE_SPEED: Final = 30.0  # usual speed that no indoor vehicle has [m/s]
+IMPOSSIBLY_SLOW: Final = 0.003  # usual speed that no flight stays below [m/s]
+MIN_TURNED: Final = 0.03  # least range of the angles of a flight [rad]
+EXTENT_PER_TURN: Final = 0.2  # extent of a flight by the range of its angles, at least [m/rad]
 CONTRADICTION: Final = 0.4  # cosine below which two vectors are not of one motion
-BELOW: Final = -0.25  # median height at which all of a flight is below the floor [m]
+BELOW_FLOOR: Final = -0.25  # median height at which all of a flight is below the floor [m]
 
 
 def find_rereadings(evidence: CheckContext) -> list[QualityFinding]:
@@ -260,11 +274,11 @@ def _find_wrong_times(evidence: CheckContext) -> Iterator[QualityFinding]:
         return
     quickest = min(vectors, key=lambda vector: median_period(vector.time))
     rate = 1.0 / median_period(quickest.time)
-    if SLOWEST <= rate <= FASTEST:
+    if LOWEST_RATE <= rate <= HIGHEST_RATE:
         return
     wrong = 'short (seconds read as milliseconds)'
     words = f'{rate:.4g} messages per second'
-    if rate < SLOWEST:
+    if rate < LOWEST_RATE:
         wrong, words = 'long (milliseconds read as seconds)', f'a message every {1.0 / rate:.4g} s'
     text = (
         f'The unit of the time looks wrong: {words} over {np.ptp(quickest.time):.4g} s. The times '
@@ -282,21 +296,21 @@ def _explain_length(pose: PoseSeries, motion: PoseMotion | None) -> tuple[str, f
     best = max(fits, key=lambda fit: fit.cosine)
     speed, pull = _measure_motion(place)
     large, small = '1000 times too large', '1000 times too small (metres read as millimetres)'
-    if best.cosine > ALIKE and pose.tracked and pose.velocity is not None:
+    if best.cosine > SAME_MOTION_COSINE and pose.tracked and pose.velocity is not None:
         why = f"'{pose.velocity.name}' is {best.ratio:.4g} times its derivative"
         if is_near(best.ratio, 1e-3):
             return f'The unit looks like mm: {why}; the values are {large}.', best.ratio
-        if is_near(best.ratio, 1e3) and best.ratio * speed < FAST:
+        if is_near(best.ratio, 1e3) and best.ratio * speed < IMPOSSIBLE_SPEED:
             return f'{why}: the values of the position are {small}.', best.ratio
-    if (speed > FAST or pull > QUICK) and pose.tracked:
+    if (speed > IMPOSSIBLE_SPEED or pull > IMPOSSIBLE_ACCELERATION) and pose.tracked:
         why = f'the position would move at {speed:.3g} m/s and accelerate by {pull:.3g} m/s2'
         return f'The unit looks like mm: if it were m, {why}; the values are {large}.', speed
     extents = np.ptp(place.values, axis=0)
     # A position that does not change at all is another finding
-    if motion is None or speed >= SLOW or not extents.min() > 0.0:
+    if motion is None or speed >= IMPOSSIBLY_SLOW or not extents.min() > 0.0:
         return None
     extent, turn = float(extents.max()), measure_turn(motion.turn, motion.seconds)
-    if turn <= TURNED or extent >= REACH * min(turn, 1.0):
+    if turn <= MIN_TURNED or extent >= EXTENT_PER_TURN * min(turn, 1.0):
         return None
     why = f'stays within {1e3 * extent:.3g} mm and moves at {1e3 * speed:.3g} mm/s, while the'
     return f'The position {why} vehicle turns by {turn:.2g} rad: the values are {small}.', extent
@@ -309,7 +323,7 @@ def _fit_speed(pose: PoseSeries) -> ScaleFit:
     time = pose.position.time
     speed = np.linalg.norm(differentiate(pose.position.values, time), axis=1, keepdims=True)
     logged = np.linalg.norm(pose.velocity.interpolate(time), axis=1, keepdims=True)
-    return fit_scale(logged, speed, time, LATEST)
+    return fit_scale(logged, speed, time, FILTER_DELAY)
 
 
 def _measure_motion(place: VectorSeries) -> tuple[float, float]:
@@ -339,7 +353,7 @@ def _explain_vertical(pose: PoseSeries, motion: PoseMotion | None) -> tuple[str,
     by_height, _ = judge_heights(place.values)
     low = float(np.median(place.values[:, 2]))
     reasons = []
-    if by_height < 0 and low < BELOW:
+    if by_height < 0 and low < BELOW_FLOOR:
         reasons.append(f'z is below zero throughout (median {low:.3g} m)')
     # With z down, heights that are all above zero would be below the floor
     if by_tilt < 0 and by_height <= 0:

@@ -15,7 +15,7 @@ from lta_data.data_quality.checks.readings import (
     CORRELATED,
     find_units_by_motion,
     name_factor,
-    UNIT,
+    UNIT_KIND,
 )
 from lta_data.data_quality.motion import PoseSeries, VectorSeries
 from lta_data.data_quality.recording import (
@@ -31,8 +31,10 @@ from lta_data.interpretation.kinematics import find_gravity_unit, fit_scale
 import numpy as np
 from numpy.typing import NDArray
 
-KIND = UNIT
-AIR: Final = 1.2 * STANDARD_GRAVITY  # pressure drop per metre of height, at 1.2 kg/m3 [Pa/m]
+KIND = UNIT_KIND
+PRESSURE_PER_METRE: Final = (
+    1.2 * STANDARD_GRAVITY
+)  # pressure drop per metre of height, at 1.2 kg/m3 [Pa/m]
 
 
 class UnitSizeRule(NamedTuple):
@@ -54,7 +56,7 @@ def upper_magnitude(values: NDArray[np.float64]) -> float:
     return float(np.percentile(np.abs(values), 99.0))
 
 
-SIZES: Final = (
+SIZE_RULES: Final = (
     UnitSizeRule(
         re.compile(r'/fluid_pressure$'), median_magnitude,
         ((300.0, 1100.0, 'hPa'), (30.0, 110.0, 'kPa'), (0.3, 1.1, 'bar')),
@@ -112,7 +114,7 @@ def find_unit_by_height(pose: PoseSeries, channel: Channel) -> Iterator[QualityF
     if len(time) < limits.LEAST_SAMPLES or len(pose.position.time) < limits.LEAST_SAMPLES:
         return
     # Pressure falls with height
-    measured = VectorSeries('', time, values if is_range else -values / AIR)
+    measured = VectorSeries('', time, values if is_range else -values / PRESSURE_PER_METRE)
     at = pose.position.time
     left, right = measured.interpolate(at), pose.position.values[:, 2:]
     fit = fit_scale(left - np.nanmean(left), right - np.nanmean(right), at)
@@ -124,7 +126,7 @@ def find_unit_by_height(pose: PoseSeries, channel: Channel) -> Iterator[QualityF
 
 def find_unit_by_size(channel: Channel) -> Iterator[QualityFinding]:
     """Yield a channel whose size fits another unit."""
-    for size in SIZES:
+    for size in SIZE_RULES:
         values = channel.values[np.isfinite(channel.values)]
         if not size.names.search(channel.name) or len(values) < 10:
             continue

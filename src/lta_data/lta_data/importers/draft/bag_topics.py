@@ -17,19 +17,19 @@ from lta_data.importers.draft.scalar_draft import draft_scalars
 from lta_data.importers.draft.table_draft import draft_table
 from lta_data.importers.draft.time_base import TimeBase
 from lta_data.importers.draft.vertical import CONFLICT, find_axes, VerticalAxes
-from lta_data.importers.entry_plan import SHAPES
-from lta_data.importers.formats import FORMATS
+from lta_data.importers.entry_plan import MESSAGE_SHAPES
+from lta_data.importers.formats import LOG_FORMATS
 from lta_data.importers.protocol import LogTable, Numbers
-from lta_data.importers.readers.bag_tables import BODIES, CHILD, FURTHER
+from lta_data.importers.readers.bag_tables import BODY_TYPES, CHILD_MARK, FURTHER
 from lta_data.interpretation.column_group import ColumnGroup
 from lta_data.interpretation.column_names import (
     ACTUATORS,
-    COMMANDS,
+    COMMAND_WORDS,
     JOYSTICKS,
     match_kind,
     match_role,
     parse_column_name,
-    TIMES,
+    TIME_WORDS,
 )
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -44,22 +44,29 @@ BY_TYPE: Final[Mapping[str, str]] = {
     'geometry_msgs/msg/WrenchStamped': 'wrench_command',
     'geometry_msgs/msg/Wrench': 'wrench_command',
 }
-POSES: Final = (
+POSE_TYPES: Final = (
     'nav_msgs/msg/Odometry',
     'geometry_msgs/msg/PoseStamped',
     'geometry_msgs/msg/Pose',
     'geometry_msgs/msg/TransformStamped',
     'geometry_msgs/msg/PoseWithCovarianceStamped',
 )
-GENERIC: Final = 'crazyflie_interfaces/msg/LogDataGeneric'  # values without names
-ROLES: Final = {'truth': 'ground_truth/odom', 'estimate': 'odom', 'setpoint': 'setpoint/pose'}
-CLOCK: Final = 1.0  # between stamp and log time; more is another clock, not a delay [s]
+LOG_DATA_GENERIC: Final = 'crazyflie_interfaces/msg/LogDataGeneric'  # values without names
+ROLE_TOPICS: Final = {
+    'truth': 'ground_truth/odom',
+    'estimate': 'odom',
+    'setpoint': 'setpoint/pose',
+}
+# Between stamp and log time; more is another clock, not a delay [s]
+OTHER_CLOCK_DELAY: Final = 1.0
 RISES: Final = 0.9  # share of the steps of a clock
 ARRAY: Final = 'data['  # in the columns of an array
 NO_STATES: Final = ('rcl_interfaces/', 'diagnostic_msgs/', 'rosgraph_msgs/')  # of a graph
-SENSED: Final = frozenset(['vbat', 'battery', 'bat', 'pm', 'imu', 'range', 'status', 'state'])
+SENSED_WORDS: Final = frozenset(
+    ['vbat', 'battery', 'bat', 'pm', 'imu', 'range', 'status', 'state']
+)
 NO_NUMBERS: Final = ('header.', 'layout.')  # beginnings of columns that command nothing
-KINDS: Final = {'position': 'position', 'orientation': 'attitude'}
+POSE_KINDS: Final = {'position': 'position', 'orientation': 'attitude'}
 
 
 @final
@@ -77,13 +84,13 @@ def draft_bag_topics(path: Path, choices: DraftChoices) -> BagDraft:
 
     Raise `BadInput` if no topic has a type that an import can convert.
     """
-    log = FORMATS['bag'].opened(path, None)
+    log = LOG_FORMATS['bag'].opened(path, None)
     types = {name: topic.definition.type_name for name, topic in sorted(log.raw.items())}
-    if not any(kind in POSES for kind in types.values()):
-        types |= choose_bag_body(path, log, types, f'{ROLES["truth"]}.table', choices)
+    if not any(kind in POSE_TYPES for kind in types.values()):
+        types |= choose_bag_body(path, log, types, f'{ROLE_TOPICS["truth"]}.table', choices)
     chosen = _choose_topics(path, types, choices)
     commands = [] if 'wrench_command' in chosen else _list_command_topics(types)
-    poses = {ours: name for ours, name in chosen.items() if ours in ROLES.values()}
+    poses = {ours: name for ours, name in chosen.items() if ours in ROLE_TOPICS.values()}
     if poses and not commands and 'wrench_command' not in chosen:
         commands = _ask_for_commands(types, choices)
     read = [name for ours, name in chosen.items() if ours in (*poses, 'wrench_command')]
@@ -103,7 +110,7 @@ def draft_bag_topics(path: Path, choices: DraftChoices) -> BagDraft:
             groups[name] = [*pose_groups.values()]
             drafted, axes = _draft_pose(ours, pose_groups, tables[name], choices)
             entry |= _list_differences(drafted, axes)
-            if tracked is None and ours != ROLES['setpoint']:
+            if tracked is None and ours != ROLE_TOPICS['setpoint']:
                 tracked = _place_in_our_axes(name, tables[name], drafted, axes)
         entries.append(entry)
     if not poses:
@@ -126,8 +133,8 @@ def _ask_for_commands(types: Mapping[str, str], choices: DraftChoices) -> list[s
     """Return the topic of values without names that the user says are commands, if any."""
     topics = [
         name for name, kind in types.items()
-        if kind == GENERIC and not match_kind(words := parse_column_name(name).words)
-        and not words & SENSED
+        if kind == LOG_DATA_GENERIC and not match_kind(words := parse_column_name(name).words)
+        and not words & SENSED_WORDS
     ]  # fmt: skip
     if not topics:
         return []
@@ -143,7 +150,7 @@ def _draft_nameless(
     """Return the entries of topics whose types say nothing, by the names and motion of fields."""
     names = [
         name for name, kind in types.items()
-        if name not in others and kind not in BODIES and not kind.startswith(NO_STATES)
+        if name not in others and kind not in BODY_TYPES and not kind.startswith(NO_STATES)
     ]  # fmt: skip
     drafts = []
     for name, table in read_tables(path, names).items():
@@ -170,9 +177,9 @@ def _replace_foreign_stamps(
     late = {
         name: float(np.median(one.log_times - one.stamps)) * 1e-9 for name, one in tables.items()
     }
-    if not late or max(late.values()) - min(late.values()) < CLOCK:
+    if not late or max(late.values()) - min(late.values()) < OTHER_CLOCK_DELAY:
         return tables, set()
-    foreign = {name: seconds for name, seconds in late.items() if abs(seconds) > CLOCK}
+    foreign = {name: seconds for name, seconds in late.items() if abs(seconds) > OTHER_CLOCK_DELAY}
     for name, seconds in foreign.items():
         side = 'before' if seconds > 0.0 else 'after'
         why = f'its stamps are {abs(seconds):.1f} s {side} the log, and those of others are not'
@@ -183,7 +190,7 @@ def _replace_foreign_stamps(
 
 def count_changing_commands(path: Path) -> int:
     """Return the number of columns with more than one value in the topics of commands."""
-    raw = FORMATS['bag'].opened(path, None).raw
+    raw = LOG_FORMATS['bag'].opened(path, None).raw
     types = {name: topic.definition.type_name for name, topic in raw.items()}
     wrenches = [name for name, kind in types.items() if BY_TYPE.get(kind) == 'wrench_command']
     tables = read_tables(path, [*wrenches, *_list_command_topics(types)])
@@ -196,11 +203,15 @@ def _choose_topics(path: Path, types: Mapping[str, str], choices: DraftChoices) 
     """Return the topics whose types say what they are, by our topic."""
     candidates: dict[str, list[tuple[str, str]]] = {}
     for name, kind in types.items():
-        if kind in POSES or CHILD in name:
+        if kind in POSE_TYPES or CHILD_MARK in name:
             words = parse_column_name(name).words
             # /optitrack/odom is no estimate
             role = match_role(words - {'odom'}) or match_role(words)
-            ours = ROLES[role] if role else ('odom' if 'Odometry' in kind else ROLES['truth'])
+            ours = (
+                ROLE_TOPICS[role]
+                if role
+                else ('odom' if 'Odometry' in kind else ROLE_TOPICS['truth'])
+            )
             candidates.setdefault(ours, []).append((name, kind))
         elif kind in BY_TYPE:
             candidates.setdefault(BY_TYPE[kind], []).append((name, kind))
@@ -208,7 +219,7 @@ def _choose_topics(path: Path, types: Mapping[str, str], choices: DraftChoices) 
     for ours, fitting in candidates.items():
         table = fitting[0][0]
         question = f'Several topics of the bag can be {ours}.'
-        if len(fitting) > 1 and ours in ROLES.values():
+        if len(fitting) > 1 and ours in ROLE_TOPICS.values():
             table = choose_moving(path, dict(fitting), f'{ours}.table', question, choices)
         elif len(fitting) > 1:
             table = choices.decide(f'{ours}.table', fitting, question)
@@ -221,23 +232,23 @@ def _list_command_topics(types: Mapping[str, str]) -> list[str]:
     return [
         name
         for name, kind in types.items()
-        if kind not in POSES and kind not in BY_TYPE and kind not in BODIES
-        and parse_column_name(name).words & (ACTUATORS | COMMANDS | JOYSTICKS)
+        if kind not in POSE_TYPES and kind not in BY_TYPE and kind not in BODY_TYPES
+        and parse_column_name(name).words & (ACTUATORS | COMMAND_WORDS | JOYSTICKS)
     ]  # fmt: skip
 
 
 def _group_pose(kind: str, table: LogTable) -> dict[str, ColumnGroup]:
     """Return the parts of a pose or odometry message; a twist of zeros was never filled in."""
     groups = {}
-    for name, part in (FURTHER.get(kind) or SHAPES[kind]).items():
+    for name, part in (FURTHER.get(kind) or MESSAGE_SHAPES[kind]).items():
         letters = 'xyzw' if part.kind == 'attitude' else 'xyz'
         columns = tuple(f'{part.place}.{axis}' for axis in letters)
         values = [table.columns[one] for one in columns if one in table.columns]
         filled = any(np.any(one) for one in values)
         # A tracker that knows no attitude sends NaN
-        if any(np.isfinite(one).any() for one in values) and (filled or name in KINDS):
+        if any(np.isfinite(one).any() for one in values) and (filled or name in POSE_KINDS):
             group = 'quaternion' if part.kind == 'attitude' else name
-            groups[KINDS.get(name, name)] = ColumnGroup(
+            groups[POSE_KINDS.get(name, name)] = ColumnGroup(
                 group, '', columns, tuple(letters), '', 'the message type'
             )
     return groups
@@ -303,7 +314,7 @@ def _place_in_our_axes(
 def _is_time(name: str, values: Numbers) -> bool:
     """Return whether a number of a message is its clock."""
     rises = len(values) > 1 and bool(np.mean(np.diff(values) > 0.0) > RISES)
-    return bool(parse_column_name(name).words & TIMES) and rises
+    return bool(parse_column_name(name).words & TIME_WORDS) and rises
 
 
 def _changes(values: Numbers) -> bool:

@@ -8,28 +8,28 @@ from typing import Any, Final, final, NamedTuple
 from lta_config.schema.import_file import ImportMapping
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.column_groups import group_columns
-from lta_data.importers.entry_plan import SHAPES
-from lta_data.importers.formats import FORMATS
+from lta_data.importers.entry_plan import MESSAGE_SHAPES
+from lta_data.importers.formats import LOG_FORMATS
 from lta_data.importers.protocol import LogReader, LogTable, Numbers
-from lta_data.importers.readers.bag_tables import BagTableLog, BODIES, FURTHER
+from lta_data.importers.readers.bag_tables import BagTableLog, BODY_TYPES, FURTHER
 from lta_data.importers.readers.column_log import Column
 from lta_data.interpretation.column_group import ColumnGroup, Columns
-from lta_data.interpretation.column_names import KINDS, match_role, parse_column_name
+from lta_data.interpretation.column_names import KIND_WORDS, match_role, parse_column_name
 from lta_data.interpretation.commands import is_held
 import numpy as np
 
-APART: Final = 0.2  # of their extent; two estimates of one body are closer
-STILL: Final = 0.02  # of the largest extent; a body that moves less stands still
+BODY_SPREAD: Final = 0.2  # of their extent; two estimates of one body are closer
+STILL_SHARE: Final = 0.02  # of the largest extent; a body that moves less stands still
 MOST_BODIES: Final = 20
 FEWEST_ROWS: Final = 20  # of a body
 ALTERNATING: Final = 0.2  # share of the rows that are of another body than the row before
 RISES: Final = 0.9  # share of the steps of a time
 FARTHER: Final = 4.0  # times as far from row to row as within a body
-KEY: Final = 'body'
+BODY_KEY: Final = 'body'
 # Not the name of a body
-COMMON: Final = frozenset([
-    *(word for words in KINDS.values() for word in words), 'rigid', 'body', 'marker', 'markers',
-    'global', 'world', 'state', 'field', 'header', 'msg', 'data',
+NO_BODY_WORDS: Final = frozenset([
+    *(word for words in KIND_WORDS.values() for word in words), 'rigid', 'body', 'marker',
+    'markers', 'global', 'world', 'state', 'field', 'header', 'msg', 'data',
 ])  # fmt: skip
 
 
@@ -58,7 +58,7 @@ def choose_body(
     extents = {body.name: body.extent for body in bodies}
     columns = {body.name: f'{", ".join(body.place.columns)}: ' for body in bodies}
     question = 'The log has several bodies that move.'
-    chosen, why = _choose_moving(extents, KEY, question, choices, columns)
+    chosen, why = _choose_moving(extents, BODY_KEY, question, choices, columns)
     choices.add_reason('body', by_name[chosen].place.columns, chosen, why)
     others = frozenset().union(*(one.words for one in bodies if one.name != chosen))
     others -= by_name[chosen].words
@@ -126,7 +126,7 @@ def _choose_moving(
 ) -> tuple[str, str]:
     """Return the only body that moves, or of several the one that the user says; and why."""
     names = sorted(extents, key=lambda name: -extents[name])
-    moving = [name for name in names if extents[name] > STILL * extents[names[0]]]
+    moving = [name for name in names if extents[name] > STILL_SHARE * extents[names[0]]]
     if len(moving) < 2 and key not in choices.answers:
         return choices.override(key, names[0]), 'the others stand still'
     options = [(name, f'{about.get(name, "")}moves over {extents[name]:.3g}') for name in names]
@@ -142,7 +142,7 @@ def _choose_label(
         low, high = np.nanpercentile(rows[cells == label], [2.0, 98.0], axis=0)
         extents[str(label)] = float((high - low).max())
     question = f'The rows of several bodies follow each other, by {column}.'
-    chosen, why = _choose_moving(extents, KEY, question, choices)
+    chosen, why = _choose_moving(extents, BODY_KEY, question, choices)
     choices.add_reason('body', [column], chosen, why)
     return next(label for label in labels if str(label) == chosen)
 
@@ -154,7 +154,7 @@ def _list_bodies(groups: Sequence[ColumnGroup], table: Columns) -> list[TrackedB
     shared = frozenset.intersection(*map(_list_words, places)) if places else frozenset[str]()
     for place in places:
         rows = place.stack(table)
-        own = _list_words(place) - shared - COMMON
+        own = _list_words(place) - shared - NO_BODY_WORDS
         own = frozenset(word for word in own if not match_role([word]))
         if not np.isfinite(rows).all(axis=1).any() or is_held(rows):
             continue
@@ -179,7 +179,7 @@ def _is_same(rows: Numbers, others: Numbers) -> bool:
     apart = (rows - others)[good]
     extent = float(np.ptp(rows[good], axis=0).max())
     spread = float(np.sqrt(((apart - apart.mean(axis=0)) ** 2).sum(axis=1).mean()))
-    return spread < APART * extent
+    return spread < BODY_SPREAD * extent
 
 
 def choose_bag_body(
@@ -190,7 +190,7 @@ def choose_bag_body(
     tables = {
         name: kind
         for topic, kind in types.items()
-        if kind in BODIES and not topic.endswith('_static')
+        if kind in BODY_TYPES and not topic.endswith('_static')
         for name in log.list_bodies(topic)
     }
     if not tables:
@@ -209,7 +209,7 @@ def choose_moving(
     """
     extents = {}
     for name, table in read_tables(path, [*tables]).items():
-        shape = FURTHER.get(tables[name]) or SHAPES[tables[name]]
+        shape = FURTHER.get(tables[name]) or MESSAGE_SHAPES[tables[name]]
         rows = np.stack([table.columns[f'{shape["position"].place}.{a}'] for a in 'xyz'], axis=1)
         low, high = np.nanpercentile(rows, [2.0, 98.0], axis=0)
         extents[name] = float(np.max(high - low))
@@ -229,6 +229,6 @@ def read_tables(path: Path, names: Sequence[str]) -> Mapping[str, LogTable]:
     number = {'effort': {'column': '-'}}
     topics = [{'topic': 'motors', 'table': one, 'actuators': {'any': number}} for one in names]
     head = {'schema': 1, 'name': 'draft', 'about': 'A draft.', 'format': 'bag', 'data': 'measured'}
-    log = FORMATS['bag'].opened(path, ImportMapping.model_validate({**head, 'topics': topics}))
+    log = LOG_FORMATS['bag'].opened(path, ImportMapping.model_validate({**head, 'topics': topics}))
     there = {name: set[str]() for name in names if name in log.columns}
     return log.read_tables(there)

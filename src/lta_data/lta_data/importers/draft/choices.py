@@ -12,7 +12,7 @@ from pydantic import BeforeValidator
 # Body axes that a lab commands, in the order of a wrench
 BODY_AXES: Final = ('surge', 'sway', 'heave', 'roll', 'pitch', 'yaw')
 FLOATS: Final = 0.5  # of the mass, displaced
-NOTHING: Final = 1e-4  # N, N m; rotors do not push along an axis with less
+NO_PUSH: Final = 1e-4  # N, N m; rotors do not push along an axis with less
 
 
 def parse_answers(values: object) -> dict[str, str]:
@@ -50,7 +50,7 @@ class DraftVehicle(NamedTuple):
             axis: sum(abs(rotor.column[k]) * rotor.full_thrust for rotor in vehicle.rotors)
             for k, axis in enumerate(BODY_AXES)
         }
-        pushed = {axis: most for axis, most in largest.items() if most > NOTHING}
+        pushed = {axis: most for axis, most in largest.items() if most > NO_PUSH}
         centres = {}
         for k, axis in enumerate(BODY_AXES[:3]):
             weights = [abs(rotor.column[k]) * rotor.full_thrust for rotor in vehicle.rotors]

@@ -19,19 +19,22 @@ import numpy as np
 from pydantic import ValidationError
 from scipy.spatial.transform import Rotation
 
-STEP: Final = 0.1  # of the grid on which motion and commands are compared [s]
-SMOOTH: Final = 0.6  # width of the kernel that smooths the motion before it is derived [s]
-SHARED: Final = 0.5  # of the shorter table, at least, lies in both at any offset tried
-FARTHEST: Final = 150.0  # offset that is tried, from tables that begin together [s]
-LONGEST: Final = 600.0  # of a flight that is looked at [s]
+ALIGNED_STEP: Final = 0.1  # of the grid on which motion and commands are compared [s]
+# Width of the kernel that smooths the motion before it is derived [s]
+MOTION_SMOOTHING: Final = 0.6
+SHARED_PART: Final = 0.5  # of the shorter table, at least, lies in both at any offset tried
+FARTHEST_OFFSET: Final = 150.0  # offset that is tried, from tables that begin together [s]
+ALIGNED_TIME: Final = 600.0  # of a flight that is looked at [s]
 GLITCH: Final = 6.0  # times its median size, an acceleration is clipped
-LEAST: Final = 50  # points of the grid that both tables share
-AROUND: Final = 1.5  # offsets nearer to the best one belong to its peak [s]
-EXPLAINED: Final = 0.15  # of the accelerations, at least, by commands that change often
-CLEAR: Final = 1.5  # times as much as at any offset farther away
-APART: Final = 1.0  # a smaller offset is the delay of a vehicle, not that of a clock [s]
-JUMP: Final = 3600.0  # a longer gap is a clock that was set [s]
-EPOCH: Final = 1e9  # later times count from 1970 [s]
+MIN_SHARED_POINTS: Final = 50  # points of the grid that both tables share
+PEAK_WIDTH: Final = 1.5  # offsets nearer to the best one belong to its peak [s]
+# Of the accelerations, at least, by commands that change often
+EXPLAINED_ACCELERATION: Final = 0.15
+CLEAR_OFFSET_RATIO: Final = 1.5  # times as much as at any offset farther away
+# A smaller offset is the delay of a vehicle, not that of a clock [s]
+LONGEST_REACTION: Final = 1.0
+CLOCK_SET_GAP: Final = 3600.0  # a longer gap is a clock that was set [s]
+EPOCH_SECONDS: Final = 1e9  # later times count from 1970 [s]
 ONE_DAY: Final = 86_400.0  # times since 1970 that are nearer are those of one clock [s]
 
 
@@ -59,7 +62,7 @@ class TimedTable:
     def shares_clock(self, other: 'TimedTable') -> bool:
         """Return whether the times of two tables can be those of one clock."""
         ours, theirs = ((one.first, one.first + float(one.seconds[-1])) for one in (self, other))
-        near = min(ours[0], theirs[0]) > EPOCH and abs(ours[0] - theirs[0]) < ONE_DAY
+        near = min(ours[0], theirs[0]) > EPOCH_SECONDS and abs(ours[0] - theirs[0]) < ONE_DAY
         return near or min(ours[1], theirs[1]) > max(ours[0], theirs[0])
 
     def estimate_offset(self, commanded: 'TimedTable') -> CommandOffset | None:
@@ -146,7 +149,7 @@ def _ask_for_shift(key: str, pose: TimedTable, table: TimedTable, choices: Draft
     """Ask about commands on the clock of the pose which the motion follows much later."""
     offset = pose.estimate_offset(table)
     shift = 0.0 if offset is None else offset.seconds - (table.first - pose.first)
-    if offset is not None and offset.is_clear and abs(shift) > APART:
+    if offset is not None and offset.is_clear and abs(shift) > LONGEST_REACTION:
         options = [('0 s', 'as stamped'), (f'{shift:.1f} s', 'as the motion shows')]
         question = f'The motion follows the commands of {table.name} {shift:.1f} s later.'
         choices.decide(key, options, question)
@@ -207,8 +210,11 @@ def estimate_clock_offset(
         return None
     seconds, position, turn = seconds[good], position[good], turn[good]
     stamps, commands = stamps[rising], commands[rising]
-    grid = np.arange(seconds[0], min(seconds[-1], seconds[0] + LONGEST), STEP)
-    if len(grid) < 2 * LEAST or stamps[-1] - stamps[0] < 2 * LEAST * STEP:
+    grid = np.arange(seconds[0], min(seconds[-1], seconds[0] + ALIGNED_TIME), ALIGNED_STEP)
+    if (
+        len(grid) < 2 * MIN_SHARED_POINTS
+        or stamps[-1] - stamps[0] < 2 * MIN_SHARED_POINTS * ALIGNED_STEP
+    ):
         return None
     speed, pull = find_motion(seconds, position, turn, grid)
     scale = np.nanstd(commands, axis=0)
@@ -216,18 +222,18 @@ def estimate_clock_offset(
     commands = commands[:, scale > 0.0]
     if not commands.shape[1]:
         return None
-    shared = SHARED * min(grid[-1], stamps[-1])
-    low, high = max(shared - stamps[-1], -FARTHEST), min(grid[-1] - shared, FARTHEST)
-    offsets = np.arange(np.ceil(low / STEP), high / STEP) * STEP
+    shared = SHARED_PART * min(grid[-1], stamps[-1])
+    low, high = max(shared - stamps[-1], -FARTHEST_OFFSET), min(grid[-1] - shared, FARTHEST_OFFSET)
+    offsets = np.arange(np.ceil(low / ALIGNED_STEP), high / ALIGNED_STEP) * ALIGNED_STEP
     if not len(offsets):
         return None
     gains = np.array([_explain(grid, speed, pull, stamps + one, commands) for one in offsets])
     best = int(gains.argmax())
-    others = gains[np.abs(offsets - offsets[best]) > AROUND]
+    others = gains[np.abs(offsets - offsets[best]) > PEAK_WIDTH]
     # A step has two changes, which may fit any two gusts
     changes = int(np.any(np.diff(commands, axis=0) != 0.0, axis=1).sum())
-    least = max(EXPLAINED, 1.0 / max(changes, 1))
-    clear = gains[best] > least and gains[best] > CLEAR * others.max(initial=0.0)
+    least = max(EXPLAINED_ACCELERATION, 1.0 / max(changes, 1))
+    clear = gains[best] > least and gains[best] > CLEAR_OFFSET_RATIO * others.max(initial=0.0)
     return CommandOffset(float(offsets[best]), float(gains[best]), bool(clear))
 
 
@@ -236,7 +242,7 @@ def find_rising(times: Numbers) -> Any:  # noqa: ANN401 - an array of bool
     finite = np.isfinite(times)
     latest = np.maximum.accumulate(np.where(finite, times, -np.inf))
     before = np.concatenate([[-np.inf], latest[:-1]])
-    jumped = np.concatenate([[False], np.diff(np.where(finite, times, np.nan)) > JUMP])
+    jumped = np.concatenate([[False], np.diff(np.where(finite, times, np.nan)) > CLOCK_SET_GAP])
     # What follows a jump is on the clock that the rest of the table has
     begin = int(np.flatnonzero(jumped)[-1]) if jumped.any() else 0
     rising: Any = finite & (times > before) & (np.arange(len(times)) >= begin)
@@ -255,10 +261,10 @@ def find_motion(
     body = turn.inv().apply(np.nan_to_num(differentiate(position, seconds)))
     up = np.nan_to_num(differentiate(position[:, 2:], seconds))[:, 0]
     yaw = np.nan_to_num(body_rates_of(turn, seconds))[:, 2]
-    weights = hann_kernel(SMOOTH, float(np.median(np.diff(seconds))))
+    weights = hann_kernel(MOTION_SMOOTHING, float(np.median(np.diff(seconds))))
     smooth = smooth_columns(np.column_stack([body[:, 0], up, yaw]), weights)
     speed = np.column_stack([np.interp(grid, seconds, one) for one in smooth.T])
-    pull = np.gradient(speed, STEP, axis=0)
+    pull = np.gradient(speed, ALIGNED_STEP, axis=0)
     # A marker that was lost jumps, and must not decide
     most = GLITCH * np.median(np.abs(pull), axis=0)
     return speed, np.clip(pull, -most, most)
@@ -274,7 +280,7 @@ def _explain(
     of a step explains anything.
     """
     inside = (grid >= stamps[0]) & (grid <= stamps[-1])
-    if inside.sum() < LEAST:
+    if inside.sum() < MIN_SHARED_POINTS:
         return 0.0
     held = commands[np.searchsorted(stamps, grid[inside], side='right') - 1]
     base = np.column_stack([speed, np.ones(len(grid))])

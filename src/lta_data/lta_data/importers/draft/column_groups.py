@@ -19,12 +19,12 @@ from lta_data.interpretation.column_group import (
 from lta_data.interpretation.column_names import (
     ACTIONS,
     ANGLE_AXES,
-    ANGLES,
+    ANGLE_WORDS,
     ColumnName,
-    COMMANDS,
+    COMMAND_WORDS,
     FORCE_UNITS,
-    HEIGHTS,
-    KINDS,
+    HEIGHT_WORDS,
+    KIND_WORDS,
     LATITUDES,
     LONGITUDES,
     match_kind,
@@ -45,7 +45,7 @@ KIND_OF_UNIT: Final = {
 }  # fmt: skip
 FOURS: Final = (('0', '1', '2', '3'), ('1', '2', '3', '4'))
 # An element of a matrix, by one number or by row and column: Rot[0], R11, r_1_1
-ELEMENT: Final = re.compile(r'(.*?\D)(\d)(?:[\])(_,.\[]{0,2}(\d))?[\])]?')
+MATRIX_ELEMENT: Final = re.compile(r'(.*?\D)(\d)(?:[\])(_,.\[]{0,2}(\d))?[\])]?')
 ELEMENTS: Final = tuple(
     ' '.join(indices) for first in (0, 1) for indices in (
         [str(first + k) for k in range(9)],
@@ -54,7 +54,7 @@ ELEMENTS: Final = tuple(
 )  # fmt: skip
 LEAST_FIX: Final = 0.02  # longitude in radians; less is that of a simulator at zero, in degrees
 FULL_TURN: Final = 360.0  # degrees; larger numbers are in 1e-7 degrees, and altitudes in mm
-STEADY: Final = 0.3  # of the length of a specific force; a command varies by more
+STEADY_LENGTH: Final = 0.3  # of the length of a specific force; a command varies by more
 
 
 def group_columns(
@@ -120,9 +120,9 @@ def _complete_angles(
     for (stem, unit), axes in stems.items():
         others = [
             one for (of, named), one in stems.items()
-            if of == stem and named and not unit and {*one} & {*ANGLES.values()}
+            if of == stem and named and not unit and {*one} & {*ANGLE_WORDS.values()}
         ]  # fmt: skip
-        for angle in {*ANGLES.values()} & {*axes}:
+        for angle in {*ANGLE_WORDS.values()} & {*axes}:
             wraps = find_turn(table[axes[angle].column]) == 'rad'
             if len(others) == 1 and angle not in others[0] and not wraps:
                 others[0][angle] = axes.pop(angle)
@@ -134,7 +134,7 @@ def _is_marker(group: ColumnGroup, groups: Sequence[ColumnGroup]) -> bool:
         frozenset(word for name in each.columns for word in parse_column_name(name).words)
         for each in (group, *(one for one in groups if one.kind == 'quaternion'))
     )
-    names = [body - KINDS['quaternion'] for body in bodies]
+    names = [body - KIND_WORDS['quaternion'] for body in bodies]
     others = sum(one.kind == 'position' for one in groups) > 1
     return group.kind == 'position' and 'marker' in words and others and any(
         body and body < words and 'marker' not in body for body in names
@@ -160,7 +160,7 @@ def _group_height(
     names: list[ColumnName], groups: list[ColumnGroup], table: Columns
 ) -> ColumnGroup | None:
     """Return the place of x and y, east and north or a geodetic fix, beside an altitude."""
-    heights = [name for name in names if name.words & HEIGHTS and not match_role(name.words)]
+    heights = [name for name in names if name.words & HEIGHT_WORDS and not match_role(name.words)]
     if len(heights) != 1 or any(group.kind == 'position' for group in groups):
         return None
     fix = [
@@ -195,7 +195,7 @@ def _describe(name: ColumnName) -> tuple[str, str, str]:
 
 def _split_angles(axes: Mapping[str, ColumnName]) -> list[dict[str, ColumnName]]:
     """Return a place and the three angles beside it apart."""
-    angles = {*ANGLES.values()}
+    angles = {*ANGLE_WORDS.values()}
     if not angles <= {*axes}:
         return [dict(axes)]
     parts = [
@@ -233,11 +233,11 @@ def _group_stem(
         return _build(angle_kind, role, axes, angles, unit, f'roll, pitch, yaw of {label}')
     for triple in TRIPLES:
         # A heading may stand beside a place
-        if {*triple} <= {*axes} and not {*axes} - {*triple} - {*ANGLES.values()}:
+        if {*triple} <= {*axes} and not {*axes} - {*triple} - {*ANGLE_WORDS.values()}:
             nameless = not ''.join(stem).strip('0123456789')
             stated = KIND_OF_UNIT.get(UNIT_WORDS.get(unit, ('',))[0], '')
             angle_kind = kind or stated or ('position' if nameless or role else '')
-            if triple[0] in '01' and words <= COMMANDS:
+            if triple[0] in '01' and words <= COMMAND_WORDS:
                 return None  # cmd_1, cmd_2, cmd_3
             # a1, a2, a3
             acting = triple[0] in '01' and words <= ACTIONS and not unit
@@ -262,7 +262,7 @@ def _stack(axes: Mapping[str, ColumnName], order: Sequence[str], table: Columns)
 def _feels_gravity(rows: Numbers) -> bool:
     """Return whether rows are those of an accelerometer: nearly of one length."""
     low, typical, high = np.nanpercentile(np.linalg.norm(rows, axis=1), [10.0, 50.0, 90.0])
-    return bool(high - low < STEADY * typical)
+    return bool(high - low < STEADY_LENGTH * typical)
 
 
 def _are_angles(axes: Mapping[str, ColumnName], table: Columns) -> bool:
@@ -275,7 +275,7 @@ def _group_matrices(names: Sequence[ColumnName], table: Columns) -> Iterator[Col
     """Yield nine columns that are the elements of a rotation matrix, row by row in their names."""
     families: dict[str, dict[str, str]] = {}
     for name in names:
-        if match := ELEMENT.fullmatch(name.column):
+        if match := MATRIX_ELEMENT.fullmatch(name.column):
             families.setdefault(match[1], {})[match[2] + (match[3] or '')] = name.column
     for stem, family in families.items():
         columns = tuple(family[index] for index in sorted(family))
@@ -309,12 +309,12 @@ def _group_wrench(names: Sequence[ColumnName]) -> Iterator[ColumnGroup]:
     letters_of_torque = TORQUE_LETTERS - ({'t'} if needs_translation(names) else set())
     # T_x beside M_z is a thrust
     there = frozenset().union(*(one.words for one in names if one.axis in {*'xyz'}))
-    is_thrust = letters_of_torque <= there and not there & KINDS['force']
+    is_thrust = letters_of_torque <= there and not there & KIND_WORDS['force']
     thrusts = letters_of_torque - {'m'} if is_thrust else frozenset[str]()
     letters_of_torque -= thrusts
     for letters in (False, True):
         for name in names:
-            rest = name.words - KINDS['force'] - KINDS['torque'] - TORQUE_LETTERS
+            rest = name.words - KIND_WORDS['force'] - KIND_WORDS['torque'] - TORQUE_LETTERS
             axis = ANGLE_AXES.get(name.axis, name.axis)
             unit = UNIT_WORDS.get(name.unit, ('',))[0]
             by_unit = KIND_OF_UNIT.get(unit) if unit in FORCE_UNITS else ''
@@ -327,7 +327,7 @@ def _group_wrench(names: Sequence[ColumnName]) -> Iterator[ColumnGroup]:
             if kind in ('force', 'torque') and axis in ('x', 'y', 'z'):
                 parts.setdefault(rest, {}).setdefault(kind, {}).setdefault(axis, name)
     for six in SIXES:
-        tau = {name.axis: name for name in names if name.words & KINDS['torque']}
+        tau = {name.axis: name for name in names if name.words & KIND_WORDS['torque']}
         if {*tau} == {*six}:
             for kind, indices in (('force', six[:3]), ('torque', six[3:])):
                 axes = {axis: tau[i] for axis, i in zip('xyz', indices, strict=True)}

@@ -10,20 +10,24 @@ from typing import Any, Final, final, NamedTuple
 from lta_data.even_grid import build_uniform_time_grid
 from lta_data.importers.draft.choices import BODY_AXES, DraftChoices
 from lta_data.importers.draft.clock_alignment import (
+    ALIGNED_STEP,
     AlignedClock,
     find_motion,
     find_rising,
     read_timed_tables,
-    STEP,
     sum_residuals,
     TimedTable,
 )
-from lta_data.importers.draft.generic_commands import ask_for_meanings, KEY, UNITS
+from lta_data.importers.draft.generic_commands import (
+    ask_for_meanings,
+    COMMAND_UNITS,
+    WRENCH_UNIT_KEY,
+)
 from lta_data.importers.draft.table_draft import list_columns, TableDraft
 from lta_data.importers.protocol import LogTable, Numbers
 from lta_data.interpretation.column_group import Columns
 from lta_data.interpretation.column_names import (
-    ANGLES,
+    ANGLE_WORDS,
     ColumnName,
     NUMBERED,
     parse_column_name,
@@ -33,17 +37,17 @@ from lta_data.interpretation.commands import DRIVES
 import numpy as np
 
 # A twist or a force in a message: linear.x is surge
-PARTS: Final = {
+MESSAGE_PARTS: Final = {
     f'{part}.{axis}': BODY_AXES[k + offset]
     for offset, parts in ((0, ('linear', 'force')), (3, ('angular', 'torque')))
     for part in parts
     for k, axis in enumerate('xyz')
 }
-BOTH_WAYS: Final = 1.05  # a command that has both signs and stays below it is that of a stick
-DELAYS: Final = (0.0, 0.2, 0.4, 0.6)  # of a reaction, that are tried [s]
-FOLLOWS: Final = 0.03  # share of an acceleration that is worth telling
-LEAST: Final = 100  # points of the grid
-MOTIONS: Final = ('forward', 'up', 'yaw')
+STICK_RANGE: Final = 1.05  # a command that has both signs and stays below it is that of a stick
+REACTION_DELAYS: Final = (0.0, 0.2, 0.4, 0.6)  # of a reaction, that are tried [s]
+TELLING_SHARE: Final = 0.03  # share of an acceleration that is worth telling
+MIN_MOTION_POINTS: Final = 100  # points of the grid
+ACCELERATION_WORDS: Final = ('forward', 'up', 'yaw')
 
 
 def ask_for_columns(
@@ -63,7 +67,7 @@ def ask_for_columns(
     parts = [_name_part(name) for name in names]
     nameless = [one for one in names if NUMBERED.fullmatch(one.column)]
     values = np.concatenate([columns[one.column] for one in nameless]) if nameless else np.zeros(1)
-    stick = float(np.nanmin(values)) < 0.0 and float(np.nanmax(np.abs(values))) <= BOTH_WAYS
+    stick = float(np.nanmin(values)) < 0.0 and float(np.nanmax(np.abs(values))) <= STICK_RANGE
     if nameless and (stick or choices.vehicle is not None):
         choices.follows = find_motion_of(table, columns, tracked)
         ask_for_meanings([one.column for one in nameless], f' of {topic}', choices)
@@ -73,7 +77,7 @@ def ask_for_columns(
 def _name_part(name: ColumnName) -> ColumnName:
     """Return the name of a part of a twist or a force with its body axis."""
     end = '.'.join(name.column.split('.')[-2:])
-    return name._replace(stem=(PARTS[end],), axis='') if end in PARTS else name
+    return name._replace(stem=(MESSAGE_PARTS[end],), axis='') if end in MESSAGE_PARTS else name
 
 
 def find_motion_of(
@@ -115,22 +119,24 @@ def measure_shares(tracked: TimedTable, stamps: Numbers, values: Numbers) -> Num
     if tracked.position is None or tracked.turn is None:
         return None
     seconds, rising = tracked.seconds, find_rising(stamps)
-    grid = build_uniform_time_grid(np.nanmin(seconds), np.nanmax(seconds), STEP, len(seconds))
-    if len(grid) < LEAST or not rising.any():
+    grid = build_uniform_time_grid(
+        np.nanmin(seconds), np.nanmax(seconds), ALIGNED_STEP, len(seconds)
+    )
+    if len(grid) < MIN_MOTION_POINTS or not rising.any():
         return None
     stamps, values = stamps[rising], values[rising]
     speed, pull = find_motion(seconds, tracked.position, tracked.turn, grid)
     target = pull / np.maximum(pull.std(axis=0), 1e-9)
     values = np.nan_to_num(values)
     base = np.column_stack([speed, np.ones(len(grid))])
-    best: tuple[float, Numbers] = (-np.inf, np.zeros((values.shape[1], len(MOTIONS))))
-    for delay in DELAYS:
+    best: tuple[float, Numbers] = (-np.inf, np.zeros((values.shape[1], len(ACCELERATION_WORDS))))
+    for delay in REACTION_DELAYS:
         rows = np.clip(np.searchsorted(stamps + delay, grid, side='right') - 1, 0, None)
         held = values[rows]
         shares = np.array([
             [
                 lose_without(base, held, column, target[:, axis : axis + 1])
-                for axis in range(len(MOTIONS))
+                for axis in range(len(ACCELERATION_WORDS))
             ]
             for column in range(held.shape[1])
         ])  # fmt: skip
@@ -151,17 +157,21 @@ def describe_shares(shares: Numbers) -> str:
     """Return a sentence on the accelerations that follow a command; '' if none does."""
     shares_text = [
         f'{100.0 * share:.0f} % of the {word} acceleration'
-        for share, word in sorted(zip(shares, MOTIONS, strict=True), reverse=True)
-        if share > FOLLOWS
+        for share, word in sorted(zip(shares, ACCELERATION_WORDS, strict=True), reverse=True)
+        if share > TELLING_SHARE
     ]
     return f' It alone explains {" and ".join(shares_text)}.' if shares_text else ''
 
 
-AXES: Final = ('surge', 'heave', 'yaw')  # of the accelerations forward, up, yaw
-CLEAR: Final = 0.1  # share of an acceleration; a command that explains less does not decide
+DRIVEN_AXES: Final = ('surge', 'heave', 'yaw')  # of the accelerations forward, up, yaw
+# Share of an acceleration; a command that explains less does not decide
+DECIDING_SHARE: Final = 0.1
 ALONE: Final = 0.25  # of the largest share: what a command may explain of another acceleration
-REACHED: Final = 0.8  # correlation of a setpoint with what reaches it
-SIZES: Final = (0.5, 2.0)  # of the spread of what reaches a setpoint over that of the setpoint
+REACHED_CORRELATION: Final = 0.8  # correlation of a setpoint with what reaches it
+REACHED_SIZES: Final = (
+    0.5,
+    2.0,
+)  # of the spread of what reaches a setpoint over that of the setpoint
 ARRIVALS: Final = (0.0, 0.5, 1.0, 2.0, 3.0)  # that a vehicle may take to reach it [s]
 
 
@@ -214,7 +224,9 @@ def _measure_overlapping(pose: TimedTable, stamps: Numbers, values: Numbers) -> 
         [function(one) for one in (stamps, pose.seconds)] for function in (np.nanmin, np.nanmax)
     )
     shared = min(ends) - max(begins)
-    return measure_shares(pose, stamps, values) if shared > LEAST * STEP else None
+    return (
+        measure_shares(pose, stamps, values) if shared > MIN_MOTION_POINTS * ALIGNED_STEP else None
+    )
 
 
 def _choose_axes(shares: Numbers, generic: Sequence[str]) -> list[str]:
@@ -223,14 +235,14 @@ def _choose_axes(shares: Numbers, generic: Sequence[str]) -> list[str]:
     count = len(generic)
     mixed = {
         stems[i] for i in range(count) for j in range(i)
-        if stems[i] == stems[j] and (np.minimum(shares[i], shares[j]) > CLEAR).any()
+        if stems[i] == stems[j] and (np.minimum(shares[i], shares[j]) > DECIDING_SHARE).any()
     }  # fmt: skip
     axes = []
     for k, row in enumerate(shares[:count]):
         best = int(row.argmax())
         rivals = [*np.delete(row, best), *np.delete(shares[:, best], k)]
-        is_clear = row[best] > max(CLEAR, max(rivals) / ALONE)
-        axes.append('rotor' if stems[k] in mixed else AXES[best] if is_clear else '')
+        is_clear = row[best] > max(DECIDING_SHARE, max(rivals) / ALONE)
+        axes.append('rotor' if stems[k] in mixed else DRIVEN_AXES[best] if is_clear else '')
     return axes
 
 
@@ -239,7 +251,7 @@ def _contradicts(column: str, axis: str) -> bool:
     if parse_column_name(column).words & SERVOS:
         return True  # what it turns pushes
     named = {
-        **dict.fromkeys(ANGLES.values(), ''),
+        **dict.fromkeys(ANGLE_WORDS.values(), ''),
         'x': 'surge',
         'y': '',
         'z': 'heave',
@@ -266,23 +278,25 @@ def _is_reached(pose: TimedTable, stamps: Numbers, command: Numbers) -> bool:
                 continue
             near = abs(sent.mean() - reached.mean()) < max(sent.std(), reached.std())
             size = reached.std() / sent.std()
-            alike = np.corrcoef(sent, reached)[0, 1] > REACHED
-            if near and alike and SIZES[0] < size < SIZES[1]:
+            alike = np.corrcoef(sent, reached)[0, 1] > REACHED_CORRELATION
+            if near and alike and REACHED_SIZES[0] < size < REACHED_SIZES[1]:
                 return True
     return False
 
 
 def list_answers(driven: Mapping[str, DrivenAxis]) -> dict[str, str]:
     """Return what the motion decides, by the keys with which a user would decide it."""
-    axes = {f'{column}.command': one.axis for column, one in driven.items() if one.axis in AXES}
+    axes = {
+        f'{column}.command': one.axis for column, one in driven.items() if one.axis in DRIVEN_AXES
+    }
     rotors = {f'{column}.topic': 'motors' for column, one in driven.items() if one.axis == 'rotor'}
     return axes | rotors
 
 
-FORWARD: Final = 0  # of the accelerations forward, up, yaw
-UP: Final = 1  # of the accelerations forward, up, yaw
+FORWARD_AXIS: Final = 0  # of the accelerations forward, up, yaw
+UP_AXIS: Final = 1  # of the accelerations forward, up, yaw
 YAW: Final = 2
-UNIT_SIZES: Final = {unit: UNITS[unit] for unit in ('N', 'mN')}
+UNIT_SIZES: Final = {unit: COMMAND_UNITS[unit] for unit in ('N', 'mN')}
 # Masses of the vehicles that fly in a room, with the air that moves along; a command whose force
 # would accelerate another mass is in another unit [kg]
 MASSES: Final = (0.01, 30.0)
@@ -317,7 +331,7 @@ def check_wrenches(
             _check_unit(entry, factors, choices)
             if 'body' in entry:
                 continue
-            signs = {float(np.sign(factors[axis])) for axis in (UP, YAW) if axis in factors}
+            signs = {float(np.sign(factors[axis])) for axis in (UP_AXIS, YAW) if axis in factors}
             body = {1.0: 'FLU', -1.0: 'FRD'}.get(next(iter(signs), 0.0))
             if len(signs) == 1 and body not in (None, usual):
                 entry['body'] = body
@@ -332,8 +346,8 @@ def _check_unit(
     """Read forces as N or mN by the mass that they accelerate; ask if the names say otherwise."""
     forces = entry.get('forces') or [entry[key] for key in ('force',) if key in entry]
     size = _find_size(forces[0]) if forces else None
-    pulls = [abs(factors[axis]) for axis in (FORWARD, UP) if axis in factors]
-    if size not in UNIT_SIZES.values() or not pulls or KEY in choices.answers:
+    pulls = [abs(factors[axis]) for axis in (FORWARD_AXIS, UP_AXIS) if axis in factors]
+    if size not in UNIT_SIZES.values() or not pulls or WRENCH_UNIT_KEY in choices.answers:
         return
     # Per number in the log; the lighter axis has less air to move along
     named = {one: UNIT_SIZES[one] / max(pulls) for one in UNIT_SIZES}
@@ -348,7 +362,7 @@ def _check_unit(
     )
     options = [(other, f'{named[other]:.2g} kg'), (unit, f'{named[unit]:.2g} kg')]
     if any(parse_column_name(column).unit for column in list_columns(entry)):
-        other = choices.decide(KEY, options, f'The names say {unit}, but {why}.')
+        other = choices.decide(WRENCH_UNIT_KEY, options, f'The names say {unit}, but {why}.')
     for one in [*forces, *([entry['torque']] if 'torque' in entry else [])]:
         one.pop('scale', None)
         one['unit'] = other + ' m' * one['unit'].endswith(' m')
@@ -358,7 +372,7 @@ def _check_unit(
 def _find_size(vector: Mapping[str, Any]) -> float | None:
     """Return the size of a number of a force [N]; None if it differs between axes."""
     scale = vector.get('scale', 1.0)
-    return None if isinstance(scale, list) else UNITS[vector['unit']] * scale
+    return None if isinstance(scale, list) else COMMAND_UNITS[vector['unit']] * scale
 
 
 def _fit_accelerations(
@@ -377,15 +391,15 @@ def _fit_accelerations(
     stamps, held = stamps[rising], held[: len(rising)][rising]
     begin, end = np.nanmin(pose.seconds), np.nanmax(pose.seconds)
     first, last = max(begin, stamps[0]), min(end, stamps[-1])
-    grid = build_uniform_time_grid(first, last, STEP, len(pose.seconds))
-    if len(grid) < LEAST:
+    grid = build_uniform_time_grid(first, last, ALIGNED_STEP, len(pose.seconds))
+    if len(grid) < MIN_MOTION_POINTS:
         return {}
     speed, pull = find_motion(pose.seconds, pose.position, pose.turn, grid)
     base = np.column_stack([speed, np.ones(len(grid))])
     forces = entry.get('forces') or [entry.get('force', {})]
     out = {}
     for vectors, place, axis in (
-        (forces, 0, FORWARD), (forces, 2, UP), ([entry.get('torque', {})], 2, YAW)
+        (forces, 0, FORWARD_AXIS), (forces, 2, UP_AXIS), ([entry.get('torque', {})], 2, YAW)
     ):  # fmt: skip
         named = [one['columns'][place] for one in vectors if one.get('columns')]
         column = next((one for one in named if one is not None), None)
@@ -393,11 +407,11 @@ def _fit_accelerations(
             continue
         k, target = columns.index(column), pull[:, axis : axis + 1]
         shares, factors = [], []
-        for delay in DELAYS:
+        for delay in REACTION_DELAYS:
             rows = np.clip(np.searchsorted(stamps + delay, grid, side='right') - 1, 0, None)
             shares.append(lose_without(base, held[rows], k, target))
             fit = np.linalg.lstsq(np.column_stack([base, held[rows]]), target, rcond=None)[0]
             factors.append(float(fit[base.shape[1] + k, 0]))
-        if max(shares) > CLEAR:
+        if max(shares) > DECIDING_SHARE:
             out[axis] = factors[int(np.argmax(shares))]
     return out

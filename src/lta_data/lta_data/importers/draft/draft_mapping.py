@@ -17,7 +17,7 @@ from lta_data.importers.draft.choices import DraftChoices, DraftVehicle
 from lta_data.importers.draft.clock_alignment import align_clocks, AlignedClock
 from lta_data.importers.draft.command_motion import check_wrenches, find_driven_axes, list_answers
 from lta_data.importers.draft.table_draft import draft_table, TableDraft
-from lta_data.importers.formats import detect_format, FORMATS
+from lta_data.importers.formats import detect_format, LOG_FORMATS
 from lta_data.importers.readers.column_log import Column
 from lta_data.importers.readers.sensor_folder import (
     describe_empty_files,
@@ -32,8 +32,14 @@ from lta_report.formatting import format_count
 import numpy as np
 import yaml
 
-COLUMNS = ('csv', 'mat', 'numpy', 'parquet', 'folder')  # formats without meanings of their own
-LOOKED_AT = 10  # runs of a folder, the longest ones
+COLUMN_FORMATS = (
+    'csv',
+    'mat',
+    'numpy',
+    'parquet',
+    'folder',
+)  # formats without meanings of their own
+DRAFTED_RUNS = 10  # runs of a folder, the longest ones
 
 
 @final
@@ -63,12 +69,12 @@ def read_source(source: Path) -> SourceTables:
             runs = 'is one run' if len(files) == 1 else 'are runs with the same columns'
             note = f'The {format_count(len(files), "file")} of {source.name} {runs}.'
             return _read_richest_run(files, note, *empty)
-        if not kinds <= {*COLUMNS}:
+        if not kinds <= {*COLUMN_FORMATS}:
             raise BadInput(
                 f"Folder '{source}' has files of different formats ({', '.join(sorted(kinds))}), "
                 'which cannot be one log; give a file of it.'
             )
-    if format_ not in COLUMNS:
+    if format_ not in COLUMN_FORMATS:
         return SourceTables(path, format_, {}, None, [])
     if format_ == 'csv':
         tables, notes = read_text_file(path)
@@ -80,7 +86,7 @@ def read_source(source: Path) -> SourceTables:
 
 def _read_richest_run(runs: Sequence[Path], *notes: str) -> SourceTables:
     """Return the run in which most columns change: one without commands says little of them."""
-    longest = sorted(runs, key=measure_size, reverse=True)[:LOOKED_AT]
+    longest = sorted(runs, key=measure_size, reverse=True)[:DRAFTED_RUNS]
     richest = max((read_source(run) for run in longest), key=count_changing_columns)
     drafted = [f'Drafted from {richest.path.name}, in which most columns change.']
     more = drafted if richest.tables and len(runs) > 1 else []
@@ -106,7 +112,7 @@ def measure_size(path: Path) -> int:
 
 def _have_same_columns(files: list[Path]) -> bool:
     """Return whether files are runs of one kind; the first two and the last decide."""
-    if detect_format(files[0]) not in COLUMNS:
+    if detect_format(files[0]) not in COLUMN_FORMATS:
         return True
     looked_at = {files[0], files[1], files[-1]}
     names = {
@@ -205,7 +211,7 @@ def _is_silent(cells: Column) -> bool:
 
 def _draft_shipped_format(source: SourceTables, choices: DraftChoices) -> MappingDraft:
     """Return the shipped mapping of a format with fixed names, or the topics of a bag by type."""
-    shipped = FORMATS[source.format].mapping
+    shipped = LOG_FORMATS[source.format].mapping
     if shipped is not None:
         text = find_file('import mapping', shipped).read_text(encoding='utf-8')
         choices.add_reason(

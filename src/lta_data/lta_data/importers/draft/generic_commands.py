@@ -17,41 +17,47 @@ from lta_data.importers.draft.choices import BODY_AXES, DraftChoices
 from lta_data.importers.protocol import Numbers
 from lta_data.interpretation.column_names import (
     ACTIONS,
+    ACTUATOR_PART_WORDS,
     ACTUATORS,
-    ANGLES,
+    ANGLE_WORDS,
     AXIS_LETTERS,
     BODY_WORDS,
     ColumnName,
-    COMMANDS,
+    COMMAND_WORDS,
     JOYSTICKS,
-    KINDS,
+    KIND_WORDS,
     LOOSE_WORDS,
     match_kind,
     match_role,
     needs_translation,
-    PARTS,
-    PLACES,
-    ROLES,
+    PLACE_WORDS,
+    ROLE_WORDS,
     SERVOS,
     UNIT_WORDS,
-    WORDS,
+    WORD_PATTERN,
 )
 import numpy as np
 from pydantic import ValidationError
 
 LINEAR: Final = frozenset(BODY_AXES[:3])
-MOTIONS: Final = ('velocity', 'position', 'rates', 'acceleration', 'euler')
-WANTED: Final = ROLES['setpoint'] - {'cmd', 'command', 'commanded'}  # a state, no force
+MOTION_KINDS: Final = ('velocity', 'position', 'rates', 'acceleration', 'euler')
+STATE_SETPOINT_WORDS: Final = ROLE_WORDS['setpoint'] - {
+    'cmd',
+    'command',
+    'commanded',
+}  # a state, no force
 TWIST: Final = frozenset(['linear', 'angular'])
-COMMANDING: Final = COMMANDS | ACTUATORS | KINDS['force'] | KINDS['torque'] | {'wrench'}
+COMMANDING: Final = (
+    COMMAND_WORDS | ACTUATORS | KIND_WORDS['force'] | KIND_WORDS['torque'] | {'wrench'}
+)
 # Words beside x, y, z that make it the axis of a command
-DRIVING: Final = (COMMANDS | ACTUATORS | {'wrench'}) - PARTS
-TURNING: Final = (frozenset('t'), frozenset('m'))
-OTHERS: Final = KINDS['force'] | {'m', 't'}
+DRIVING: Final = (COMMAND_WORDS | ACTUATORS | {'wrench'}) - ACTUATOR_PART_WORDS
+TURNING_LETTERS: Final = (frozenset('t'), frozenset('m'))
+OTHER_WORDS: Final = KIND_WORDS['force'] | {'m', 't'}
 FRACTION: Final = 1.05  # largest number of a fraction
-SMALL: Final = 0.3  # a fraction that never exceeds it can be a force of a blimp [N]
-UNITS: Final = {'N': 1.0, 'mN': 1e-3, 'N m': 1.0, 'mN m': 1e-3, '%': 0.01}
-KEY: Final = 'wrench_command.unit'
+SMALL_FORCE: Final = 0.3  # a fraction that never exceeds it can be a force of a blimp [N]
+COMMAND_UNITS: Final = {'N': 1.0, 'mN': 1e-3, 'N m': 1.0, 'mN m': 1e-3, '%': 0.01}
+WRENCH_UNIT_KEY: Final = 'wrench_command.unit'
 Columns = Mapping[str, Numbers]
 
 
@@ -83,13 +89,13 @@ def find_named_axes(
     read = [(name, *_read_axis(name)) for name in names]
     # Of cmd_left, cmd_right and cmd_up, the last is the place of a rotor
     placed = any(
-        name.words & PLACES - {*BODY_WORDS} and rest & COMMANDING for name, _, rest in read
+        name.words & PLACE_WORDS - {*BODY_WORDS} and rest & COMMANDING for name, _, rest in read
     )
     for linear in (True, False):
         for name, axis, rest in read:
             is_command = bool(rest & COMMANDING) or rest in alike
-            is_command |= frozenset('f') in alike and rest in TURNING  # t_yaw beside f_up
-            if placed and name.words & PLACES and name.words & {*BODY_WORDS}:
+            is_command |= frozenset('f') in alike and rest in TURNING_LETTERS  # t_yaw beside f_up
+            if placed and name.words & PLACE_WORDS and name.words & {*BODY_WORDS}:
                 continue
             if axis and (axis in LINEAR) is linear and (linear or is_command):
                 by_axis.setdefault(axis, name)
@@ -108,11 +114,13 @@ def find_lettered_axes(names: Sequence[ColumnName]) -> dict[str, ColumnName]:
     """Return commands named by the letters of marine craft, as tau_u and tau_r, or X_cmd."""
     families: dict[frozenset[str], dict[str, ColumnName]] = {}
     for name in names:
-        words = [word.lower() for word in WORDS.findall(re.sub(r'[\[(].*', '', name.column))]
+        words = [
+            word.lower() for word in WORD_PATTERN.findall(re.sub(r'[\[(].*', '', name.column))
+        ]
         letter = next((word for word in words if len(word) == 1), '')
         families.setdefault(frozenset(words) - {letter}, {})[letter] = name
-    forces = KINDS['force'] | KINDS['torque'] | {'wrench'}
-    either = (frozenset('kmn'), forces | COMMANDS), (frozenset('u'), forces)
+    forces = KIND_WORDS['force'] | KIND_WORDS['torque'] | {'wrench'}
+    either = (frozenset('kmn'), forces | COMMAND_WORDS), (frozenset('u'), forces)
     for rest, family in families.items():
         there = {*family}
         for letters, (needed, allowed) in zip(AXIS_LETTERS, either, strict=True):
@@ -126,7 +134,7 @@ def _are_places(commands: Mapping[str, ColumnName]) -> bool:
     """Return whether cmd_x, cmd_y and cmd_z are all there: a place, as a setpoint has it."""
     linear = [commands[axis] for axis in BODY_AXES[:3] if axis in commands]
     return len(linear) == 3 and all(
-        name.axis in {*'xyz'} and name.words <= ROLES['setpoint'] for name in linear
+        name.axis in {*'xyz'} and name.words <= ROLE_WORDS['setpoint'] for name in linear
     )
 
 
@@ -134,19 +142,24 @@ def _read_axis(name: ColumnName) -> tuple[str, frozenset[str]]:
     """Return the body axis in a name, '' if it is of a motion, and the other words."""
     word = next((word for word in (*name.stem, name.axis) if word in BODY_WORDS), '')
     rest = name.words - {word}
-    if rest & COMMANDS and rest & TWIST:
+    if rest & COMMAND_WORDS and rest & TWIST:
         rest -= {*TWIST, 'vel', 'twist'}  # cmd_vel.linear.x, which is no velocity of a blimp
     axis = BODY_WORDS.get(word, '') if word not in LOOSE_WORDS or rest & COMMANDING else ''
-    turns = name.words & {*KINDS['torque'], 'angular'}
-    driven = turns or (rest & DRIVING and not rest & OTHERS)
+    turns = name.words & {*KIND_WORDS['torque'], 'angular'}
+    driven = turns or (rest & DRIVING and not rest & OTHER_WORDS)
     # What names say to be forces is grouped with those that are measured
     if not word and name.axis in {*'xyz'} and driven and not _list_units([name]):
         axis = BODY_AXES['xyz'.index(name.axis) + (3 if turns else 0)]
     # motor_up is a motor
-    axis = '' if word and word not in BODY_AXES and (rest & PARTS or not rest) else axis
-    measured = match_kind(rest - {'t'}) in MOTIONS or match_role(rest) in ('truth', 'estimate')
+    axis = (
+        '' if word and word not in BODY_AXES and (rest & ACTUATOR_PART_WORDS or not rest) else axis
+    )
+    measured = match_kind(rest - {'t'}) in MOTION_KINDS or match_role(rest) in (
+        'truth',
+        'estimate',
+    )
     moved = UNIT_WORDS.get(name.unit, ('',))[0] in ('m', 'm/s', 'm/s2', 'rad', 'deg', 'rad/s')
-    return ('' if measured or moved or rest & WANTED else axis), rest
+    return ('' if measured or moved or rest & STATE_SETPOINT_WORDS else axis), rest
 
 
 def draft_axis_commands(
@@ -163,14 +176,14 @@ def draft_axis_commands(
         vector: dict[str, Any] = {'columns': columns, 'unit': si}
         if unit in ('N', 'mN'):
             own = _list_units(commands[axis] for axis in there)
-            named = min(own or {unit}) if KEY not in choices.answers else unit
-            scale: Any = UNITS[named]
+            named = min(own or {unit}) if WRENCH_UNIT_KEY not in choices.answers else unit
+            scale: Any = COMMAND_UNITS[named]
             reading = ', '.join(
                 f'{axis} [{named if si == "N" else named + " m"}]' for axis in there
             )
         else:
             full = {axis: _find_largest(axis, si, choices) for axis in there}
-            share = UNITS.get(unit, 1.0)
+            share = COMMAND_UNITS.get(unit, 1.0)
             scale = [float(f'{share * full.get(axis, 0.0):.4g}') for axis in axes]
             reading = ', '.join(f'{axis} of {full[axis]:.3g} {si}' for axis in there)
         if scale != 1.0:
@@ -191,7 +204,7 @@ def explain_lacking(axes: Sequence[str]) -> str:
 
 def _list_units(names: Iterable[ColumnName]) -> set[str]:
     """Return the units in names; those of moments without the metre."""
-    units = {UNIT_WORDS.get(name.unit, ('',))[0] for name in names} & {*UNITS}
+    units = {UNIT_WORDS.get(name.unit, ('',))[0] for name in names} & {*COMMAND_UNITS}
     return {unit.removesuffix(' m') for unit in units}
 
 
@@ -225,23 +238,23 @@ def _judge_unit(
     named = _list_units(commands.values())
     values = np.concatenate([np.abs(table[name.column]) for name in commands.values()])
     size = float(np.nanmax(values, initial=0.0))
-    forces = KINDS['force'] | KINDS['torque']
+    forces = KIND_WORDS['force'] | KIND_WORDS['torque']
     if named:
         unit, why = min(named), 'the unit in the names'
     elif any(name.words & forces for name in commands.values()):
         unit, why = 'N', 'a word for force in the names'
-    elif SMALL < size <= FRACTION:
+    elif SMALL_FORCE < size <= FRACTION:
         unit, why = 'fraction', f'up to {size:.3g}: fractions of the largest force of each axis'
     elif FRACTION < size <= 100.0 * FRACTION:
         unit, why = '%', f'up to {size:.3g}: per cent of the largest force of each axis'
     else:
         options = [('fraction', 'of the largest force of each axis'), ('N', 'N, and N m')]
         question = f'Commands of body axes up to {size:.3g} can be fractions or forces.'
-        return choices.decide(KEY, options, question), choices.explain(KEY)
-    answer = choices.override(KEY, unit)
-    if answer not in ('fraction', *UNITS):
-        raise BadInput(f"--set {KEY} is '{answer}', but must be fraction, %, N or mN.")
-    return answer, why if answer == unit else choices.explain(KEY)
+        return choices.decide(WRENCH_UNIT_KEY, options, question), choices.explain(WRENCH_UNIT_KEY)
+    answer = choices.override(WRENCH_UNIT_KEY, unit)
+    if answer not in ('fraction', *COMMAND_UNITS):
+        raise BadInput(f"--set {WRENCH_UNIT_KEY} is '{answer}', but must be fraction, %, N or mN.")
+    return answer, why if answer == unit else choices.explain(WRENCH_UNIT_KEY)
 
 
 def _find_largest(axis: str, unit: str, choices: DraftChoices) -> float:
@@ -273,9 +286,11 @@ def _parse_force(key: str, text: str, unit: str) -> float:
     return force.si
 
 
-VECTORS: Final = KINDS['force'] | KINDS['torque'] | {'t'}
+VECTOR_WORDS: Final = KIND_WORDS['force'] | KIND_WORDS['torque'] | {'t'}
 # Words of a command that name neither its axis nor the actuator
-GENERIC: Final = COMMANDS | JOYSTICKS | VECTORS | {'u', 'ch', 'channel', 'chan', *ACTIONS}
+GENERIC_WORDS: Final = (
+    COMMAND_WORDS | JOYSTICKS | VECTOR_WORDS | {'u', 'ch', 'channel', 'chan', *ACTIONS}
+)
 # Of a remote control: what a servo or a rudder turns, only the builder knows
 SURFACES: Final = frozenset(['rudder', 'elevator', 'aileron', 'steer', 'steering', *SERVOS])
 THRUSTS: Final = frozenset(['thrust', 'throttle', 'thr'])
@@ -283,7 +298,7 @@ MEANINGS: Final = {
     'surge': 'the force forward', 'sway': 'the force to the left', 'heave': 'the force up',
     'roll': 'the moment about x', 'pitch': 'the moment about y', 'yaw': 'the moment about z',
 }  # fmt: skip
-ORDERS: Final = frozenset(['cmd', 'command', 'commanded'])  # cmd_z may be a height
+ORDER_WORDS: Final = frozenset(['cmd', 'command', 'commanded'])  # cmd_z may be a height
 
 
 def list_generic_commands(names: Sequence[ColumnName]) -> list[str]:
@@ -308,12 +323,14 @@ def _list_numbered(names: Sequence[ColumnName]) -> Iterator[ColumnName]:
     """Yield commands with numbers, as u1 to u4, but no force and moment of three numbers each."""
     families: dict[tuple[str, ...], list[ColumnName]] = {}
     for name in names:
-        if name.axis.isdigit() and name.stem and {*name.stem} <= GENERIC:
+        if name.axis.isdigit() and name.stem and {*name.stem} <= GENERIC_WORDS:
             families.setdefault(name.stem, []).append(name)
-    vectors = [stem for stem, family in families.items() if {*stem} & VECTORS and len(family) == 3]
+    vectors = [
+        stem for stem, family in families.items() if {*stem} & VECTOR_WORDS and len(family) == 3
+    ]
     for stem, family in families.items():
         is_pair = stem in vectors and len(vectors) > 1
-        is_six = {*stem} & KINDS['torque'] and len(family) == 6
+        is_six = {*stem} & KIND_WORDS['torque'] and len(family) == 6
         is_place = 't' in stem and needs_translation(names)
         if len(family) > 1 and not (is_pair or is_six or is_place):
             yield from family
@@ -321,19 +338,20 @@ def _list_numbered(names: Sequence[ColumnName]) -> Iterator[ColumnName]:
 
 def _list_thrusts(names: Sequence[ColumnName]) -> Iterator[ColumnName]:
     """Yield the one thrust beside commands of body axes, with angles that may be setpoints."""
+    others = ACTUATOR_PART_WORDS | PLACE_WORDS | {*BODY_WORDS}
     thrusts = [name for name in names if name.words & THRUSTS and not name.axis
-               and not name.words & (PARTS | PLACES | {*BODY_WORDS})]  # fmt: skip
+               and not name.words & others]  # fmt: skip
     axes = find_named_axes(names, has_linear=True)
     if len(thrusts) == 1 and axes:
         yield from thrusts
-        yield from (name for name in axes.values() if {*name.stem} <= COMMANDS and name.stem)
+        yield from (name for name in axes.values() if {*name.stem} <= COMMAND_WORDS and name.stem)
 
 
 def _list_surfaces(names: Sequence[ColumnName]) -> Iterator[ColumnName]:
     """Yield the one throttle beside a rudder, servo or steering, and these."""
-    thrusts = [name for name in names if name.words & THRUSTS and not name.words & PLACES]
+    thrusts = [name for name in names if name.words & THRUSTS and not name.words & PLACE_WORDS]
     surfaces = [
-        name for name in names if name.words & SURFACES and name.words <= GENERIC | SURFACES
+        name for name in names if name.words & SURFACES and name.words <= GENERIC_WORDS | SURFACES
     ]
     if len(thrusts) == 1 and surfaces:
         yield from (*thrusts, *surfaces)
@@ -349,9 +367,9 @@ def _list_orders(names: Sequence[ColumnName]) -> Iterator[ColumnName]:
         if {*stem} & JOYSTICKS:
             yield from family
         # All three are a place, as a setpoint has it; u_x, u_y, u_z alone may be a velocity
-        partial = {*stem} <= ORDERS and len(axes & {*'xyz'}) in (1, 2)
+        partial = {*stem} <= ORDER_WORDS and len(axes & {*'xyz'}) in (1, 2)
         if stem and (partial or (stem == ('u',) and axes == {*'xyz'})):
-            yield from (each for each in family if each.axis in {*'xyz', *ANGLES.values()})
+            yield from (each for each in family if each.axis in {*'xyz', *ANGLE_WORDS.values()})
 
 
 def _list_letters(names: Sequence[ColumnName]) -> Iterator[ColumnName]:
@@ -360,8 +378,8 @@ def _list_letters(names: Sequence[ColumnName]) -> Iterator[ColumnName]:
     lettered = [
         name for name in names
         if len(name.stem) == 2 and not name.axis and name not in named
-        and name.stem[0] in {*COMMANDS, 'u'} and len(name.stem[1]) == 1
-        and name.stem[1] not in PLACES
+        and name.stem[0] in {*COMMAND_WORDS, 'u'} and len(name.stem[1]) == 1
+        and name.stem[1] not in PLACE_WORDS
     ]  # fmt: skip
     if len(lettered) > 1:
         yield from lettered

@@ -7,10 +7,10 @@ from lta_data.data_quality import limits
 from lta_data.even_grid import sort_samples
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.vertical import (
-    ALIKE,
     choose_reading,
-    CLEARLY,
-    FORWARD,
+    EQUAL_SCORES,
+    FORWARD_SHARE,
+    FORWARDNESS_GAIN,
     typical_difference,
 )
 from lta_data.importers.protocol import Numbers
@@ -19,34 +19,35 @@ from lta_data.interpretation.column_group import ColumnGroup, FIX_SCALES
 from lta_data.interpretation.column_names import UNIT_WORDS
 from lta_data.interpretation.jumps import find_steps
 from lta_data.interpretation.kinematics import (
-    AGREE,
+    AGREEING_SHARE,
     body_rates_of,
     differentiate,
+    FILTER_DELAY,
     find_gravity_unit,
     find_sensor_axes,
     fit_scale,
-    LATEST,
     measure_forwardness,
     MotionEvidence,
     score_attitude,
-    UNITS,
+    UNIT_FACTORS,
 )
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 PITCH_DOWN: Final = np.array([1.0, -1.0, 1.0])  # from angles that are positive nose up
-LONGEST: Final = 20_000  # rows that are looked at
+DRAFTED_ROWS: Final = 20_000  # rows that are looked at
 NORTH_EAST_DOWN: Final = ('n', 'e', 'd')
 EAST_NORTH_DOWN: Final = ('e', 'n', 'd')
-LENGTHS: Final = {'m': 1.0, 'cm': 0.01, 'mm': 0.001}
-DEGREE: Final = np.pi / 180.0
-NEAR: Final = 0.7  # logarithm of a factor, within which noise can move it
+LENGTH_SCALES: Final = {'m': 1.0, 'cm': 0.01, 'mm': 0.001}
+RADIANS_PER_DEGREE: Final = np.pi / 180.0
+UNIT_LOG_TOLERANCE: Final = 0.7  # logarithm of a factor, within which noise can move it
 UNRELATED: Final = 0.3  # explained share of a motion below which two contradict each other
 UNLIKE: Final = 1.3  # times as much unexplained decides between two frames
-APART: Final = 15.0  # between body and world axes; below it, the better of two is taken [deg]
+# Between body and world axes; below it, the better of two is taken [deg]
+FRAMES_APART: Final = 15.0
 EXTENTS: Final = (0.3, 30.0)  # usual extents of a flight in a laboratory [m]
 IMPOSSIBLE: Final = 60.0  # speed of no vehicle in a laboratory [m/s]
-SPEEDS: Final = (0.02, 20.0)  # usual speeds of a vehicle in flight [m/s]
+FLIGHT_SPEEDS: Final = (0.02, 20.0)  # usual speeds of a vehicle in flight [m/s]
 
 
 @final
@@ -56,6 +57,7 @@ class MotionDraft(NamedTuple):
     parts: dict[str, Any]
     evidence: MotionEvidence
     turn: Rotation | None
+    axis_names: str = ''  # letters in the names of the place, such as 'ned'; '' for ours
 
 
 def draft_motion(
@@ -72,15 +74,13 @@ def draft_motion(
     `groups` and `numbers` are by kind: position, velocity, rates, attitude, acceleration. Numbers
     `sensed` are the rates of an inertial sensor. `turn`: the attitude, where another topic has it.
     """
-    seconds, rows = seconds[:LONGEST], {k: v[:LONGEST] for k, v in numbers.items()}
+    seconds, rows = seconds[:DRAFTED_ROWS], {k: v[:DRAFTED_ROWS] for k, v in numbers.items()}
     if 'velocity' in groups and 'position' in groups and groups['position'].is_geodetic:
         velocity = groups['velocity']
         if velocity.axes == NORTH_EAST_DOWN:
             # A fix becomes a place east, north and up
-            columns = tuple(velocity.columns[k] for k in (1, 0, 2))
-            turned = velocity._replace(columns=columns, axes=EAST_NORTH_DOWN)
-            groups = {**groups, 'velocity': turned}
-            rows['velocity'] = rows['velocity'][:, [1, 0, 2]] * [1.0, 1.0, -1.0]
+            groups = {**groups, 'velocity': _turn_names(velocity)}
+            rows['velocity'] = _turn_rows(rows['velocity'])
     parts: dict[str, Any] = {}
     scales = {'acceleration': _draft_acceleration(topic, groups, rows, parts, choices)}
     # Without gravity in it, an acceleration says nothing about the attitude
@@ -101,6 +101,13 @@ def draft_motion(
         # The accelerometer in the axes of the attitude
         axes, _ = find_sensor_axes(raw.sensed, turn, seconds)
         raw = raw._replace(acceleration=raw.acceleration @ axes.T)
+    ned = [kind for kind in ('position', 'velocity')
+           if kind in groups and groups[kind].axes == NORTH_EAST_DOWN]  # fmt: skip
+    if 'position' in ned and 'attitude' in groups and _is_mirrored(turn, raw):
+        groups = {**groups, **{kind: _turn_names(groups[kind]) for kind in ned}}
+        raw = raw._replace(**{kind: _turn_rows(getattr(raw, kind)) for kind in ned})
+        choices.add_reason(f'{topic}: position', groups['position'].columns, 'north, east, down',
+                           'the attitude turns in axes east, north, up')  # fmt: skip
     scales['rates'] = _draft_rates(topic, groups, raw, turn, parts, choices)
     if is_mirrored:
         usual = parts['rates'].get('scale', 1.0)
@@ -120,7 +127,22 @@ def draft_motion(
     if si.position is not None and not topic.startswith('setpoint'):
         _tell_jumps(topic, groups['position'], seconds, si.position, choices)
     order = ('position', 'orientation', 'velocity', 'rates', 'acceleration')
-    return MotionDraft({name: parts[name] for name in order if name in parts}, si, turn)
+    named = groups.get('position') or groups.get('velocity')
+    axes_named = '' if named is None or named.axes == EAST_NORTH_DOWN else ''.join(named.axes)
+    return MotionDraft(
+        {name: parts[name] for name in order if name in parts}, si, turn, axes_named
+    )
+
+
+def _turn_names(group: ColumnGroup) -> ColumnGroup:
+    """Return columns of north, east, down in the order of our axes."""
+    columns = tuple(group.columns[k] for k in (1, 0, 2))
+    return group._replace(columns=columns, axes=EAST_NORTH_DOWN)
+
+
+def _turn_rows(rows: Numbers) -> Numbers:
+    """Return north, east, down as east, north, up, shape (n, 3)."""
+    return np.asarray(rows[:, [1, 0, 2]] * [1.0, 1.0, -1.0])
 
 
 def _have_mirrored_pitch(
@@ -138,7 +160,7 @@ def _have_mirrored_pitch(
         for evidence in (raw._replace(rates=rows['rates'] * PITCH_DOWN), raw)
     ]
     # An accelerometer can show that somebody has turned it
-    return best[0] > best[1] - ALIKE
+    return best[0] > best[1] - EQUAL_SCORES
 
 
 def _tell_jumps(
@@ -196,7 +218,7 @@ def _draft_acceleration(
         return 0.0
     felt = float(np.nanmedian(np.linalg.norm(rows['acceleration'], axis=1)))
     if unit := find_gravity_unit(felt):
-        scale = float(f'{1.0 / UNITS["force"][unit]:.12g}')
+        scale = float(f'{1.0 / UNIT_FACTORS["force"][unit]:.12g}')
         parts['acceleration'] = _build_vector(group, 'm/s2', scale)
         choices.add_reason(f'{topic}: acceleration', group.columns, unit,
                            f'its median length {felt:.4g} is gravity in {unit}')  # fmt: skip
@@ -225,21 +247,24 @@ def _draft_rates(
         derived = body_rates_of(turn, raw.seconds)
         in_world = turn.apply(np.nan_to_num(derived))
         fits = {
-            'body': fit_scale(raw.rates, derived, raw.seconds, LATEST),
-            'world': fit_scale(raw.rates, in_world, raw.seconds, LATEST),
+            'body': fit_scale(raw.rates, derived, raw.seconds, FILTER_DELAY),
+            'world': fit_scale(raw.rates, in_world, raw.seconds, FILTER_DELAY),
         }
         frame = max(fits, key=lambda one: fits[one].share - 0.02 * (one == 'world'))
         fit = fits[frame]
-        if fit.share > AGREE:
+        if fit.share > AGREEING_SHARE:
             why = f'{fit.factor:.3g} times the derivative of the attitude ({frame} axes)'
-            far = {one: abs(np.log(fit.factor / factor)) for one, factor in UNITS['rates'].items()}
+            far = {
+                one: abs(np.log(fit.factor / factor))
+                for one, factor in UNIT_FACTORS['rates'].items()
+            }
             unit = min(far, key=lambda one: far[one])
             options = [(one, '') for one in sorted(far, key=lambda one: far[one])]
             if named and named[0] != unit:
                 question = f'The names say {named[0]}, but the rates are {why}.'
                 unit = choices.decide(key, options, question)
                 why = choices.explain(key)
-            elif far[unit] > NEAR:
+            elif far[unit] > UNIT_LOG_TOLERANCE:
                 question = f'The rates are {why}: the unit of time, angles or rates is another.'
                 unit = choices.decide(key, options, question)
                 why = choices.explain(key)
@@ -250,16 +275,16 @@ def _draft_rates(
         unit = 'deg/s' if size > 12.0 else 'rad/s'
         why = f'99 % are below {size:.3g}'
         if 3.0 < size <= 12.0:
-            options = [('rad/s', f'up to {size / DEGREE:.0f} deg/s'),
+            options = [('rad/s', f'up to {size / RADIANS_PER_DEGREE:.0f} deg/s'),
                        ('deg/s', f'up to {size:.1f} deg/s')]  # fmt: skip
             unit = choices.decide(key, options, f'The rates reach {size:.3g}.')
     unit = choices.override(key, unit)
-    scale = 1.0 / UNITS['rates'].get(unit, 1.0)
+    scale = 1.0 / UNIT_FACTORS['rates'].get(unit, 1.0)
     if unit == 'mrad/s':  # as stateEstimateZ of a Crazyflie
         parts['rates'] = _build_vector(group, 'rad/s', scale)
     else:
         parts['rates'] = _build_vector(group, unit)
-    if frame == 'world' and fit.share > AGREE:
+    if frame == 'world' and fit.share > AGREEING_SHARE:
         parts['rates']['frame'] = 'world'
     choices.add_reason(f'{topic}: rates', group.columns, unit, why)
     return scale
@@ -293,14 +318,14 @@ def _draft_position(
     by_motion, factor = _find_length_unit(groups.get('velocity'), raw, speed, turn)
     why = why or f'the velocity is {factor:.3g} times its derivative'
     # Both can be in mm: the factor alone does not say it
-    if not unit and by_motion and fast * LENGTHS[by_motion] < SPEEDS[1]:
+    if not unit and by_motion and fast * LENGTH_SCALES[by_motion] < FLIGHT_SPEEDS[1]:
         unit = by_motion
     elif unit and by_motion not in ('', unit):
         question = f'The names say {unit}, but the velocity is {factor:.3g} times the derivative.'
         unit = choices.decide(key, [(by_motion, ''), (unit, '')], question)
         why = choices.explain(key)
-    elif unit and fast * LENGTHS[unit] > IMPOSSIBLE:
-        options = [(one, f'{fast * LENGTHS[one]:.3g} m/s') for one in ('mm', 'cm', 'm')]
+    elif unit and fast * LENGTH_SCALES[unit] > IMPOSSIBLE:
+        options = [(one, f'{fast * LENGTH_SCALES[one]:.3g} m/s') for one in ('mm', 'cm', 'm')]
         unit = choices.decide(key, options, f'The names say {unit}, which is too fast a flight.')
         why = choices.explain(key)
     if not unit:
@@ -312,8 +337,8 @@ def _draft_position(
             unit = choices.settled['position.unit']
             why = 'as other positions, or messages of ROS, have it'
         elif len(fitting) > 1 and key not in choices.answers:
-            options = [(u, f'{extent * LENGTHS[u]:.3g} m at {fast * LENGTHS[u]:.3g} m/s')
-                       for u in fitting]  # fmt: skip
+            scaled = ((u, LENGTH_SCALES[u]) for u in fitting)
+            options = [(u, f'{extent * one:.3g} m at {fast * one:.3g} m/s') for u, one in scaled]
             unit = choices.decide(key, options, 'No velocity tells the unit of the position.')
     unit = choices.override(key, unit)
     choices.settled.setdefault('position.unit', unit)
@@ -324,7 +349,7 @@ def _draft_position(
         if choices.decide(f'{topic}.position.mirrored', options, question) == 'yes':
             parts['position']['scale'] = [1.0, -1.0, 1.0]
     choices.add_reason(f'{topic}: position', group.columns, unit, why)
-    return LENGTHS.get(unit, 1.0)
+    return LENGTH_SCALES.get(unit, 1.0)
 
 
 def _is_mirrored(turn: Rotation | None, raw: MotionEvidence) -> bool:
@@ -332,11 +357,11 @@ def _is_mirrored(turn: Rotation | None, raw: MotionEvidence) -> bool:
     sensed = raw.rates if raw.rates is not None else raw.sensed
     if turn is None or sensed is None or raw.position is None:
         return False
-    if find_sensor_axes(sensed, turn, raw.seconds)[1].share < AGREE:
+    if find_sensor_axes(sensed, turn, raw.seconds)[1].share < AGREEING_SHARE:
         return False
     mirrored = raw._replace(position=raw.position * [1.0, -1.0, 1.0])
     steady, other = (measure_forwardness(turn, one)[0] for one in (raw, mirrored))
-    return other > FORWARD and other > steady + CLEARLY
+    return other > FORWARD_SHARE and other > steady + FORWARDNESS_GAIN
 
 
 def _find_length_unit(
@@ -350,23 +375,27 @@ def _find_length_unit(
     if group is None or raw.velocity is None:
         return '', 0.0
     turned = speed if turn is None else turn.inv().apply(np.nan_to_num(speed))
-    fits = [fit_scale(raw.velocity, one, raw.seconds, LATEST) for one in (speed, turned)]
+    fits = [fit_scale(raw.velocity, one, raw.seconds, FILTER_DELAY) for one in (speed, turned)]
     best = max(fits, key=lambda fit: fit.share)
-    if best.share < AGREE:
+    if best.share < AGREEING_SHARE:
         return '', 0.0
     named = _named_unit(group)
     factor = best.factor * (named[1] if named else 1.0)
-    far = {one: abs(np.log(factor / scale)) for one, scale in LENGTHS.items()}
+    far = {one: abs(np.log(factor / scale)) for one, scale in LENGTH_SCALES.items()}
     unit = min(far, key=lambda one: far[one])
-    return (unit, best.factor) if far[unit] < NEAR else ('', 0.0)
+    return (unit, best.factor) if far[unit] < UNIT_LOG_TOLERANCE else ('', 0.0)
 
 
 def _list_length_units(fast: float, extent: float) -> list[str]:
     """Return the units in which a usual speed and an extent are those of a flight; 'm' if none."""
-    moving = [u for u, scale in LENGTHS.items() if SPEEDS[0] <= fast * scale <= SPEEDS[1]]
-    inside = [u for u in moving if EXTENTS[0] <= extent * LENGTHS[u] <= EXTENTS[1]]
+    moving = [
+        u
+        for u, scale in LENGTH_SCALES.items()
+        if FLIGHT_SPEEDS[0] <= fast * scale <= FLIGHT_SPEEDS[1]
+    ]
+    inside = [u for u in moving if EXTENTS[0] <= extent * LENGTH_SCALES[u] <= EXTENTS[1]]
     # A smaller unit, in which the flight would only be short, cannot be excluded
-    short = [u for u in moving if 0.5 * EXTENTS[0] < extent * LENGTHS[u] < EXTENTS[0]]
+    short = [u for u in moving if 0.5 * EXTENTS[0] < extent * LENGTH_SCALES[u] < EXTENTS[0]]
     return [*inside, *short] or moving or ['m']
 
 
@@ -389,18 +418,18 @@ def _draft_velocity(
     frame, why = 'body', 'nothing to compare it with'
     if raw.position is not None:
         speed = differentiate(raw.position * scales['position'], raw.seconds)
-        fits = {'world': fit_scale(raw.velocity, speed, raw.seconds, LATEST)}
+        fits = {'world': fit_scale(raw.velocity, speed, raw.seconds, FILTER_DELAY)}
         if turn is not None:
             fits['body'] = fit_scale(raw.velocity, turn.inv().apply(np.nan_to_num(speed)),
-                                     raw.seconds, LATEST)  # fmt: skip
+                                     raw.seconds, FILTER_DELAY)  # fmt: skip
         frame = max(fits, key=lambda one: fits[one].share)
         fit = fits[frame]
         why = f'the derivative of the position agrees in {frame} axes ({100 * fit.share:.0f} %'
         why += ''.join(f'; in {one} axes {100 * other.share:.0f} %' for one, other in
                        fits.items() if one != frame) + ')'  # fmt: skip
-        if not named and fit.share > AGREE:
+        if not named and fit.share > AGREEING_SHARE:
             scale = 1.0 / min(
-                UNITS['velocity'].values(), key=lambda one: abs(np.log(fit.factor / one))
+                UNIT_FACTORS['velocity'].values(), key=lambda one: abs(np.log(fit.factor / one))
             )
         # By what they leave unexplained: at small angles both explain nearly all
         left = 1.0 - fit.share
@@ -409,7 +438,7 @@ def _draft_velocity(
             for one, other in fits.items()
             if one == frame or (1.0 - other.share) < UNLIKE * left
         ]
-        moving = float(np.nanpercentile(np.linalg.norm(speed, axis=1), 75.0)) > SPEEDS[0]
+        moving = float(np.nanpercentile(np.linalg.norm(speed, axis=1), 75.0)) > FLIGHT_SPEEDS[0]
         if turn is None and fit.share < UNRELATED:
             frame, why = 'body', f'{why}; in body axes, nothing checks it'
         elif len(close) > 1 and 'velocity.frame' in choices.settled:
@@ -440,4 +469,4 @@ def _draft_velocity(
 
 def _differs(turn: Rotation | None) -> bool:
     """Return whether body and world axes differ in a flight."""
-    return turn is not None and typical_difference(Rotation.identity(), turn) > APART
+    return turn is not None and typical_difference(Rotation.identity(), turn) > FRAMES_APART

@@ -16,9 +16,9 @@ from lta_data.interpretation.attitude_readings import AttitudeReading, list_read
 from lta_data.interpretation.column_group import ATTITUDES, ColumnGroup, Columns, has_unit_length
 from lta_data.interpretation.column_names import (
     ACTUATORS,
-    COMMANDS,
+    COMMAND_WORDS,
     JOYSTICKS,
-    KINDS,
+    KIND_WORDS,
     parse_column_name,
 )
 from lta_data.interpretation.kinematics import (
@@ -30,10 +30,10 @@ from lta_data.interpretation.kinematics import (
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-CLEAR: Final = 0.8  # share of a vector that a derivative explains
+DERIVATIVE_SHARE: Final = 0.8  # share of a vector that a derivative explains
 UNRELATED: Final = 0.3  # share below which a name is contradicted
-LOOKED_AT: Final = 4000  # rows
-LEAST: Final = 50  # rows
+MOTION_ROWS: Final = 4000  # rows
+MIN_MOTION_ROWS: Final = 50  # rows
 # Words for vectors that are neither a place nor derived from one
 NO_PLACES: Final = frozenset([
     'mag', 'magnetic', 'magnetometer', 'wind', 'err', 'error', 'bias', 'cov', 'covariance', 'std',
@@ -41,7 +41,7 @@ NO_PLACES: Final = frozenset([
     'input', 'cmd', 'command', 'control', 'ctrl',
 ])  # fmt: skip
 # Kinds that a motion may give to a group, or take from it
-VECTORS: Final = ('', 'velocity', 'rates', 'acceleration', 'euler')
+VECTOR_KINDS: Final = ('', 'velocity', 'rates', 'acceleration', 'euler')
 
 
 def settle_kinds(
@@ -55,7 +55,7 @@ def settle_kinds(
 
 def _find_places(groups: Sequence[ColumnGroup]) -> list[ColumnGroup]:
     """Return groups in which vectors without a kind that stand for a body are its places."""
-    bodies = [_list_words(one) - KINDS['quaternion'] - KINDS['euler']
+    bodies = [_list_words(one) - KIND_WORDS['quaternion'] - KIND_WORDS['euler']
               for one in groups if one.kind in ATTITUDES]  # fmt: skip
     has_place = any(group.kind == 'position' for group in groups)
     placed = []
@@ -77,20 +77,20 @@ def _list_words(group: ColumnGroup) -> frozenset[str]:
 def _settle_kind(
     group: ColumnGroup, groups: Sequence[ColumnGroup], table: Columns, seconds: Numbers
 ) -> ColumnGroup:
-    if group.kind not in VECTORS or len(group.columns) != 3 or len(seconds) < LEAST:
+    if group.kind not in VECTOR_KINDS or len(group.columns) != 3 or len(seconds) < MIN_MOTION_ROWS:
         return group
-    rows = group.stack(table)[:LOOKED_AT]
+    rows = group.stack(table)[:MOTION_ROWS]
     if not np.isfinite(rows).any() or group.role == 'setpoint':
         return group
-    at = seconds[:LOOKED_AT]
+    at = seconds[:MOTION_ROWS]
     others = [one for one in groups if one is not group and one.role != 'setpoint']
     attitudes = [one for one in others if one.kind in ATTITUDES]
     readings = [
         reading for one in attitudes
-        for reading in list_readings(one, one.stack(table)[:LOOKED_AT]) if not reading.cost
+        for reading in list_readings(one, one.stack(table)[:MOTION_ROWS]) if not reading.cost
     ]  # fmt: skip
     turning = _explain_by_turning(rows, readings, at)
-    if group.kind != 'rates' and turning > CLEAR:
+    if group.kind != 'rates' and turning > DERIVATIVE_SHARE:
         why = f'{100 * turning:.0f} % of it is the derivative of the attitude'
         return group._replace(kind='rates', reason=f'{why}, although it is {group.reason}')
     if group.kind == 'rates' and not group.unit.endswith('/s'):
@@ -98,13 +98,13 @@ def _settle_kind(
             why = 'its columns follow roll, pitch and yaw, and not their derivatives'
             return group._replace(kind='euler', reason=why)
         derived = differentiate(rows, at)
-        places = [one.stack(table)[:LOOKED_AT] for one in others if one.kind == 'position']
+        places = [one.stack(table)[:MOTION_ROWS] for one in others if one.kind == 'position']
         if not attitudes and any(follows_course(rows, place, at) for place in places):
             why = 'its last column follows the course of the vehicle'
             return group._replace(kind='euler', reason=why)
         others_turn = [one for one in others if one.kind in ('rates', '')]
         if not attitudes and any(
-            fit_scale(one.stack(table)[:LOOKED_AT], derived, at).share > CLEAR
+            fit_scale(one.stack(table)[:MOTION_ROWS], derived, at).share > DERIVATIVE_SHARE
             for one in others_turn
         ):
             why = f'{", ".join(others_turn[0].columns)} are its derivative'
@@ -114,9 +114,9 @@ def _settle_kind(
         return group._replace(kind='euler', reason=why)
     if group.kind != 'velocity':
         for place in (one for one in others if one.kind == 'position'):
-            speed = differentiate(place.stack(table)[:LOOKED_AT], at)
+            speed = differentiate(place.stack(table)[:MOTION_ROWS], at)
             moving = _explain_by_moving(rows, speed, readings, at)
-            if moving > CLEAR:
+            if moving > DERIVATIVE_SHARE:
                 why = f'{100 * moving:.0f} % of it is the derivative of {", ".join(place.columns)}'
                 return group._replace(kind='velocity', reason=why)
     if not group.kind and feels_gravity(rows):
@@ -132,10 +132,10 @@ def _turns_by_rates(
     seconds: Numbers,
 ) -> bool:
     """Return whether a vector is three angles, whose body rates the log has."""
-    rates = [one.stack(table)[:LOOKED_AT] for one in others if one.kind == 'rates']
+    rates = [one.stack(table)[:MOTION_ROWS] for one in others if one.kind == 'rates']
     readings = list_readings(group._replace(kind='euler'), rows) if rates else ()
     return any(
-        explain_changes(one, body_rates_of(reading.turn, seconds), seconds) > CLEAR
+        explain_changes(one, body_rates_of(reading.turn, seconds), seconds) > DERIVATIVE_SHARE
         for reading in readings
         for one in rates
     )
@@ -175,7 +175,7 @@ def _are_angles(rows: Numbers, readings: Sequence[AttitudeReading]) -> bool:
         pairs = zip(np.unwrap(rows[good], axis=0).T, angles[good].T, strict=True)
         with np.errstate(invalid='ignore', divide='ignore'):
             alike = [abs(np.corrcoef(one, other)[0, 1]) for one, other in pairs]
-        if np.nanmin(alike) > np.sqrt(CLEAR):
+        if np.nanmin(alike) > np.sqrt(DERIVATIVE_SHARE):
             return True
     return False
 
@@ -200,9 +200,9 @@ def feels_gravity(rows: Numbers) -> bool:
     return bool(find_gravity_unit(float(felt), 0.1) and high - low < 0.3 * felt)
 
 
-FEWEST: Final = 6  # numbers of a state vector
-MORE: Final = 0.02  # of a share that tells angles from the coordinates of a place
-ELEMENT: Final = re.compile(r'(.*?)[\[(_.]?(\d+)[\])]?')
+MIN_STATE_NUMBERS: Final = 6  # numbers of a state vector
+ANGLE_SHARE_GAIN: Final = 0.02  # of a share that tells angles from the coordinates of a place
+ARRAY_ELEMENT: Final = re.compile(r'(.*?)[\[(_.]?(\d+)[\])]?')
 Block = tuple[str, ...]
 
 
@@ -213,7 +213,7 @@ def find_state_vectors(
     blocks = [block for array in _list_arrays(columns) for block in _cut(array, table)]
     rows = {block: _stack(block, table) for block in blocks}
     blocks = [block for block in blocks if np.isfinite(rows[block]).all() and np.ptp(rows[block])]
-    at, kinds = seconds[:LOOKED_AT], dict[Block, tuple[str, str]]()
+    at, kinds = seconds[:MOTION_ROWS], dict[Block, tuple[str, str]]()
     turns = {block: _read(block, rows[block]) for block in blocks}
     pairs = [(one, other) for one, other in permutations(blocks, 2) if len(other) == 3]
     for turned, rate in pairs:
@@ -224,7 +224,7 @@ def find_state_vectors(
             speed = differentiate(rows[place], at)
             turned_speeds = [one.turn.inv().apply(speed) for a in attitudes for one in turns[a]]
             share = max(explain_changes(rows[moved], v, at) for v in (speed, *turned_speeds))
-            if share > CLEAR:
+            if share > DERIVATIVE_SHARE:
                 kinds[place] = 'position', f'{_name(moved)} are its derivative'
                 kinds[moved] = 'velocity', f'the derivative of {_name(place)}'
                 break
@@ -256,7 +256,9 @@ def _pair_turning(
     plain = 0.0
     if clearly and len(turned) == 3:
         plain = explain_changes(rows[rate], differentiate(rows[turned], seconds), seconds)
-    if share > max(CLEAR, plain + MORE if plain > CLEAR else 0.0):
+    if share > max(
+        DERIVATIVE_SHARE, plain + ANGLE_SHARE_GAIN if plain > DERIVATIVE_SHARE else 0.0
+    ):
         kinds[turned] = _name_attitude(turned), f'{_name(rate)} are its derivative'
         kinds[rate] = 'rates', f'the derivative of {_name(turned)}'
 
@@ -293,14 +295,14 @@ def _list_arrays(columns: Sequence[str]) -> Iterator[list[str]]:
     """Yield the columns of each array in their order: its name, and numbers without a gap."""
     arrays: dict[str, dict[int, str]] = {}
     for column in columns:
-        match = ELEMENT.fullmatch(column)
+        match = ARRAY_ELEMENT.fullmatch(column)
         words = parse_column_name(column).words
-        if match and not words & (ACTUATORS | COMMANDS | JOYSTICKS):
+        if match and not words & (ACTUATORS | COMMAND_WORDS | JOYSTICKS):
             name = '' if match[1] == 'column' else match[1]
             arrays.setdefault(name, {})[int(match[2])] = column
     for name, array in arrays.items():
         first = min(array)
-        is_long = len(array) >= (FEWEST if name else 3)
+        is_long = len(array) >= (MIN_STATE_NUMBERS if name else 3)
         if is_long and [*sorted(array)] == [*range(first, first + len(array))]:
             yield [array[index] for index in sorted(array)]
 
@@ -317,7 +319,7 @@ def _cut(array: Sequence[str], table: Columns) -> Iterator[Block]:
 
 def _stack(block: Block, table: Columns) -> Numbers:
     rows = np.stack([table[column] for column in block], axis=1)
-    return np.asarray(rows, dtype=np.float64)[:LOOKED_AT]
+    return np.asarray(rows, dtype=np.float64)[:MOTION_ROWS]
 
 
 def _read(block: Block, rows: Numbers) -> list[AttitudeReading]:

@@ -14,10 +14,10 @@ from lta_data.interpretation.column_names import (
     ColumnName,
     is_placed_command,
     NUMBERED,
-    PLACES,
+    PLACE_WORDS,
     SERVOS,
     UNIT_WORDS,
-    WORDS,
+    WORD_PATTERN,
 )
 import numpy as np
 
@@ -31,17 +31,18 @@ SCALARS: Final = (
     ('pressure baro press', 'pressure', 'pressure',
      {'Pa': (3e4, 1.1e5), 'hPa': (300.0, 1100.0)}),
 )  # fmt: skip
-CORNERS: Final = frozenset(['rl', 'rr', 'bl', 'br'])  # of a quadrotor, beside fl and fr
-FORCES: Final = frozenset(['f', 'force', 'fl', 'fr', 'fu', 'thrust', 'forces']) | CORNERS
+CORNER_WORDS: Final = frozenset(['rl', 'rr', 'bl', 'br'])  # of a quadrotor, beside fl and fr
+FORCES: Final = frozenset(['f', 'force', 'fl', 'fr', 'fu', 'thrust', 'forces']) | CORNER_WORDS
 UPSTREAM: Final = frozenset(
     ['pid', 'controller', 'controls', 'cmd', 'setpoint', 'sp', 'ref', 'mixer']
 )
-FULL: Final = {'l': 'left', 'r': 'right'}
-RESTING: Final = 15.0  # a motor stands at a pulse nearer to its rest [us]
-OFTEN: Final = 0.05  # share of the pulses at which motors stand, in a log with pauses
-BOTH_WAYS: Final = 0.1  # share of the pulses on each side of 1500 us of a motor that may reverse
-NAME: Final = re.compile(r'[a-z][a-z0-9_]*')
-SPEEDS: Final = frozenset(['rpm', 'speed', 'rotorspeed', 'omega'])
+SIDE_WORDS: Final = {'l': 'left', 'r': 'right'}
+RESTING_PULSE: Final = 15.0  # a motor stands at a pulse nearer to its rest [us]
+STANDING_SHARE: Final = 0.05  # share of the pulses at which motors stand, in a log with pauses
+# Share of the pulses on each side of 1500 us of a motor that may reverse
+REVERSED_SHARE: Final = 0.1
+ACTUATOR_NAME: Final = re.compile(r'[a-z][a-z0-9_]*')
+ROTOR_SPEED_WORDS: Final = frozenset(['rpm', 'speed', 'rotorspeed', 'omega'])
 
 
 def draft_scalars(
@@ -84,7 +85,9 @@ def _commands_rotor(name: ColumnName, choices: DraftChoices) -> bool:
     """Return whether a column commands an actuator: as the user says, else by its name."""
     if answer := choices.find_answer(f'{name.column}.command'):
         return answer not in ('none', *BODY_AXES)
-    return bool(name.words & (ACTUATORS | FORCES | SPEEDS) or is_placed_command(name.column))
+    return bool(
+        name.words & (ACTUATORS | FORCES | ROTOR_SPEED_WORDS) or is_placed_command(name.column)
+    )
 
 
 def _choose_unit(
@@ -143,11 +146,11 @@ def _judge_pulses(
     values = np.concatenate([table[name.column] for name in motors])
     values = values[np.isfinite(values) & (values > 0.0)]
     stop, middle = (_measure_rest(values, rest) for rest in (1000.0, 1500.0))
-    both = min(np.mean(values < 1500.0 - RESTING), np.mean(values > 1500.0 + RESTING))
+    both = min(np.mean(values < 1500.0 - RESTING_PULSE), np.mean(values > 1500.0 + RESTING_PULSE))
     # A step in one direction has pulses on one side of 1500 us alone
-    if middle > OFTEN >= stop:
+    if middle > STANDING_SHARE >= stop:
         return 'pulse about 1500', 'pulses about 1500 us, at which the motors often stand'
-    if both < BOTH_WAYS or stop > OFTEN:
+    if both < REVERSED_SHARE or stop > STANDING_SHARE:
         return 'pulse', 'pulses of 1000 to 2000 us'
     options = [
         ('pulse', 'motors stand at 1000 us and turn one way'),
@@ -159,7 +162,7 @@ def _judge_pulses(
 
 def _measure_rest(values: Numbers, rest: float) -> float:
     """Return the share of pulses at which motors stand; 0 where they only pass by."""
-    near = values[np.abs(values - rest) < RESTING]
+    near = values[np.abs(values - rest) < RESTING_PULSE]
     # A motor that stands repeats one pulse, one that hovers there has all around it
     most = float(np.unique(near, return_counts=True)[1].max()) if len(near) else 0.0
     return most / len(values) if most > 0.5 * len(near) else 0.0
@@ -175,7 +178,7 @@ def _judge_actuators(
     for unit in ('N', 'mN', '%'):
         if unit in units:
             return unit, 'effort', 'the unit in the names'
-    if words & SPEEDS:
+    if words & ROTOR_SPEED_WORDS:
         return 'rad/s', 'velocity', 'the word speed'
     named_force = bool(words & (FORCES - {'thrust'})) and not words & {'pwm', 'duty', 'throttle'}
     if size <= 1.05:
@@ -205,7 +208,7 @@ def _name_actuators(motors: Sequence[ColumnName], choices: DraftChoices) -> list
     for index, name in enumerate(motors):
         key = f'{name.column}.command'
         answer = choices.find_answer(key)
-        if answer and not NAME.fullmatch(answer):
+        if answer and not ACTUATOR_NAME.fullmatch(answer):
             raise BadInput(
                 f"--set {key}: '{answer}' is no name of an actuator; use small letters, digits "
                 'and _.'
@@ -227,13 +230,16 @@ def _name_actuators(motors: Sequence[ColumnName], choices: DraftChoices) -> list
 
 def _list_places(motors: Sequence[ColumnName]) -> list[str]:
     """Return where each actuator is by the words of its column: 'left' of pwm_left or Fl."""
-    split = [[word.lower() for word in WORDS.findall(name.column)] for name in motors]
+    split = [[word.lower() for word in WORD_PATTERN.findall(name.column)] for name in motors]
     there = {word for words in split for word in words}
-    if there >= {'fl', 'fr'} and not there & CORNERS:
+    if there >= {'fl', 'fr'} and not there & CORNER_WORDS:
         # The forces left and right, of no quadrotor
         split = [[{'fl': 'left', 'fr': 'right'}.get(word, word) for word in words]
                  for words in split]  # fmt: skip
-    return ['_'.join(FULL.get(word, word) for word in words if word in PLACES) for words in split]
+    return [
+        '_'.join(SIDE_WORDS.get(word, word) for word in words if word in PLACE_WORDS)
+        for words in split
+    ]
 
 
 def _name_actuator(name: ColumnName, index: int) -> str:

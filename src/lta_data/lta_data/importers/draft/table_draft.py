@@ -23,12 +23,16 @@ from lta_data.interpretation.column_names import match_role, parse_column_name, 
 from lta_data.interpretation.commands import is_held
 from lta_data.interpretation.kinematics import find_sensor_axes, MotionEvidence, SENSOR_AXES
 
-TOPICS: Final = {'truth': 'ground_truth/odom', 'estimate': 'odom', 'setpoint': 'setpoint/pose'}
+ROLE_TABLE_TOPICS: Final = {
+    'truth': 'ground_truth/odom',
+    'estimate': 'odom',
+    'setpoint': 'setpoint/pose',
+}
 WRENCH_UNITS: Final = {'force': 'N', 'torque': 'N m'}
-INERTIAL: Final = frozenset(
+INERTIAL_WORDS: Final = frozenset(
     ['imu', 'gyro', 'gyr', 'gyros', 'gyroscope', 'g', 'acc', 'accel', 'accelerometer']
 )
-MOTIONS: Final = frozenset(['position', 'attitude', 'velocity'])
+MOTION_PARTS: Final = frozenset(['position', 'attitude', 'velocity'])
 Groups = dict[str, ColumnGroup]
 
 
@@ -88,18 +92,22 @@ def draft_table(
     axes = None
     inertial = topics.pop('imu', {})
     primary: MotionDraft | None = None
-    for topic, members in sorted(topics.items(), key=lambda one: one[0] != TOPICS['truth']):
+    for topic, members in sorted(
+        topics.items(), key=lambda one: one[0] != ROLE_TABLE_TOPICS['truth']
+    ):
         if topic == 'wrench_command':
             entries.append(_draft_wrench(topic, members, choices))
             continue
-        borrowed = dict(inertial) if topic != TOPICS['setpoint'] and primary is None else {}
+        borrowed = (
+            dict(inertial) if topic != ROLE_TABLE_TOPICS['setpoint'] and primary is None else {}
+        )
         if (rates := borrowed.pop('rates', None)) is not None:
             borrowed['sensed'] = rates
         drafted = _draft_topic(topic, members | borrowed, time, table, choices)
-        if topic != TOPICS['setpoint'] and primary is None:
+        if topic != ROLE_TABLE_TOPICS['setpoint'] and primary is None:
             primary = drafted
             if drafted.turn is not None or drafted.evidence.position is not None:
-                axes = find_axes(drafted.evidence, drafted.turn, _axis_names(members), choices)
+                axes = find_axes(drafted.evidence, drafted.turn, drafted.axis_names, choices)
         parts = {k: v for k, v in drafted.parts.items() if k != 'acceleration'}
         if parts:
             entries.append({'topic': topic} | parts)
@@ -127,12 +135,12 @@ def _sort_groups(
         own = frozenset[str]().union(*(parse_column_name(c).words for c in group.columns))
         if kind in ('force', 'torque'):
             topic = 'wrench_command'
-        elif kind == 'acceleration' or (kind == 'rates' and (own | words) & INERTIAL):
+        elif kind == 'acceleration' or (kind == 'rates' and (own | words) & INERTIAL_WORDS):
             topic = 'imu'
         else:
             role = group.role or match_role(words)
             role = role or _role_by_motion(group, topics, table, nameless_role)
-            topic = choices.override(f'{group.columns[0]}.topic', TOPICS[role])
+            topic = choices.override(f'{group.columns[0]}.topic', ROLE_TABLE_TOPICS[role])
             if role == 'setpoint' and kind in ('velocity', 'rates'):
                 topic = 'setpoint/velocity'
         members = topics.setdefault(topic, {})
@@ -169,7 +177,9 @@ def _role_of_nameless(groups: Sequence[ColumnGroup]) -> str:
         role: {_part_of(one) for one in groups if one.role == role and one.kind}
         for role in ('', 'truth', 'estimate')
     }
-    fits = bool(parts['estimate'] & MOTIONS) and not parts['estimate'] & parts[''] & MOTIONS
+    fits = (
+        bool(parts['estimate'] & MOTION_PARTS) and not parts['estimate'] & parts[''] & MOTION_PARTS
+    )
     return 'estimate' if fits and not parts['truth'] else 'truth'
 
 
@@ -185,16 +195,11 @@ def _role_by_motion(
     group: ColumnGroup, topics: Mapping[str, Groups], table: Columns, usual: str
 ) -> str:
     """Return the role of a group whose names do not say it."""
-    members, part = topics.get(TOPICS[usual], {}), _part_of(group)
+    members, part = topics.get(ROLE_TABLE_TOPICS[usual], {}), _part_of(group)
     # An attitude in another form is the same one
     if part not in members or (part == 'attitude' and members[part].kind != group.kind):
         return usual
     return 'setpoint' if is_held(group.stack(table)) else 'estimate'
-
-
-def _axis_names(members: Groups) -> str:
-    group = members.get('position') or members.get('velocity')
-    return '' if group is None else ''.join(group.axes)
 
 
 def _draft_topic(

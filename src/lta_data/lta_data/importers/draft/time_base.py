@@ -8,17 +8,17 @@ from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.protocol import Numbers
 from lta_data.importers.readers.column_log import parse_date, split_date
 from lta_data.interpretation.column_group import ColumnGroup, Columns
-from lta_data.interpretation.column_names import parse_column_name, TIMES, UNIT_WORDS
+from lta_data.interpretation.column_names import parse_column_name, TIME_WORDS, UNIT_WORDS
 import numpy as np
 
-RATES: Final = (0.5, 3000.0)  # of samples that a flight log has [Hz]
+LOG_RATES: Final = (0.5, 3000.0)  # of samples that a flight log has [Hz]
 EPOCHS: Final = {'s': 1e9, 'ms': 1e12, 'us': 1e15, 'ns': 1e18}  # times since 1970, at least
 FRAMES: Final = frozenset(
     ['frame', 'frames', 'index', 'idx', 'row', 'sample', 'samples', 'unnamed']
 )
 RESTART: Final = 0.1  # of what passed; a time that falls back to less of it begins anew
 # Words for the parts of a time: whole seconds, and what is left of a second
-SECONDS: Final = frozenset(['s', 'sec', 'secs', 'second', 'seconds'])
+SECOND_WORDS: Final = frozenset(['s', 'sec', 'secs', 'second', 'seconds'])
 FRACTIONS: Final = {
     unit: frozenset([unit, *words, *(f'{word}s' for word in words)])
     for unit, words in {
@@ -91,7 +91,11 @@ def _find_split_time(table: Columns) -> dict[str, str]:
         fraction = next((one for one, its in FRACTIONS.items() if words & its), '')
         if fraction and cells.min() >= 0 and cells.max() * UNITS[fraction][1] < 1.0:
             rest.append((column, fraction))
-        elif words & SECONDS and (cells == np.floor(cells)).all() and (np.diff(cells) >= 0).all():
+        elif (
+            words & SECOND_WORDS
+            and (cells == np.floor(cells)).all()
+            and (np.diff(cells) >= 0).all()
+        ):
             whole.append(column)
     for column in whole:
         for other, unit in rest:
@@ -132,7 +136,7 @@ def _describe_times(table: Columns) -> str:
     """Return why no column is a time, in a sentence."""
     for column, cells in table.items():
         name = parse_column_name(column)
-        if not (name.words | {name.axis}) & TIMES:
+        if not (name.words | {name.axis}) & TIME_WORDS:
             continue
         if cells.dtype.kind in 'fiub':
             return f"Column '{column}' does not rise from row to row, so it is no time."
@@ -154,7 +158,7 @@ def _find_time_column(table: Columns, groups: list[ColumnGroup]) -> str:
         dated = table[column].dtype.kind not in 'fiub'
         if dated and split_date(str(table[column][0])):
             return column
-        if not dated and name.words & TIMES:
+        if not dated and name.words & TIME_WORDS:
             return column
     numbers = [column for column in rising if table[column].dtype.kind in 'fiub']
     first = next(iter(table))
@@ -239,7 +243,9 @@ def _find_time_unit(
 def _list_units(cells: Numbers) -> list[str]:
     """Return the units in which the rate of the rows is that of a flight log."""
     step = _median_step(cells)
-    return [unit for unit in EPOCHS if RATES[0] <= 1.0 / (step * UNITS[unit][1]) <= RATES[1]]
+    return [
+        unit for unit in EPOCHS if LOG_RATES[0] <= 1.0 / (step * UNITS[unit][1]) <= LOG_RATES[1]
+    ]
 
 
 def _median_step(cells: Numbers) -> float:
@@ -266,7 +272,7 @@ def _derive_rate(table: Columns, groups: list[ColumnGroup]) -> tuple[float, str]
             rates = fast[good] / moved[good]
             rate = float(np.median(rates))
             spread = float(np.median(np.abs(rates / rate - 1.0)))
-            if spread < 0.2 and RATES[0] <= rate <= RATES[1]:
+            if spread < 0.2 and LOG_RATES[0] <= rate <= LOG_RATES[1]:
                 nice = min(NICE, key=lambda hertz: abs(np.log(hertz / rate)))
                 close = abs(nice / rate - 1.0) < 0.05
                 return float(nice if close else round(rate, 1)), (

@@ -32,9 +32,11 @@ Axes = str | list[str]
 UPWARDS: Final[tuple[Axes, ...]] = (['y', 'z', 'x'], 'Y_UP', 'ENU')
 DOWNWARDS: Final[tuple[Axes, ...]] = (['z', 'y', '-x'], ['x', 'z', '-y'], ['x', '-y', '-z'])
 NAMED_BODIES: Final = ('FLU', 'FRD', 'Y_UP')
-LEVEL: Final = 0.9  # mean cosine to the vertical of the axis of a vehicle in flight, at least
-TURNING: Final = 0.85  # mean cosine of every other pair of axes of a vehicle that turns, at most
-EXACT: Final = 1e-12  # of a cosine
+# Mean cosine to the vertical of the axis of a vehicle in flight, at least
+LEVEL_COSINE: Final = 0.9
+# Mean cosine of every other pair of axes of a vehicle that turns, at most
+TURNING_COSINE: Final = 0.85
+LEVEL_TOLERANCE: Final = 1e-12  # of a cosine
 PULLS: Final = 0.1  # share of what an accelerometer feels beside gravity that tells its sign
 FLATTER: Final = 3.0  # times as far along z as along y moves what can have y up
 UP_BY_NAME: Final = {
@@ -80,7 +82,7 @@ def find_axes(
 
     """
     # A heading alone, without roll and pitch, says nothing of the vertical
-    if turn is None or turn.as_matrix()[:, 2, 2].min() > 1.0 - EXACT:
+    if turn is None or turn.as_matrix()[:, 2, 2].min() > 1.0 - LEVEL_TOLERANCE:
         return _find_without_attitude(evidence, axis_names, choices)
     vertical = _find_vertical(evidence, turn)
     floats = choices.vehicle is not None and choices.vehicle.floats
@@ -142,7 +144,7 @@ def _find_vertical(evidence: MotionEvidence, turn: Rotation) -> _Vertical:
     sizes = np.abs(means)
     world, body = (int(one) for one in np.unravel_index(sizes.argmax(), sizes.shape))
     others = np.delete(sizes.ravel(), 3 * world + body)
-    if sizes[world, body] < LEVEL or others.max() > TURNING:
+    if sizes[world, body] < LEVEL_COSINE or others.max() > TURNING_COSINE:
         world = body = 2
     if (pull := _mean_pull(evidence, turn)) is not None:
         world = int(np.abs(pull).argmax())
@@ -271,12 +273,12 @@ def _can_be_y_up(position: Numbers, sign: int) -> bool:
     return above and (sign <= 0 or bool(spread[2] > FLATTER * spread[1]))
 
 
-CLEAR: Final = 0.05  # advantage of a reading that decides
-SAME: Final = 3.0  # readings that differ by less are the same in this flight [deg]
-ALIKE: Final = 0.02  # scores of readings that agree equally well
-FORWARD: Final = 0.85  # of the way is along one direction of the body of an airship
-AHEAD: Final = 0.3  # weight of a motion along x, which tells a compass heading from a yaw
-CLEARLY: Final = 0.15  # by which another reading must keep to its direction less
+DECIDING_ADVANTAGE: Final = 0.05  # advantage of a reading that decides
+SAME_ATTITUDE: Final = 3.0  # readings that differ by less are the same in this flight [deg]
+EQUAL_SCORES: Final = 0.02  # scores of readings that agree equally well
+FORWARD_SHARE: Final = 0.85  # of the way is along one direction of the body of an airship
+AHEAD_WEIGHT: Final = 0.3  # weight of a motion along x, which tells a compass heading from a yaw
+FORWARDNESS_GAIN: Final = 0.15  # by which another reading must keep to its direction less
 
 
 def typical_difference(one: Rotation, other: Rotation) -> float:
@@ -300,12 +302,12 @@ def choose_reading(
     scored = [(score - one.cost, why) for (score, why), one in zip(scored, readings, strict=True)]
     # At a similar score, the conventional reading is the first
     most = max(score for score, _ in scored)
-    best = next(i for i, (score, _) in enumerate(scored) if score > most - ALIKE)
+    best = next(i for i, (score, _) in enumerate(scored) if score > most - EQUAL_SCORES)
     first = readings[best]
     rivals = [
         reading for i, reading in enumerate(readings)
-        if scored[best][0] - scored[i][0] < CLEAR and not reading.cost
-        and typical_difference(first.turn, reading.turn) > SAME
+        if scored[best][0] - scored[i][0] < DECIDING_ADVANTAGE and not reading.cost
+        and typical_difference(first.turn, reading.turn) > SAME_ATTITUDE
     ]  # fmt: skip
     if answer:
         first = labels[choices.decide(key, [(label, '') for label in labels], '')]
@@ -333,9 +335,9 @@ def choose_reading(
         elif level[0]:
             why = 'the first order that keeps the vehicle upright'
         ways = [measure_forwardness(reading.turn, evidence) for reading in readings]
-        forward = [steady + AHEAD * ahead for steady, ahead in ways]
+        forward = [steady + AHEAD_WEIGHT * ahead for steady, ahead in ways]
         best = int(np.argmax(forward))
-        if ways[best][0] > FORWARD and forward[best] - forward[level[0]] > CLEARLY:
+        if ways[best][0] > FORWARD_SHARE and forward[best] - forward[level[0]] > FORWARDNESS_GAIN:
             first = readings[best]
             why = f'the vehicle moves where it points ({100 * ways[best][0]:.0f} % of the way)'
         elif len(group.columns) == 3 and not _are_named(group):
@@ -344,7 +346,7 @@ def choose_reading(
             question = 'Nothing tells the sign of the pitch; that of a Crazyflie is inverted.'
             first = labels[choices.decide(key, options, question)]
             why = choices.explain(key)
-        elif ways[best][0] < FORWARD and is_compass(group, numbers):
+        elif ways[best][0] < FORWARD_SHARE and is_compass(group, numbers):
             senses = [one for one in (readings[best], *readings) if 'offsets' in one.entry]
             options = [(one.label, '') for one in (first, *senses[:1])]
             question = 'A heading can be a yaw, or clockwise from north.'

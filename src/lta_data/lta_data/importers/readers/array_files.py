@@ -19,7 +19,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-WIDEST = 64  # columns of a matrix; wider ones are images or maps
+MAX_MATRIX_COLUMNS = 64  # columns of a matrix; wider ones are images or maps
 
 
 def arrange_tables(leaves: Mapping[str, Any]) -> tuple[dict[str, dict[str, Column]], list[str]]:
@@ -77,7 +77,7 @@ def _split_columns(name: str, array: Column) -> dict[str, Column]:
         array = array.reshape(-1)
     if array.ndim == 1:
         return {name: array}
-    if array.ndim != 2 or min(array.shape) > WIDEST:
+    if array.ndim != 2 or min(array.shape) > MAX_MATRIX_COLUMNS:
         return {}
     # Time along the longer side
     rows = array if array.shape[0] >= array.shape[1] else array.T

@@ -25,7 +25,7 @@ from lta_config.schema.import_file import OrientationField, ScalarField, TopicMa
 from lta_data.bag.columns import extract_field_columns, extract_stamp
 from lta_data.bag.mcap_file.decoder import MISDEFINED, parse_definition
 from lta_data.bag.recover import build_definition
-from lta_data.importers.entry_plan import MessagePart, SHAPES
+from lta_data.importers.entry_plan import MESSAGE_SHAPES, MessagePart
 from lta_data.importers.protocol import LogTable, Numbers
 from mcap.records import Channel, Schema
 import numpy as np
@@ -65,14 +65,14 @@ TRANSFORMS = 'tf2_msgs/msg/TFMessage'
 NAMED_POSES = 'motion_capture_tracking_interfaces/msg/NamedPoseArray'
 RIGID_BODIES = 'mocap4r2_msgs/msg/RigidBodies'
 # Types with several bodies: the list of them, and the name of each
-BODIES: Mapping[str, tuple[str, str]] = {
+BODY_TYPES: Mapping[str, tuple[str, str]] = {
     TRANSFORMS: ('transforms', 'child_frame_id'),
     NAMED_POSES: ('poses', 'name'),
     RIGID_BODIES: ('rigidbodies', 'rigid_body_name'),
 }
-PIECE = 10_000  # decoded messages held before conversion to numbers
-CHILD = '#'  # separates a topic with several bodies and the name of one
-LOOK = 3000  # messages in which the bodies of a topic are looked for
+MESSAGES_PER_PIECE = 10_000  # decoded messages held before conversion to numbers
+CHILD_MARK = '#'  # separates a topic with several bodies and the name of one
+BODY_SEARCH_MESSAGES = 3000  # messages in which the bodies of a topic are looked for
 Decode = Callable[[], object]
 
 
@@ -145,7 +145,7 @@ class RowCollector:
     def add_messages(self, more: Iterable[DecodedMessage]) -> None:
         """Add messages."""
         self._met += more
-        if len(self._met) >= PIECE:
+        if len(self._met) >= MESSAGES_PER_PIECE:
             self._pack_pending()
 
     def finish_table(self) -> LogTable | None:
@@ -185,7 +185,7 @@ def select_child(met: DecodedMessage, child: str) -> list[DecodedMessage]:
 
 def _iterate_bodies(message: object) -> Iterator[tuple[str, Any]]:
     """Yield the name and the pose of each body in a message."""
-    for listed, name in BODIES.values():
+    for listed, name in BODY_TYPES.values():
         for one in getattr(message, listed, []):
             if hasattr(one, name):
                 yield str(getattr(one, name)), one
@@ -201,7 +201,7 @@ def build_tables(
     of the bag, in its order; read only if a requested topic exists.
     """
     # '/tf#base_link' selects one child frame of /tf
-    topics = {name: name.split(CHILD)[0] for name in names}
+    topics = {name: name.split(CHILD_MARK)[0] for name in names}
     there = {name: topic for name, topic in topics.items() if topic in available}
     met = {name: RowCollector() for name in there}
     for order, (topic, log_time, decode) in enumerate(messages if there else ()):
@@ -211,7 +211,7 @@ def build_tables(
         # Decode lazily: messages of unused topics are never decoded
         one = DecodedMessage(order, log_time, decode())
         for name in takers:
-            _, sign, child = name.partition(CHILD)
+            _, sign, child = name.partition(CHILD_MARK)
             met[name].add_messages(select_child(one, child) if sign else [one])
     tables = {name: rows.finish_table() for name, rows in met.items()}
     return {name: table for name, table in tables.items() if table is not None}
@@ -236,8 +236,8 @@ def complete_entry(entry: TopicMapping, type_name: str, target: str) -> TopicMap
     # An explicit mapping takes precedence.
     if entry.parts or entry.actuators or entry.forces:
         return entry
-    theirs = FURTHER.get(type_name) or SHAPES.get(type_name, {})
-    shared = {name: part for name, part in theirs.items() if name in SHAPES[target]}
+    theirs = FURTHER.get(type_name) or MESSAGE_SHAPES.get(type_name, {})
+    shared = {name: part for name, part in theirs.items() if name in MESSAGE_SHAPES[target]}
     if not shared:
         raise BadInput(
             f"Topic '{entry.table}' has type '{type_name}', which has no standard conversion to "
@@ -279,9 +279,9 @@ class BagTableLog(ABC):
         """Return the tables of the bodies in a topic, as '/tf#drone'."""
         names: dict[str, None] = {}
         messages = (decode for name, _, decode in self._iterate_decodable() if name == topic)
-        for decode in islice(messages, LOOK):
+        for decode in islice(messages, BODY_SEARCH_MESSAGES):
             names |= dict.fromkeys(name for name, _ in _iterate_bodies(decode()))
-        return [f'{topic}{CHILD}{name}' for name in names]
+        return [f'{topic}{CHILD_MARK}{name}' for name in names]
 
     @property
     def columns(self) -> Mapping[str, Sequence[str]]:

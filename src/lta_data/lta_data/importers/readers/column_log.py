@@ -17,7 +17,7 @@ from lta_config.quantity import UNITS
 from lta_config.schema.import_file import ImportMapping as MappingFile
 from lta_config.schema.import_file import TimeColumn
 from lta_config.topics import load_topic_table
-from lta_data.importers.log_provenance import CLOCK
+from lta_data.importers.log_provenance import CLOCK_KEY
 from lta_data.importers.protocol import (
     encode_label,
     LogTable,
@@ -39,9 +39,9 @@ import numpy as np
 from numpy.typing import NDArray
 import pyarrow as pa
 
-SECOND: Final = 1_000_000_000
-READABLE: Final = 2**62  # ns; the sum of two such times fits an int64
-EPOCH: Final = datetime(1970, 1, 1, tzinfo=UTC)
+SECOND_NS: Final = 1_000_000_000
+READABLE_TIME: Final = 2**62  # ns; the sum of two such times fits an int64
+EPOCH_DATE: Final = datetime(1970, 1, 1, tzinfo=UTC)
 # ISO 8601 or RFC 3339 date-time, to the second at least; the fraction is a separate group.
 DATE: Final = re.compile(
     r'(\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d|\d{8}T\d{6})(?:[.,](\d+))?\s*(Z|z|UTC|[+-]\d\d:?\d\d|)'
@@ -62,8 +62,8 @@ class ParsedTimes(NamedTuple):
 
 def compute_even_times(time: Any, rows: Times) -> Times:  # noqa: ANN401 - lta_config.schema.import_file.TimeColumn
     """Return the times of evenly spaced rows, without accumulated error. [ns]"""
-    period = SECOND / time.rate.si if time.step is None else round(time.step.si * SECOND)
-    _check_readable(rows * (period / SECOND), rows)
+    period = SECOND_NS / time.rate.si if time.step is None else round(time.step.si * SECOND_NS)
+    _check_readable(rows * (period / SECOND_NS), rows)
     # From the row number, so that rounding does not add up.
     times: Times = np.round(rows * period).astype(np.int64)
     return times
@@ -74,13 +74,13 @@ def round_to_nanoseconds(seconds: NDArray[np.float64]) -> Times:
     _check_readable(seconds, np.arange(len(seconds)))
     # Whole and fractional seconds apart: their product with 1e9 would lose digits
     whole = np.floor(seconds)
-    times: Times = whole.astype(np.int64) * SECOND
-    return times + np.round((seconds - whole) * SECOND).astype(np.int64)
+    times: Times = whole.astype(np.int64) * SECOND_NS
+    return times + np.round((seconds - whole) * SECOND_NS).astype(np.int64)
 
 
 def _check_readable(seconds: NDArray[np.float64], rows: Times) -> None:
     """Raise `BadInput` for times [s] that would overflow, in sums with a start, too."""
-    wrong = np.flatnonzero(~(np.abs(seconds) < READABLE / SECOND))
+    wrong = np.flatnonzero(~(np.abs(seconds) < READABLE_TIME / SECOND_NS))
     if len(wrong):
         raise BadInput(
             f'Row {rows[wrong[0]] + 1} is at {seconds[wrong[0]]:g} s, outside the range of '
@@ -141,12 +141,12 @@ def find_time_zone(text: str) -> str | None:
 def build_decimal_parser(unit: str) -> Callable[[str], int]:
     """Return a function that parses decimals in a unit of time. [ns]"""
     # Decimal: float64 has too few digits for nanoseconds since 1970
-    factor = Decimal(str(UNITS[unit][1])) * SECOND
+    factor = Decimal(str(UNITS[unit][1])) * SECOND_NS
 
     def parse(text: str) -> int:
         time = Decimal(text) * factor
         # An int of 1e999999 would take long
-        if abs(time) >= READABLE:
+        if abs(time) >= READABLE_TIME:
             raise OverflowError(text)
         return int(time.to_integral_value())
 
@@ -160,10 +160,10 @@ def parse_date(text: str) -> int:
         raise ValueError(text)
     whole, fraction, zone = parts
     zone = '+00:00' if zone in ('', 'Z', 'z', 'UTC') else zone
-    passed = datetime.fromisoformat(whole.replace(' ', 'T') + zone) - EPOCH
+    passed = datetime.fromisoformat(whole.replace(' ', 'T') + zone) - EPOCH_DATE
     # Apart from the whole seconds, since datetime resolves microseconds only
     nanoseconds = int(Decimal(f'0.{fraction}').scaleb(9).to_integral_value())
-    return (passed.days * 86_400 + passed.seconds) * SECOND + nanoseconds
+    return (passed.days * 86_400 + passed.seconds) * SECOND_NS + nanoseconds
 
 
 def choose_time_offset(first: int, notes: list[str], facts: dict[str, str]) -> int:
@@ -176,13 +176,13 @@ def choose_time_offset(first: int, notes: list[str], facts: dict[str, str]) -> i
     if first >= start:
         return 0
     # A whole number of seconds keeps the digits readable.
-    shift = start - min(0, first // SECOND) * SECOND
+    shift = start - min(0, first // SECOND_NS) * SECOND_NS
     notes.append(
-        f'The times in the log start at {first / SECOND:g} s. {shift / SECOND:g} s were added '
-        'to all times, since in ROS time 0 means "no clock yet".'
+        f'The times in the log start at {first / SECOND_NS:g} s. {shift / SECOND_NS:g} s were '
+        'added to all times, since in ROS time 0 means "no clock yet".'
     )
-    facts.setdefault(CLOCK, 'from its own start')
-    facts['time_shift'] = f'{shift / SECOND:g} s'
+    facts.setdefault(CLOCK_KEY, 'from its own start')
+    facts['time_shift'] = f'{shift / SECOND_NS:g} s'
     return shift
 
 
@@ -258,11 +258,11 @@ class ColumnLog:
                 f"The mapping gives no time for the table '{name}' of '{self._path}'; add "
                 '"time" to the topic that uses it.'
             )
-        start = 0 if time.start is None else round(time.start.si * SECOND)
+        start = 0 if time.start is None else round(time.start.si * SECOND_NS)
         if time.column is None:
             rows = np.arange(len(next(iter(table.values()))), dtype=np.int64)
             if time.start is None:
-                self.facts[CLOCK] = 'rows counted'
+                self.facts[CLOCK_KEY] = 'rows counted'
             return compute_even_times(time, rows) + start
         if absent := [column for column in time.columns if column not in table]:
             raise missing_columns_error(self._path, absent, list(table))
@@ -280,9 +280,9 @@ class ColumnLog:
             if is_zoneless and ZONELESS not in self.notes:
                 self.notes.append(ZONELESS)
             return times
-        factor = UNITS[unit][1] * SECOND
+        factor = UNITS[unit][1] * SECOND_NS
         largest = np.abs(cells.astype(np.float64)).max(initial=0.0)
-        if cells.dtype.kind in 'iub' and largest < READABLE / factor:
+        if cells.dtype.kind in 'iub' and largest < READABLE_TIME / factor:
             return cells.astype(np.int64) * round(factor)
         if not np.isfinite(cells).all():
             row = int(np.flatnonzero(~np.isfinite(cells))[0]) + 1

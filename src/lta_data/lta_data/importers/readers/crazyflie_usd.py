@@ -23,21 +23,21 @@ from lta_config.errors import BadInput
 from lta_config.limits import check_log_size
 from lta_config.schema.import_file import ImportMapping as MappingFile
 from lta_config.topics import load_topic_table
-from lta_data.importers.log_provenance import CLOCK
+from lta_data.importers.log_provenance import CLOCK_KEY
 from lta_data.importers.protocol import InMemoryLog, LogTable
 import numpy as np
 
 MAGIC = 0xBC
-HEAD = struct.Struct('<BHH')  # magic, version, event types
+USD_HEAD = struct.Struct('<BHH')  # magic, version, event types
 CRC = 4  # bytes
 # Head of an event, by version of the format
 STARTS = {
     1: np.dtype([('id', '<u2'), ('time', '<u4')]),
     2: np.dtype([('id', '<u2'), ('time', '<u8')]),
 }
-TICK = {1: 1_000_000, 2: 1_000}  # ns per unit of time, by version
-KINDS = 'BbHhIiQqefd'  # type codes of Python's struct
-VARIABLE = re.compile(rf'(.+)\(([{KINDS}])\)')
+TICK_LENGTHS = {1: 1_000_000, 2: 1_000}  # ns per unit of time, by version
+STRUCT_CODES = 'BbHhIiQqefd'  # type codes of Python's struct
+VARIABLE = re.compile(rf'(.+)\(([{STRUCT_CODES}])\)')
 
 
 @final
@@ -86,7 +86,7 @@ def open_usd_log(path: Path, mapping: MappingFile | None) -> InMemoryLog:
     facts = {
         'usd_version': str(version),
         'crc': 'fits' if whole else 'does not fit',
-        CLOCK: 'since the drone was switched on',
+        CLOCK_KEY: 'since the drone was switched on',
     }
     _note_shift(notes)
     return InMemoryLog(tables, notes, facts)
@@ -95,13 +95,13 @@ def open_usd_log(path: Path, mapping: MappingFile | None) -> InMemoryLog:
 def _read_header(data: bytes, path: Path) -> tuple[dict[int, UsdEvent], int, int]:
     """Return the event types by number, the offset of the first event, and the version."""
     try:
-        magic, version, count = HEAD.unpack_from(data)
+        magic, version, count = USD_HEAD.unpack_from(data)
         if magic != MAGIC or version not in STARTS:
             raise BadInput(
                 f"'{path}' is not a Crazyflie log of version 1 or 2 (byte {magic:#x}, version "
                 f'{version}); record a log with a firmware that writes one of these versions.'
             )
-        at = HEAD.size
+        at = USD_HEAD.size
         events = {}
         for _ in range(count):
             number, name, variables, at = _read_event_header(data, at)
@@ -173,7 +173,7 @@ def _build_table(
     size = event.record.itemsize
     # Records of all types are interleaved, so gather those of one type first
     rows = np.frombuffer(b''.join(data[at : at + size] for _, at in places), dtype=event.record)
-    stamps = rows['time'].astype(np.int64) * TICK[version] + load_topic_table().start_ns
+    stamps = rows['time'].astype(np.int64) * TICK_LENGTHS[version] + load_topic_table().start_ns
     columns = {
         name: rows[f'variable {index}'].astype(np.float64)
         for index, name in enumerate(event.variables, 1)

@@ -24,14 +24,14 @@ import pyarrow.csv as pacsv
 
 GZIP: Final = b'\x1f\x8b'
 UTF16: Final = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
-HEAD: Final = 1 << 16  # bytes by which the encoding is detected
+ENCODING_BYTES: Final = 1 << 16  # bytes by which the encoding is detected
 HEAD_LINES: Final = 4 << 20  # bytes by which names and delimiters are; longer rows are refused
 CONTROLS: Final = frozenset(range(32)) - frozenset(b'\t\n\v\f\r\x1b')  # bytes that no text has
 # A cell such as "[1.0, 2.0]" or "array([1.0, 2.0])"
 LIST: Final = re.compile(rb'"?(?:(?:np\.)?array\()?[\[(]([^\[\]()"]*)[\])](?:\))?"?')
 QUOTED_DECIMAL: Final = re.compile(rb'"([-+]?\d*),(\d+(?:[eE][-+]?\d+)?)"')
-NAMED: Final = {'tab': '\t', 'whitespace': ' '}
-EMPTY: Final = ('', ' ', 'NA', 'null', 'None')  # cells without a number
+NAMED_DELIMITERS: Final = {'tab': '\t', 'whitespace': ' '}
+EMPTY_CELLS: Final = ('', ' ', 'NA', 'null', 'None')  # cells without a number
 Cells: TypeAlias = pa.ChunkedArray  # of a column, as bytes; null where empty
 
 
@@ -82,7 +82,7 @@ def read_text(path: Path, size: int = LOG_BYTES + 1) -> bytes:
             f"'{path}' unpacks to more than {LOG_BYTES} bytes, the limit of an import; split the "
             'log.'
         )
-    encoding = detect_encoding(data[:HEAD])
+    encoding = detect_encoding(data[:ENCODING_BYTES])
     if encoding not in ('', 'utf-8'):
         data = data.decode(encoding, errors='replace').encode()
     return data.removeprefix(codecs.BOM_UTF8)
@@ -116,7 +116,10 @@ def clean_text(data: bytes, text: TextFormat, names: Sequence[str]) -> tuple[byt
     """
     notes = []
     data = data[find_line(data, text, text.skip + (text.header is None)) :]
-    delimiter, is_blank = NAMED.get(text.delimiter, text.delimiter), text.delimiter == 'whitespace'
+    delimiter, is_blank = (
+        NAMED_DELIMITERS.get(text.delimiter, text.delimiter),
+        text.delimiter == 'whitespace',
+    )
     mark = delimiter.encode()
     if text.comment is not None:
         data = re.sub(rb'(?m)^[ \t]*' + re.escape(text.comment.encode()) + rb'.*\n?', b'', data)
@@ -172,12 +175,13 @@ def read_cells(
                 column_names=names, block_size=HEAD_LINES, use_threads=False
             ),
             parse_options=pacsv.ParseOptions(
-                delimiter=NAMED.get(text.delimiter, text.delimiter), invalid_row_handler=skip_row
+                delimiter=NAMED_DELIMITERS.get(text.delimiter, text.delimiter),
+                invalid_row_handler=skip_row,
             ),
             convert_options=pacsv.ConvertOptions(
                 # Bytes, since a text may not be UTF-8
                 column_types=dict.fromkeys(names, pa.binary()),
-                null_values=EMPTY,
+                null_values=EMPTY_CELLS,
                 strings_can_be_null=True,
             ),
         )
@@ -253,7 +257,7 @@ def read_column_names(path: Path, text: TextFormat) -> list[str]:
     line = decode_cell(data[find_line(data, text, text.skip) :].partition(b'\n')[0]).strip()
     if text.delimiter == 'whitespace':
         line = ' '.join(line.split())
-    delimiter = NAMED.get(text.delimiter, text.delimiter)
+    delimiter = NAMED_DELIMITERS.get(text.delimiter, text.delimiter)
     cells = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])
     check_column_count(path, len(cells))
     names: list[str] = []

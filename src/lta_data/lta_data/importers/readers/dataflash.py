@@ -18,7 +18,7 @@ from typing import Any, Final, final, NamedTuple
 from lta_config.errors import BadInput
 from lta_config.limits import check_log_size, limit_memory
 from lta_config.schema.import_file import ImportMapping as MappingFile
-from lta_data.importers.log_provenance import CLOCK
+from lta_data.importers.log_provenance import CLOCK_KEY
 from lta_data.importers.protocol import InMemoryLog, LogTable, Times
 import numpy as np
 from pyulog import ULog
@@ -68,7 +68,7 @@ def open_ulog(path: Path, mapping: MappingFile | None) -> InMemoryLog:
         notes.append(
             f'The PX4 logger lost data {len(log.dropouts)} times, for {lost} ms in total.'
         )
-    facts = {CLOCK: 'since the vehicle was switched on'} | {
+    facts = {CLOCK_KEY: 'since the vehicle was switched on'} | {
         ours: str(log.msg_info_dict[key])
         for key, ours in FACTS.items()
         if key in log.msg_info_dict
@@ -97,13 +97,13 @@ def _build_ulog_table(columns: dict[str, Any]) -> LogTable:
     return LogTable(stamps, times, times, numbers)
 
 
-HEAD: Final = b'\xa3\x95'
+DATAFLASH_HEAD: Final = b'\xa3\x95'
 FMT: Final = 128
 FMT_BYTES: Final = 89
-TIMES: Final = {'TimeUS': 1_000, 'TimeMS': 1_000_000}  # times of messages, in ns
+TIME_FIELDS: Final = {'TimeUS': 1_000, 'TimeMS': 1_000_000}  # times of messages, in ns
 SDLOG2: Final = 'StartTime'  # of the messages TIME in the logs of old PX4
 # Format character -> type and factor; texts and arrays are skipped
-KINDS: Final[dict[str, tuple[str, float]]] = {
+FIELD_CODES: Final[dict[str, tuple[str, float]]] = {
     'b': ('i1', 1.0), 'B': ('u1', 1.0), 'M': ('u1', 1.0), 'h': ('<i2', 1.0), 'H': ('<u2', 1.0),
     'i': ('<i4', 1.0), 'I': ('<u4', 1.0), 'q': ('<i8', 1.0), 'Q': ('<u8', 1.0),
     'f': ('<f4', 1.0), 'd': ('<f8', 1.0), 'g': ('<f2', 1.0),
@@ -129,7 +129,7 @@ def open_dataflash(path: Path, mapping: MappingFile | None) -> InMemoryLog:
     tables = {
         formats[kind].name: _build_table(data, formats[kind], kind_places)
         for kind, kind_places in places.items()
-        if {*TIMES} & {*formats[kind].factors}
+        if {*TIME_FIELDS} & {*formats[kind].factors}
     }
     if any(SDLOG2 in form.factors for form in formats.values()):
         raise BadInput(
@@ -141,8 +141,8 @@ def open_dataflash(path: Path, mapping: MappingFile | None) -> InMemoryLog:
     notes = []
     if skipped:
         notes.append(f'{skipped} bytes of the log are not a complete message and are left out.')
-    clock = {CLOCK: 'since the vehicle was switched on'}
-    return InMemoryLog(tables, notes, clock, timed=(*TIMES,))
+    clock = {CLOCK_KEY: 'since the vehicle was switched on'}
+    return InMemoryLog(tables, notes, clock, timed=(*TIME_FIELDS,))
 
 
 def _locate_messages(
@@ -155,14 +155,14 @@ def _locate_messages(
     while at + 3 <= len(data):
         kind = data[at + 2]
         size = 0
-        if data[at : at + 2] == HEAD:
+        if data[at : at + 2] == DATAFLASH_HEAD:
             message_type = formats.get(kind)
             size = (
                 FMT_BYTES if kind == FMT else message_type.record.itemsize if message_type else 0
             )
         if not size or at + size > len(data):
             # Damaged or unknown: search for the next head
-            following = data.find(HEAD, at + 1)
+            following = data.find(DATAFLASH_HEAD, at + 1)
             following = len(data) if following < 0 else following
             skipped += following - at
             at = following
@@ -184,13 +184,15 @@ def _read_format(message: bytes) -> tuple[int, MessageFormat] | None:
         for part in (message[5:9], message[9:25], message[25:89])
     )
     names = labels.split(',') if labels else []
-    if len(names) != len(codes) or len(set(names)) != len(names) or not {*codes} <= {*KINDS}:
+    if len(names) != len(codes) or len(set(names)) != len(names) or not {*codes} <= {*FIELD_CODES}:
         return None
-    fields = [('head', 'V3'), *((n, KINDS[c][0]) for n, c in zip(names, codes, strict=True))]
+    fields = [('head', 'V3'), *((n, FIELD_CODES[c][0]) for n, c in zip(names, codes, strict=True))]
     record = np.dtype(fields)
     if record.itemsize != size:
         return None
-    factors = {n: KINDS[c][1] for n, c in zip(names, codes, strict=True) if KINDS[c][1]}
+    factors = {
+        n: FIELD_CODES[c][1] for n, c in zip(names, codes, strict=True) if FIELD_CODES[c][1]
+    }
     return kind, MessageFormat(name, factors, record)
 
 
@@ -201,8 +203,8 @@ def _build_table(data: bytes, form: MessageFormat, places: list[int]) -> LogTabl
     # Shape (messages, bytes)
     rows = raw[offsets[:, None] + np.arange(form.record.itemsize)]
     records = np.ascontiguousarray(rows).view(form.record).reshape(-1)
-    time = next(name for name in TIMES if name in form.factors)
-    times = records[time].astype(np.int64) * TIMES[time]
+    time = next(name for name in TIME_FIELDS if name in form.factors)
+    times = records[time].astype(np.int64) * TIME_FIELDS[time]
     numbers = {
         name: records[name].astype(np.float64) * factor
         for name, factor in form.factors.items()

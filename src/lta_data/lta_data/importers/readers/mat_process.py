@@ -20,8 +20,8 @@ from lta_config.limits import check_column_count, limit_memory
 import numpy as np
 from numpy.typing import NDArray
 
-REFUSED = 2  # exit status of the child after one sentence on stderr
-NAMES = 'names'  # the array with the names of the others, as JSON
+REFUSED_STATUS = 2  # exit status of the child after one sentence on stderr
+NAMES_ARRAY = 'names'  # the array with the names of the others, as JSON
 
 
 def read_mat_arrays(path: Path) -> dict[str, NDArray[Any]]:
@@ -33,7 +33,7 @@ def read_mat_arrays(path: Path) -> dict[str, NDArray[Any]]:
     command = [sys.executable, '-P', '-m', __name__, str(path)]
     with tempfile.TemporaryFile() as stream:
         done = subprocess.run(command, stdout=stream, stderr=subprocess.PIPE, check=False)
-        if done.returncode == REFUSED:
+        if done.returncode == REFUSED_STATUS:
             raise BadInput(done.stderr.decode(errors='replace').strip())
         if done.returncode:
             raise BadInput(
@@ -43,7 +43,7 @@ def read_mat_arrays(path: Path) -> dict[str, NDArray[Any]]:
             )
         stream.seek(0)
         content = np.load(stream, allow_pickle=False)
-        names = json.loads(content[NAMES].tobytes())
+        names = json.loads(content[NAMES_ARRAY].tobytes())
         return {name: content[f'a{index}'] for index, name in enumerate(names)}
 
 
@@ -70,10 +70,10 @@ def main(path: Path) -> None:
             check_column_count(path, len(arrays))
         except BadInput as error:
             sys.stderr.write(str(error))
-            sys.exit(REFUSED)
+            sys.exit(REFUSED_STATUS)
         names = np.frombuffer(json.dumps(list(arrays)).encode(), np.uint8)
         numbered = {f'a{index}': array for index, array in enumerate(arrays.values())}
-        np.savez(sys.stdout.buffer, allow_pickle=False, **{NAMES: names}, **numbered)
+        np.savez(sys.stdout.buffer, allow_pickle=False, **{NAMES_ARRAY: names}, **numbered)
 
 
 def _flatten(content: dict[str, Any], prefix: str = '') -> Iterator[tuple[str, NDArray[Any]]]:

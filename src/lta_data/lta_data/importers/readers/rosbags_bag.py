@@ -41,7 +41,7 @@ from rosbags.interfaces import Connection
 from rosbags.typesys import get_typestore, Stores
 from rosbags.typesys.store import Typestore
 
-LOOK = 2000  # messages between two updates of the progress bar
+MESSAGES_PER_UPDATE = 2000  # messages between two updates of the progress bar
 
 
 def open_mcap_log(path: Path, mapping: MappingFile | None) -> 'McapLog':
@@ -78,7 +78,7 @@ class McapLog(BagTableLog):
         for order, (topic, log_time, data) in enumerate(
             self._bag.iterate_messages(list(self.raw))
         ):
-            if order % LOOK == 0:
+            if order % MESSAGES_PER_UPDATE == 0:
                 reached(min(1.0, order / self._total))
             yield PassThroughMessage(order, topic, log_time, data)
         # At the end, since some damage is detected only while reading
@@ -169,7 +169,7 @@ class RosbagsLog(BagTableLog):
     def iterate_messages(self, reached: Reached) -> Iterator[PassThroughMessage]:
         """Yield all messages by log time."""
         for order, (_, connection, log_time, data) in enumerate(self._iterate_raw_messages()):
-            if order % LOOK == 0:
+            if order % MESSAGES_PER_UPDATE == 0:
                 reached(min(1.0, order / self._count))
             try:
                 ours = self._converters[connection.topic](data)

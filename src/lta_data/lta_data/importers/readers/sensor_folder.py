@@ -22,7 +22,7 @@ READERS = {
     '.npz': read_numpy_file,
     '.parquet': read_parquet_file,
 }
-RUNS = ('.ulg', '.bin', '.bag', '.mcap', '.db3')  # further formats with one run in a file
+RUN_ENDINGS = ('.ulg', '.bin', '.bag', '.mcap', '.db3')  # further formats with one run in a file
 TEXTS = ('.csv', '.txt', '.tsv', '.dat', '.log')
 
 
@@ -71,7 +71,7 @@ def list_data_files(path: Path) -> list[Path]:
 
 def list_run_files(path: Path) -> list[Path]:
     """Return the logs in a folder, sorted; hidden ones do not count."""
-    return _list_files(path, (*TEXTS, *READERS, *RUNS))
+    return _list_files(path, (*TEXTS, *READERS, *RUN_ENDINGS))
 
 
 def list_run_folders(path: Path) -> list[Path]:
@@ -99,7 +99,9 @@ def describe_empty_files(path: Path) -> list[str]:
         return []
     used = list_run_files(path)
     names = [
-        file.name for file in _find_files(path, (*TEXTS, *READERS, *RUNS)) if file not in used
+        file.name
+        for file in _find_files(path, (*TEXTS, *READERS, *RUN_ENDINGS))
+        if file not in used
     ]
     return [f'Left out, as they hold no rows of numbers: {", ".join(names)}.'] if names else []
 

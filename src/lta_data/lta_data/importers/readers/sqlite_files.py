@@ -22,11 +22,11 @@ from lta_data.bag.bag_folder import natural_sort_key
 import zstandard
 
 METADATA = 'metadata.yaml'
-QOS = 'offered_qos_profiles'
-PIECE = 1 << 20  # bytes
+QOS_COLUMN = 'offered_qos_profiles'
+BYTES_PER_PIECE = 1 << 20  # bytes
 # Views, triggers and generated columns run SQL, perhaps without end; a bag has none.
-PROGRAMS = "SELECT name FROM sqlite_master WHERE type IN ('view', 'trigger') OR sql LIKE ?"
-COMPUTED = (2, 3)  # `hidden` values of generated columns in table_xinfo
+PROGRAMS_QUERY = "SELECT name FROM sqlite_master WHERE type IN ('view', 'trigger') OR sql LIKE ?"
+GENERATED_COLUMNS = (2, 3)  # `hidden` values of generated columns in table_xinfo
 
 
 def find_files(path: Path) -> list[Path]:
@@ -58,7 +58,7 @@ def iterate_qos_texts(held: object) -> Iterator[str]:
     """Yield every text of a metadata.yaml that rosbags parses as YAML again."""
     if isinstance(held, dict):
         for key, inside in held.items():
-            if key == QOS and isinstance(inside, str):
+            if key == QOS_COLUMN and isinstance(inside, str):
                 yield inside
             yield from iterate_qos_texts(inside)
     elif isinstance(held, list):
@@ -72,7 +72,7 @@ def refuse_decompression_bomb(file: Path) -> None:
     try:
         with file.open('rb') as packed:
             stream = zstandard.ZstdDecompressor().stream_reader(packed)
-            while piece := stream.read(PIECE):
+            while piece := stream.read(BYTES_PER_PIECE):
                 done += len(piece)
                 if done > allowed:
                     raise BadInput(
@@ -89,10 +89,10 @@ def refuse_programs(file: Path) -> None:
     """Raise BadInput for a database with computed content, which runs SQL of its own."""
     try:
         with closing(sqlite3.connect(f'{file.absolute().as_uri()}?mode=ro', uri=True)) as base:
-            programs = [name for (name,) in base.execute(PROGRAMS, ('CREATE VIRTUAL%',))]
+            programs = [name for (name,) in base.execute(PROGRAMS_QUERY, ('CREATE VIRTUAL%',))]
             for table in ('messages', 'topics', 'schema', 'message_definitions'):
                 for _, name, *_, kind in base.execute(f'PRAGMA table_xinfo({table})'):
-                    programs += [name] if kind in COMPUTED else []
+                    programs += [name] if kind in GENERATED_COLUMNS else []
     except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
         raise _unreadable_error(file, error) from None
     if programs:
@@ -111,7 +111,7 @@ def refuse_unsafe_messages(file: Path) -> None:
             for (text,) in base.execute('SELECT DISTINCT offered_qos_profiles FROM topics'):
                 parse_yaml(text or '', f"The QoS in '{file}'")
     except sqlite3.OperationalError as error:
-        if QOS not in str(error):  # older bags have no QoS column
+        if QOS_COLUMN not in str(error):  # older bags have no QoS column
             raise _unreadable_error(file, error) from None
     except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
         raise _unreadable_error(file, error) from None
@@ -141,9 +141,9 @@ SCHEMA: Final = (
     'CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, '
     'data BLOB)',
 )
-LONGEST: Final = 1000  # times what is left of it, a file may have been long
+MAX_CUT_RATIO: Final = 1000  # times what is left of it, a file may have been long
 LOGGED: Final = b'\2\2'  # bytes 18 and 19 of a file with a write-ahead log
-TOPICS: Final = 'id, name, type, serialization_format'
+TOPIC_COLUMNS: Final = 'id, name, type, serialization_format'
 
 
 @final
@@ -241,7 +241,7 @@ def _pad(file: Path, copies: CopyFolder) -> Path:
     # Bytes 16 and 17: size of a page, where 1 stands for 65536; from 28 on: number of pages
     page = int.from_bytes(head[16:18], 'big')
     size = (65536 if page == 1 else page) * int.from_bytes(head[28:32], 'big')
-    if not file.stat().st_size < size <= file.stat().st_size * LONGEST:
+    if not file.stat().st_size < size <= file.stat().st_size * MAX_CUT_RATIO:
         return file
     padded = copies.name_copy(f'padded_{file.name}')
     shutil.copyfile(file, padded)
@@ -262,7 +262,7 @@ def _rescue_messages(file: Path, copies: CopyFolder) -> tuple[int, Path]:
             copy.execute(statement)
         try:
             base.execute('PRAGMA trusted_schema = OFF')
-            rows = base.execute(f'SELECT {TOPICS} FROM topics').fetchall()
+            rows = base.execute(f'SELECT {TOPIC_COLUMNS} FROM topics').fetchall()
             copy.executemany("INSERT INTO topics VALUES(?, ?, ?, ?, '')", rows)
             # By their number, as they were written: the pages follow each other
             there = {row[0] for row in rows}

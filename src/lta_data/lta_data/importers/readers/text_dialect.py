@@ -14,7 +14,7 @@ from lta_config.schema.import_file import TextFormat
 from lta_data.importers.readers.csv_text import HEAD_LINES, LIST, read_text
 from lta_data.interpretation.column_names import UNIT_WORDS
 
-LINES: Final = 60  # that are looked at
+DIALECT_LINES: Final = 60  # that are looked at
 DELIMITERS: Final = {',': ',', ';': ';', 'tab': '\t', 'whitespace': None}
 DECIMALS: Final[tuple[Literal['.', ','], ...]] = ('.', ',')
 COMMENTS: Final = '#%'
@@ -23,7 +23,7 @@ TUM: Final = ['timestamp', 'tx', 'ty', 'tz', 'qx', 'qy', 'qz', 'qw']
 # First line of what Vicon exports, above the rate
 VICON_SECTIONS: Final = ('Objects', 'Trajectories', 'Segments', 'Joints', 'Model Outputs')
 LENGTH_UNITS: Final = {'meters': 'm', 'centimeters': 'cm', 'millimeters': 'mm'}
-STAMP: Final = ('header.stamp.sec', 'header.stamp.nanosec', 'header.frame_id')
+ECHOED_STAMP: Final = ('header.stamp.sec', 'header.stamp.nanosec', 'header.frame_id')
 
 
 def _list_fields(*parts: str) -> list[str]:
@@ -39,15 +39,15 @@ def _list_fields(*parts: str) -> list[str]:
 ECHOED: Final = {
     len(names): names
     for names in (
-        [*STAMP, *_list_fields('pose.position:xyz', 'pose.orientation:xyzw')],
-        [*STAMP, *_list_fields('pose.pose.position:xyz', 'pose.pose.orientation:xyzw',
+        [*ECHOED_STAMP, *_list_fields('pose.position:xyz', 'pose.orientation:xyzw')],
+        [*ECHOED_STAMP, *_list_fields('pose.pose.position:xyz', 'pose.pose.orientation:xyzw',
                                'pose.covariance:36')],
-        [*STAMP, 'child_frame_id', *_list_fields('transform.translation:xyz',
+        [*ECHOED_STAMP, 'child_frame_id', *_list_fields('transform.translation:xyz',
                                                  'transform.rotation:xyzw')],
-        [*STAMP, 'child_frame_id', *_list_fields(
+        [*ECHOED_STAMP, 'child_frame_id', *_list_fields(
             'pose.pose.position:xyz', 'pose.pose.orientation:xyzw', 'pose.covariance:36',
             'twist.twist.linear:xyz', 'twist.twist.angular:xyz', 'twist.covariance:36')],
-        [*STAMP, *_list_fields(
+        [*ECHOED_STAMP, *_list_fields(
             'orientation:xyzw', 'orientation_covariance:9', 'angular_velocity:xyz',
             'angular_velocity_covariance:9', 'linear_acceleration:xyz',
             'linear_acceleration_covariance:9')],
@@ -149,8 +149,8 @@ def _detect_lines(path: Path, lines: Sequence[str]) -> TextFormat:
         )
     if names is None:
         names = TUM if cells == len(TUM) and mark is None else _number_columns(cells)
-        if cells > len(STAMP) and _is_echoed(split_cells(lines[first], mark)):
-            names = ECHOED.get(cells, [*STAMP, *names[len(STAMP) :]])
+        if cells > len(ECHOED_STAMP) and _is_echoed(split_cells(lines[first], mark)):
+            names = ECHOED.get(cells, [*ECHOED_STAMP, *names[len(ECHOED_STAMP) :]])
     return TextFormat(
         delimiter=delimiter, decimal=decimal, comment=comment, skip=len(plain), header=names
     )
@@ -181,7 +181,7 @@ def _read_lines(path: Path) -> list[str]:
     # The end of a head is cut off, and that of a text has no line behind it
     if len(head) >= HEAD_LINES or not lines[-1]:
         lines = lines[:-1]
-    return lines[:LINES]
+    return lines[:DIALECT_LINES]
 
 
 def _split_numbers(line: str, mark: str | None, decimal: str) -> list[str]:
