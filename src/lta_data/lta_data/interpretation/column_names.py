@@ -27,32 +27,10 @@ UNIT_WORDS: Final[dict[str, tuple[str, float]]] = {
 }  # fmt: skip
 FORCE_UNITS: Final = ('N', 'mN', 'N m', 'mN m')
 # Words at the end of a name that are units, not axes or quantities
-ENDINGS: Final = frozenset(
-    [
-        'mm',
-        'cm',
-        'ms',
-        'us',
-        'ns',
-        'sec',
-        'rad',
-        'deg',
-        'degrees',
-        'mps',
-        'radps',
-        'dps',
-        'degps',
-        'rpm',
-        'mss',
-        'mv',
-        'volts',
-        'ma',
-        'pa',
-        'hpa',
-        'mbar',
-        'percent',
-    ]
-)
+ENDINGS: Final = frozenset([
+    'mm', 'cm', 'ms', 'us', 'ns', 'sec', 'rad', 'deg', 'degrees', 'mps', 'radps', 'dps', 'degps',
+    'rpm', 'mss', 'mv', 'volts', 'ma', 'pa', 'hpa', 'mbar', 'percent',
+])  # fmt: skip
 AXIS_WORDS: Final = frozenset(['x', 'y', 'z', 'w', 'n', 'e', 'd', 'i', 'j', 'k'])
 ANGLE_WORDS: Final = {
     'roll': 'roll', 'pitch': 'pitch', 'yaw': 'yaw', 'heading': 'yaw',
@@ -117,33 +95,11 @@ ROLE_WORDS: Final[dict[str, frozenset[str]]] = {
 TIME_WORDS: Final = frozenset(
     ['t', 'time', 'timestamp', 'timestamps', 'stamp', 'sec', 'secs', 'seconds', 'clock', 'tick']
 )
-ACTUATORS: Final = frozenset(
-    [
-        'motor',
-        'motors',
-        'm',
-        'pwm',
-        'thrust',
-        'throttle',
-        'duty',
-        'rpm',
-        'rotor',
-        'rotors',
-        'esc',
-        'prop',
-        'propeller',
-        'u',
-        'servo',
-        'act',
-        'actuator',
-        'actuators',
-        'thr',
-        'rc',
-        'rcou',
-        'output',
-        'outputs',
-    ]
-)
+ACTUATORS: Final = frozenset([
+    'motor', 'motors', 'm', 'pwm', 'thrust', 'throttle', 'duty', 'rpm', 'rotor', 'rotors', 'esc',
+    'prop', 'propeller', 'u', 'servo', 'act', 'actuator', 'actuators', 'thr', 'rc', 'rcou',
+    'output', 'outputs',
+])  # fmt: skip
 
 
 # Words for one actuator, which is no command of a body axis

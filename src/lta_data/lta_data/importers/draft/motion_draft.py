@@ -124,7 +124,8 @@ def draft_motion(
             for kind in ('position', 'velocity', 'rates', 'acceleration')
         ),
     )  # fmt: skip
-    if si.position is not None and not topic.startswith('setpoint'):
+    # An estimate jumps where a tracker corrects it
+    if si.position is not None and topic.startswith('ground_truth'):
         _tell_jumps(topic, groups['position'], seconds, si.position, choices)
     order = ('position', 'orientation', 'velocity', 'rates', 'acceleration')
     named = groups.get('position') or groups.get('velocity')
