@@ -230,7 +230,7 @@ BARRIERS = {
         f'{UNIT}/test_safety.py',
     ),
     'typed name': Barrier(
-        'src/lta_cli/lta_cli/verbs/hardware/bench.py',
+        'src/lta_cli/lta_cli/verbs/hardware.py',
         'if sys.stdin.readline().strip() != answer:', 'if False:',
         'test/unit/bridge/hardware/test_motor.py',
     ),

@@ -7,7 +7,7 @@ A test compares docs/effects.md with this output.
 from collections.abc import Iterator
 import re
 
-from lta_cli.verbs.effects import KINDS
+from lta_analysis.model_effects import EFFECT_KINDS
 from lta_model.effects import select_built_in_effects
 from lta_model.effects.protocol import (
     ActuatorEffect,
@@ -62,7 +62,7 @@ def format_parameters(effect: Effect) -> Iterator[str]:
 def render_page() -> str:
     """Return the page with a table for each kind; effects of plug-ins are left out."""
     texts = [HEAD]
-    for kind, (title, about) in KINDS.items():
+    for kind, (title, about) in EFFECT_KINDS.items():
         rows = [
             f'| `{name}` | {describe_effect(effect)} | {"; ".join(format_parameters(effect))} |\n'
             for name, effect in select_built_in_effects().items()

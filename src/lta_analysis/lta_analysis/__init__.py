@@ -1,20 +1,46 @@
 """
-The door for Python: every study as a function, and recordings as tables.
+The door for Python: every command as a function, and recordings as tables.
 
 `flight = lta_analysis.open()`, then `flight['odom']`; `lta_analysis.wind('gtmab')` is `lta wind
-gtmab`. A function takes the options of its command by name and returns a `StudyResult`.
+gtmab`. A function takes the options of its command by name and returns a `StudyResult`, or what
+`help` says.
 """
 
+import ast
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-# Type checkers and editors see the functions without the imports at run time
+# The list of all functions. Type checkers and editors read it as it is; at run time it is not
+# executed, which would import everything, but read for the places of the requests.
 if TYPE_CHECKING:
+    from lta_analysis.bags import (
+        BagCheckRequest,
+        BagExportRequest,
+        BagInfoRequest,
+        BagPlotRequest,
+        BagRecoverRequest,
+        BagUpgradeRequest,
+    )
     from lta_analysis.door import as_function
-    from lta_analysis.flights import check as check
+    from lta_analysis.flights import (
+        FlightPageRequest,
+        FlyRequest,
+        LogImportRequest,
+        SimulateRequest,
+    )
     from lta_analysis.flights import fly_grid as fly_grid
-    from lta_analysis.flights import import_log as import_log
-    from lta_analysis.flights import simulate as simulate
+    from lta_analysis.model_effects import EffectListRequest, EffectSkeletonRequest
+    from lta_analysis.vehicles import (
+        NewVehicleRequest,
+        TrimRequest,
+        UrdfRequest,
+        VehicleCheckRequest,
+        VehicleDifferenceRequest,
+        VehicleEditRequest,
+        VehicleSheetRequest,
+        WiringRequest,
+    )
     from lta_data.bag.recorded_flight import open_flight as open  # noqa: F401
     from lta_data.compare.request import FlightComparisonRequest
     from lta_discovery.calibration.run import CalibrationRequest
@@ -25,7 +51,7 @@ if TYPE_CHECKING:
     from lta_discovery.planning.next_flight import SeparatingFlightRequest
     from lta_flight.replay.run import NodeReplayRequest
     from lta_flight.sweep.run import SweepRequest
-    from lta_studies.cfd.request import SphereRequest, TunnelRequest
+    from lta_studies.cfd.request import RefitRequest, SphereRequest, TunnelRequest
     from lta_studies.energy.breakeven import BreakEvenRequest
     from lta_studies.energy.budget.run import BudgetRequest
     from lta_studies.energy.cells.request import CellsRequest
@@ -43,19 +69,31 @@ if TYPE_CHECKING:
     from lta_studies.tune.run import TuningRequest
     from lta_studies.wind.limits import WindStudyRequest
 
+    bag_check = as_function(BagCheckRequest)
+    bag_export = as_function(BagExportRequest)
+    bag_info = as_function(BagInfoRequest)
+    bag_plot = as_function(BagPlotRequest)
+    bag_recover = as_function(BagRecoverRequest)
+    bag_upgrade = as_function(BagUpgradeRequest)
     calibrate = as_function(CalibrationRequest)
     cells = as_function(CellsRequest)
+    cfd_refit = as_function(RefitRequest)
     cfd_run = as_function(TunnelRequest)
     cfd_validate = as_function(SphereRequest)
     compare = as_function(FlightComparisonRequest)
     discover = as_function(DiscoveryRequest)
+    effects = as_function(EffectListRequest)
+    effects_new = as_function(EffectSkeletonRequest)
     effects_try = as_function(TrialRequest)
     energy_breakeven = as_function(BreakEvenRequest)
     energy_budget = as_function(BudgetRequest)
     energy_hover = as_function(HoverRequest)
     energy_mounting = as_function(MountingRequest)
+    fly = as_function(FlyRequest)
     forecast = as_function(ForecastRequest)
     hardware_light = as_function(TurntableRequest)
+    hardware_wiring = as_function(WiringRequest)
+    import_log = as_function(LogImportRequest)
     light_bearing = as_function(BearingTrialRequest)
     light_calibrate = as_function(DiodeCalibrationRequest)
     light_evaluate = as_function(EvaluationRequest)
@@ -65,55 +103,42 @@ if TYPE_CHECKING:
     mission = as_function(MissionStudyRequest)
     platforms = as_function(PlatformsRequest)
     replay = as_function(NodeReplayRequest)
+    report = as_function(FlightPageRequest)
     reproduce = as_function(ReproductionRequest)
+    simulate = as_function(SimulateRequest)
     sweep = as_function(SweepRequest)
     tests_between = as_function(SeparatingFlightRequest)
     tests_plan = as_function(LabPlanRequest)
     tests_read = as_function(LabReadingRequest)
     tune = as_function(TuningRequest)
+    vehicle_check = as_function(VehicleCheckRequest)
+    vehicle_diff = as_function(VehicleDifferenceRequest)
+    vehicle_new = as_function(NewVehicleRequest)
+    vehicle_set = as_function(VehicleEditRequest)
+    vehicle_show = as_function(VehicleSheetRequest)
+    vehicle_trim = as_function(TrimRequest)
+    vehicle_urdf = as_function(UrdfRequest)
     wind = as_function(WindStudyRequest)
 
-# Module and request of each function; its command has the same name, in words
-FUNCTIONS = {
-    'calibrate': 'lta_discovery.calibration.run:CalibrationRequest',
-    'cells': 'lta_studies.energy.cells.request:CellsRequest',
-    'cfd_run': 'lta_studies.cfd.request:TunnelRequest',
-    'cfd_validate': 'lta_studies.cfd.request:SphereRequest',
-    'compare': 'lta_data.compare.request:FlightComparisonRequest',
-    'discover': 'lta_discovery.discovery.run:DiscoveryRequest',
-    'effects_try': 'lta_discovery.demo.trial_effect:TrialRequest',
-    'energy_breakeven': 'lta_studies.energy.breakeven:BreakEvenRequest',
-    'energy_budget': 'lta_studies.energy.budget.run:BudgetRequest',
-    'energy_hover': 'lta_studies.energy.hover.run:HoverRequest',
-    'energy_mounting': 'lta_studies.energy.mounting.run:MountingRequest',
-    'forecast': 'lta_discovery.forecast_study:ForecastRequest',
-    'hardware_light': 'lta_studies.light.turntable.request:TurntableRequest',
-    'light_bearing': 'lta_studies.light.bearing.run:BearingTrialRequest',
-    'light_calibrate': 'lta_studies.light.turntable.request:DiodeCalibrationRequest',
-    'light_evaluate': 'lta_studies.light.evaluation.run:EvaluationRequest',
-    'light_link': 'lta_studies.light.link.link_budget:LinkRequest',
-    'light_plan': 'lta_studies.light.plan.request:LampPlanRequest',
-    'light_study': 'lta_studies.light.bearing.study:RingStudyRequest',
-    'mission': 'lta_studies.mission.run:MissionStudyRequest',
-    'platforms': 'lta_studies.platforms.run:PlatformsRequest',
-    'replay': 'lta_flight.replay.run:NodeReplayRequest',
-    'reproduce': 'lta_studies.reproduce.run:ReproductionRequest',
-    'sweep': 'lta_flight.sweep.run:SweepRequest',
-    'tests_between': 'lta_discovery.planning.next_flight:SeparatingFlightRequest',
-    'tests_plan': 'lta_discovery.lab_tests.request:LabPlanRequest',
-    'tests_read': 'lta_discovery.lab_tests.request:LabReadingRequest',
-    'tune': 'lta_studies.tune.run:TuningRequest',
-    'wind': 'lta_studies.wind.limits:WindStudyRequest',
-}
-# What returns something else: module and function
-OTHERS = {
-    'check': 'lta_analysis.flights:check',
-    'fly_grid': 'lta_analysis.flights:fly_grid',
-    'import_log': 'lta_analysis.flights:import_log',
-    'open': 'lta_data.bag.recorded_flight:open_flight',
-    'simulate': 'lta_analysis.flights:simulate',
-}
 
+def _read_list() -> tuple[dict[str, str], dict[str, str]]:
+    """Return module and request of each command's function; and those of other functions."""
+    tree = ast.parse(Path(__file__).read_text(encoding='utf-8'))
+    (block,) = (node for node in tree.body if isinstance(node, ast.If))
+    places, commands = {}, {}
+    for node in block.body:
+        if isinstance(node, ast.ImportFrom):
+            for each in node.names:
+                places[each.asname or each.name] = f'{node.module}:{each.name}'
+        elif isinstance(node, ast.Assign):
+            name, request = ast.unparse(node.targets[0]), ast.unparse(node.value)
+            commands[name] = places[request.removeprefix('as_function(').removesuffix(')')]
+    others = {name: place for name, place in places.items() if name in {'fly_grid', 'open'}}
+    return commands, others
+
+
+# Module and request of each function; its command has the same name, in words
+FUNCTIONS, OTHERS = _read_list()
 __all__ = [*FUNCTIONS, *OTHERS]
 
 

@@ -34,3 +34,9 @@ def plain_console(stderr: bool = False) -> Console:
     if not console.is_terminal and 'COLUMNS' not in os.environ:
         console.width = UNLIMITED
     return console
+
+
+def print_lines(console: Console, *lines: str, style: str | None = None) -> None:
+    """Print lines as they are, however long they are."""
+    for line in lines:
+        console.print(line, style=style, highlight=False, markup=False, soft_wrap=True)

@@ -7,16 +7,36 @@ import inspect
 from pathlib import Path
 import sys
 from types import NoneType, UnionType
-from typing import Annotated, cast, get_args, get_origin, ParamSpec, Union
+from typing import (
+    Annotated,
+    Any,
+    cast,
+    ForwardRef,
+    get_args,
+    get_origin,
+    overload,
+    ParamSpec,
+    Protocol,
+    TypeVar,
+    Union,
+)
 
-from lta_analysis.console import plain_console
+from lta_analysis.console import plain_console, print_lines
 from lta_analysis.result import StudyResult
 from lta_bridge.provenance import read_commit
 from lta_config.errors import BadInput
 from lta_report.browser import find_chromium
 from lta_report.report import Report
 from lta_report.report_page import PAGE, write_report
-from lta_report.request import build_request, ReportRequest, Request, StudyRequest, StudyRun
+from lta_report.request import (
+    Action,
+    build_request,
+    Outcome,
+    ReportRequest,
+    Request,
+    StudyRequest,
+    StudyRun,
+)
 from lta_report.results_folder import (
     check_creatable,
     create_folder,
@@ -27,6 +47,7 @@ from lta_report.study import StudyOptions
 from rich.console import Console
 
 P = ParamSpec('P')
+Value = TypeVar('Value')
 SKIPPED = ('Exit status', 'Example')  # paragraphs of a help that are for the command line
 
 
@@ -52,10 +73,7 @@ def perform(request: ReportRequest, console: Console) -> StudyResult:
         # The default folder contains the time, so the same command would start again
         if request.resumes and any(run.folder.glob('*')):
             command = request.format_repetition(run.folder)
-            console.print(
-                f'Finished work is stored; resume with: {command}',
-                highlight=False, markup=False, soft_wrap=True,
-            )  # fmt: skip
+            print_lines(console, f'Finished work is stored; resume with: {command}')
         raise
     name = 'Resume or repeat this study' if request.resumes else 'Repeat this study'
     report = replace(
@@ -86,20 +104,38 @@ def check_picture_output(folder: Path | None) -> None:
         check_creatable(folder.absolute())
 
 
-def as_function(model: Callable[P, ReportRequest]) -> Callable[P, StudyResult]:
+class Performed(Protocol[Value]):
+    """What an action is to a type checker."""
+
+    def run(self, console: Console) -> Outcome[Value]:
+        """Do it, and return the outcome."""
+
+
+@overload
+def as_function(model: Callable[P, ReportRequest]) -> Callable[P, StudyResult]: ...
+
+
+@overload
+def as_function(model: Callable[P, Performed[Value]]) -> Callable[P, Value]: ...
+
+
+def as_function(model: Callable[P, Any]) -> Callable[P, Any]:
     """Return the function that builds and performs a request; its arguments are the fields."""
-    fields = cast('type[ReportRequest]', model)
+    request_type = cast('type[Request]', model)
 
-    def call(*values: object, **named: object) -> StudyResult:
-        names = fields.list_fields()
-        request = build_request(model, dict(zip(names, values, strict=False)) | named)
+    def call(*values: object, **named: object) -> Any:  # noqa: ANN401 - as above
+        names = request_type.list_fields()
+        request = build_request(request_type, dict(zip(names, values, strict=False)) | named)
         # Progress goes to stderr, in a notebook below the cell
-        return perform(request, plain_console(stderr='ipykernel' not in sys.modules))
+        console = plain_console(stderr='ipykernel' not in sys.modules)
+        if isinstance(request, ReportRequest):
+            return perform(request, console)
+        return cast('Action', request).run(console).value
 
-    call.__name__ = call.__qualname__ = fields.command.replace(' ', '_')
-    call.__doc__ = describe_function(fields)
-    call.__signature__ = build_signature(fields)  # type: ignore[attr-defined]
-    return cast('Callable[P, StudyResult]', call)
+    call.__name__ = call.__qualname__ = request_type.command.replace(' ', '_')
+    call.__doc__ = describe_function(request_type)
+    call.__signature__ = build_signature(request_type)  # type: ignore[attr-defined]
+    return call
 
 
 def build_signature(model: type[Request]) -> inspect.Signature:
@@ -115,7 +151,7 @@ def build_signature(model: type[Request]) -> inspect.Signature:
         )
     # Fields without a default may follow others
     parameters.sort(key=lambda each: (each.kind, each.default is not empty))
-    return inspect.Signature(parameters, return_annotation=StudyResult)
+    return inspect.Signature(parameters, return_annotation=find_return_type(model))
 
 
 def describe_function(model: type[Request]) -> str:
@@ -130,8 +166,22 @@ def describe_function(model: type[Request]) -> str:
             f'{name} : {name_type(field.annotation)}{optional}',
             f'    {model.describe(name)}',
         ]
-    lines += ['', 'Returns', '-------', 'StudyResult', '    Headline, tables, figures and data.']
+    lines += ['', 'Returns', '-------']
+    if issubclass(model, ReportRequest):
+        lines += ['StudyResult', '    Headline, tables, figures and data.']
+    else:
+        # As the summary of `run` says
+        summary = inspect.getdoc(cast('type[Action]', model).run)
+        lines += [name_type(find_return_type(model)), f'    {summary}']
     return '\n'.join(lines) + '\n'
+
+
+def find_return_type(model: type[Request]) -> object:
+    """Return what the function of a request returns, a type or its name."""
+    if issubclass(model, ReportRequest):
+        return StudyResult
+    (value,) = get_args(inspect.signature(cast('type[Action]', model).run).return_annotation)
+    return value.__forward_arg__ if isinstance(value, ForwardRef) else value
 
 
 def name_type(annotation: object) -> str:
@@ -148,4 +198,6 @@ def name_type(annotation: object) -> str:
         return f'{getattr(origin, "__name__", "Literal")}[{of_items}]'
     if annotation is Ellipsis:
         return '...'
+    if isinstance(annotation, str):
+        return annotation
     return 'None' if annotation is NoneType else getattr(annotation, '__name__', str(annotation))

@@ -1,15 +1,20 @@
 """The result of a study in a notebook: it shows itself, and gives its numbers to pandas."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 from typing import Any, final, TYPE_CHECKING
 
+from lta_analysis.console import print_lines
+from lta_config.command_line import relative_path
 from lta_config.errors import BadInput
 from lta_report.report import Block, Grid, Picture, Report, ReportSection, TextTable
 from lta_report.report_page import render_table_section
+from lta_report.report_terminal import print_report
 from lta_report.request import ReportRequest
+from lta_report.results_folder import format_page_line
+from rich.console import Console
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -50,6 +55,17 @@ class StudyResult:
     def data(self) -> Any:  # noqa: ANN401 - what JSON holds
         """The content of the JSON file, in SI units."""
         return self.report.data
+
+    def to_json(self) -> Any:  # noqa: ANN401 - what JSON holds
+        """Return the content of the JSON file, with the path of the page if it has names."""
+        named = self.page is not None and isinstance(self.data, Mapping)
+        return {**self.data, 'page': str(self.page)} if named else self.data
+
+    def print(self, console: Console) -> None:
+        """Print the report, and where its page is."""
+        print_report(self.report, console)
+        if self.page is not None:
+            print_lines(console, format_page_line(relative_path(self.page)))
 
     @property
     def tables(self) -> dict[str, TextTable]:

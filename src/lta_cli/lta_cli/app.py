@@ -50,7 +50,7 @@ EPILOG: Final = (
 @final
 @dataclass(frozen=True, slots=True)
 class Verb:
-    """A verb: its file in `verbs/`, its function and its Click context settings."""
+    """A verb: its file in `verbs/`, its function or request, and its Click context settings."""
 
     file: str
     name: str
@@ -64,14 +64,14 @@ class Verb:
         if not isinstance(verb, type):
             function: Callable[..., None] = verb
             return function
-        from lta_cli.options.request_command import build_command  # imports what pages need
+        from lta_cli.request_command import build_command  # imports pydantic
 
         command: Callable[..., None] = build_command(verb)
         return command
 
     @property
     def module(self) -> str:
-        """The module of a function of `verbs/`, or of the request of a study."""
+        """The module of `verbs/`, or of a request elsewhere."""
         return self.file if self.file.startswith('lta_') else f'lta_cli.verbs.{self.file}'
 
     def read_docstring(self) -> str:
@@ -96,8 +96,8 @@ class VerbGroup:
     verbs: Mapping[str, Verb]
 
 
-def study(name: str, **settings: Any) -> Verb:  # noqa: ANN401 - of a verb
-    """Return the verb of a request, by the name of its Python function."""
+def call(name: str, **settings: Any) -> Verb:  # noqa: ANN401 - of a verb
+    """Return the verb of a request, by the name of its function in `lta_analysis`."""
     module, _, request = FUNCTIONS[name].partition(':')
     return Verb(module, request, **settings)
 
@@ -105,116 +105,116 @@ def study(name: str, **settings: Any) -> Verb:  # noqa: ANN401 - of a verb
 VEHICLE: Final = VerbGroup(
     'Create, inspect, compare and check vehicle files, and estimate weight from a flight.',
     {
-        'new': Verb('vehicle.new', 'new'),
-        'show': Verb('vehicle.show', 'show'),
-        'check': Verb('vehicle.check', 'check'),
-        'set': Verb('vehicle.set', 'set_'),
-        'diff': Verb('vehicle.diff', 'diff'),
-        'trim': Verb('vehicle.trim', 'trim'),
-        'urdf': Verb('vehicle.urdf', 'urdf'),
+        'new': call('vehicle_new'),
+        'show': call('vehicle_show'),
+        'check': call('vehicle_check'),
+        'set': call('vehicle_set'),
+        'diff': call('vehicle_diff'),
+        'trim': call('vehicle_trim'),
+        'urdf': call('vehicle_urdf'),
     },
 )
 BAG: Final = VerbGroup(
     'Inspect, check, plot, repair and export recordings.',
     {
-        'info': Verb('bag.info', 'info'),
-        'check': Verb('bag.check', 'check'),
-        'plot': Verb('bag.plot', 'plot'),
-        'recover': Verb('bag.recover', 'recover'),
-        'upgrade': Verb('bag.upgrade', 'upgrade'),
-        'export': Verb('bag.export', 'export'),
+        'info': call('bag_info'),
+        'check': call('bag_check'),
+        'plot': call('bag_plot'),
+        'recover': call('bag_recover'),
+        'upgrade': call('bag_upgrade'),
+        'export': call('bag_export'),
     },
 )
 LIGHT: Final = VerbGroup(
     'Plan lamps and study navigation by light.',
     {
-        'link': study('light_link'),
-        'plan': study('light_plan'),
-        'evaluate': study('light_evaluate', several=('--sets',)),
-        'bearing': study('light_bearing'),
-        'calibrate': study('light_calibrate'),
-        'study': study('light_study'),
+        'link': call('light_link'),
+        'plan': call('light_plan'),
+        'evaluate': call('light_evaluate', several=('--sets',)),
+        'bearing': call('light_bearing'),
+        'calibrate': call('light_calibrate'),
+        'study': call('light_study'),
     },
 )
 ENERGY: Final = VerbGroup(
     'Simulate energy use and solar charging; compare with published values and a multirotor.',
     {
-        'budget': study('energy_budget'),
-        'hover': study('energy_hover'),
-        'mounting': study('energy_mounting'),
-        'breakeven': study('energy_breakeven'),
+        'budget': call('energy_budget'),
+        'hover': call('energy_hover'),
+        'mounting': call('energy_mounting'),
+        'breakeven': call('energy_breakeven'),
     },
 )
 TESTS: Final = VerbGroup(
     'Plan and fly the tests that calibrate a vehicle, read their logs, tell two effects apart.',
     {
-        'plan': study('tests_plan'),
+        'plan': call('tests_plan'),
         'fly': Verb('tests_fly', 'fly', {'allow_interspersed_args': True}, needs_graph=True),
-        'read': study('tests_read'),
-        'between': study('tests_between'),
+        'read': call('tests_read'),
+        'between': call('tests_between'),
     },
 )
 CFD: Final = VerbGroup(
     'Compute drag and rotor slipstreams from the shape of a vehicle (virtual wind tunnel).',
     {
-        'run': study('cfd_run'),
-        'validate': study('cfd_validate'),
-        'refit': Verb('cfd.refit', 'refit'),
+        'run': call('cfd_run'),
+        'validate': call('cfd_validate'),
+        'refit': call('cfd_refit'),
     },
 )
 HARDWARE: Final = VerbGroup(
     'Check connected drones and light boards, test one motor, evaluate turntable recordings, draw '
     'the wiring.',
     {
-        'check': Verb('hardware.check', 'check'),
-        'bench': Verb('hardware.bench', 'bench'),
-        'light': study('hardware_light'),
-        'wiring': Verb('hardware.wiring', 'wiring'),
+        'check': Verb('hardware', 'DeviceCheckRequest'),
+        'bench': Verb('hardware', 'MotorBenchRequest'),
+        'light': call('hardware_light'),
+        'wiring': call('hardware_wiring'),
     },
 )
 # In the order of `lta --help`, which has a frame for each family
 FAMILIES: Final[Mapping[str, Mapping[str, Verb | VerbGroup]]] = {
     'Fly': {
-        'fly': Verb('fly', 'fly', needs_graph=True),
-        'simulate': Verb('simulate', 'simulate', several=('--commands',)),
-        'replay': study('replay', needs_graph=True),
+        'fly': call('fly', needs_graph=True),
+        'simulate': call('simulate', several=('--commands',)),
+        'replay': call('replay', needs_graph=True),
         'launch': Verb('launch', 'launch', {'allow_interspersed_args': True}, needs_graph=True),
         'call': Verb('call', 'call', needs_graph=True),
         'run': Verb(
             'run', 'run', {'ignore_unknown_options': True, 'allow_interspersed_args': False}
         ),
-        'mission': study('mission'),
-        'sweep': study('sweep'),
+        'mission': call('mission'),
+        'sweep': call('sweep'),
     },
     'Analyse': {
-        'import': Verb('import_', 'import_'),
+        'import': call('import_log'),
         'bag': BAG,
-        'report': Verb('report', 'report'),
-        'compare': study('compare'),
+        'report': call('report'),
+        'compare': call('compare'),
     },
     'Learn': {
         'tests': TESTS,
-        'calibrate': study('calibrate', several=('--train', '--confirm')),
-        'discover': study('discover', several=('--train', '--confirm', '--holdout')),
-        'effects': Verb('effects', 'effects'),
+        'calibrate': call('calibrate', several=('--train', '--confirm')),
+        'discover': call('discover', several=('--train', '--confirm', '--holdout')),
+        'effects': call('effects'),
         # Not a group: `lta effects NAME` shows an effect
-        'effects try': study('effects_try'),
-        'effects new': Verb('effects_new', 'new'),
+        'effects try': call('effects_try'),
+        'effects new': call('effects_new'),
     },
     'Design': {
         'vehicle': VEHICLE,
-        'tune': study('tune'),
-        'wind': study('wind'),
-        'platforms': study('platforms'),
+        'tune': call('tune'),
+        'wind': call('wind'),
+        'platforms': call('platforms'),
         'light': LIGHT,
         'energy': ENERGY,
-        'cells': study('cells'),
+        'cells': call('cells'),
         'cfd': CFD,
     },
     'Hardware': {'hardware': HARDWARE},
     'Tools': {
         'doctor': Verb('doctor', 'doctor'),
-        'reproduce': study('reproduce'),
+        'reproduce': call('reproduce'),
     },
 }
 FAMILY: Final = {name: family for family, verbs in FAMILIES.items() for name in verbs}

@@ -2,20 +2,32 @@
 Declare once what a command takes: a request, a model whose fields are checked at the door.
 
 From a request derive the options and the help of its command, the arguments and the documentation
-of its Python function, and the record of what was run. `run` does the work.
+of its Python function, and the record of what was run. `run` does the work: that of a `Study` or
+another `ReportRequest` returns a report, that of an `Action` prints what it does.
 """
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 import shlex
-from typing import Annotated, Any, cast, ClassVar, dataclass_transform, get_origin, Self, TypeVar
+from typing import (
+    Annotated,
+    Any,
+    cast,
+    ClassVar,
+    dataclass_transform,
+    Generic,
+    get_origin,
+    NamedTuple,
+    Self,
+    TYPE_CHECKING,
+    TypeVar,
+)
 
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.parameter_override import format_value, parse_assignment, parse_value
 from lta_config.quantity import Quantity
-from lta_report.report import Report
 from lta_report.study import Study, StudyOptions
 from pydantic import (
     AfterValidator,
@@ -31,6 +43,10 @@ from pydantic import (
 )
 from rich.console import Console
 
+if TYPE_CHECKING:
+    from lta_report.report import Report  # it loads Plotly, which an action does without
+
+Value = TypeVar('Value')
 Item = TypeVar('Item')
 Result = TypeVar('Result')
 AnyRequest = TypeVar('AnyRequest', bound='Request')
@@ -242,6 +258,33 @@ def _describe_fault(
     return BadInput(f'{name_field(field)} is {fault["input"]!r}, but {rule}.')
 
 
+class Outcome(NamedTuple, Generic[Value]):
+    """What an action has done."""
+
+    value: Value  # what Python gets
+    data: Any = None  # content of --json; the value by default
+    status: int = 0  # exit status of the command
+
+    def to_json(self) -> Any:  # noqa: ANN401 - what JSON holds
+        """Return the content of --json; None if nothing is to be printed."""
+        return self.value if self.data is None else self.data
+
+
+class Action(Request):
+    """A request that prints what it does; with `json`, its command has --json."""
+
+    prints_json: ClassVar[bool]
+
+    def __init_subclass__(cls, *, json: bool = False, **rest: Any) -> None:  # noqa: ANN401
+        """Store what is declared with the class."""
+        super().__init_subclass__(**rest)
+        cls.prints_json = json
+
+    def run(self, console: Console) -> Outcome[Any]:
+        """Do it, and return the outcome."""
+        raise NotImplementedError
+
+
 @dataclass(slots=True)
 class StudyRun:
     """What a request runs in: its console, and its results folder."""
@@ -284,7 +327,7 @@ class ReportRequest(Request):
         super().__init_subclass__(**rest)
         cls.folder = folder or cls.command.split()[-1] if cls.command else ''
 
-    def run(self, run: StudyRun) -> Report:
+    def run(self, run: StudyRun) -> 'Report':
         """Return the report; nothing but stored work is written before."""
         raise NotImplementedError
 

@@ -1,18 +1,27 @@
 """A request as a command and as a function of Python: options, folders, resume and messages."""
 
-import ast
 import inspect
 import json
 from pathlib import Path
 
 import lta_analysis
 from lta_analysis.door import as_function
+from lta_analysis.result import StudyResult
 from lta_bridge.provenance import read_commit
 from lta_cli.app import build_app
-from lta_cli.options.request_command import build_command
+from lta_cli.request_command import build_command
 from lta_config.errors import BadInput
 from lta_report.report import Report, TextTable
-from lta_report.request import argument, Changes, Mass, option, ReportRequest, StudyRequest
+from lta_report.request import (
+    Action,
+    argument,
+    Changes,
+    Mass,
+    option,
+    Outcome,
+    ReportRequest,
+    StudyRequest,
+)
 import numpy as np
 import pytest
 import typer
@@ -207,10 +216,12 @@ def test_what_is_missing_is_named():
 
 
 @pytest.mark.parametrize('name', lta_analysis.FUNCTIONS)
-def test_every_study_is_documented_and_takes_the_shared_options(name):
+def test_every_function_is_documented_and_studies_take_the_shared_options(name):
     function = getattr(lta_analysis, name)
-    names = list(inspect.signature(function).parameters)
-    assert names[-3:] == ['out', 'page', 'pictures']
+    signature = inspect.signature(function)
+    names = list(signature.parameters)
+    if signature.return_annotation is StudyResult:
+        assert names[-3:] == ['out', 'page', 'pictures']
     lines = function.__doc__.splitlines()
     for each in names:
         place = next(k for k, line in enumerate(lines) if line.startswith(f'{each} : '))
@@ -219,15 +230,35 @@ def test_every_study_is_documented_and_takes_the_shared_options(name):
     assert name in dir(lta_analysis)
 
 
-def test_editors_see_the_functions_that_there_are():
-    tree = ast.parse(Path(lta_analysis.__file__).read_text())
-    (block,) = (each for each in tree.body if isinstance(each, ast.If))
-    seen = {each.targets[0].id: each.value.args[0].id for each in block.body
-            if isinstance(each, ast.Assign)}  # fmt: skip
-    assert seen == {name: path.partition(':')[2] for name, path in lta_analysis.FUNCTIONS.items()}
-    imported = {name.asname for each in block.body if isinstance(each, ast.ImportFrom)
-                for name in each.names if name.asname}  # fmt: skip
-    assert imported == set(lta_analysis.OTHERS)
+class Adding(Action, command='adding', json=True):
+    """Add two numbers."""
+
+    a: int = argument('A number.')
+    b: int = option('Another one.', default=1, low=0)
+
+    def run(self, console) -> Outcome[int]:
+        """Print the sum, and return it."""
+        console.print(f'The sum is {self.a + self.b}.')
+        return Outcome(self.a + self.b, {'sum': self.a + self.b}, status=int(self.a < 0))
+
+
+class Silent(Action, command='silent'):
+    """Do nothing."""
+
+    def run(self, console) -> Outcome[None]:
+        return Outcome(None)
+
+
+def test_an_action_prints_returns_and_exits(invoke):
+    done = invoke('2', '--b', '3', request=Adding)
+    assert (done.stdout, done.exit_code) == ('The sum is 5.\n', 0)
+    done = invoke('--json', '--', '-2', request=Adding)
+    assert (json.loads(done.stdout), done.stderr) == ({'sum': -1}, 'The sum is -1.\n')
+    assert done.exit_code == 1
+    assert as_function(Adding)(2, b=3) == 5
+    with pytest.raises(BadInput, match='b is -1, but must be 0 or more'):
+        as_function(Adding)(2, b=-1)
+    assert '--json' not in invoke('--help', request=Silent).stdout
 
 
 def test_a_report_is_no_study():

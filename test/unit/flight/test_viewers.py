@@ -2,11 +2,12 @@
 
 from dataclasses import replace
 
-from lta_cli.verbs import fly as verb
+from lta_analysis.flights import FlyRequest
 from lta_config.errors import BadInput
 from lta_flight.viewers import find_viewers, report_live_views, require_free_live_ports
 from lta_graph.launch_plan import LaunchPlan, LaunchProcess
 import pytest
+from rich.console import Console
 
 
 def plan(port=8765, namespaces=('/lta1',)):
@@ -75,9 +76,9 @@ def test_a_live_flight_is_one_at_the_pace_of_those_who_look(monkeypatch, given, 
         orders.append(order)
         raise BadInput('Enough.')
 
-    monkeypatch.setattr(verb, 'fly_once', refuse)
+    monkeypatch.setattr('lta_flight.flight.fly_once', refuse)
     with pytest.raises(BadInput, match='Enough'):
-        verb.fly(**given)
+        FlyRequest(**given).run(Console(quiet=True))
     assert [(order.time, order.live_port) for order in orders] == [expected]
 
 

@@ -5,7 +5,7 @@ from dataclasses import asdict
 
 from lta_analysis.console import plain_console
 from lta_cli.doctor import exit_status, iterate_check_results, print_checks
-from lta_cli.options.common_options import Json, print_json
+from lta_cli.request_command import Json, print_json
 import typer
 
 

@@ -1,9 +1,10 @@
 """lta tests fly: fly by motion capture what calibrates a vehicle, and record it."""
 
+from pathlib import Path
 from typing import Annotated
 
 from lta_analysis.console import plain_console
-from lta_cli.options.common_options import Out, VehicleName
+from lta_cli.request_command import complete_names
 from lta_cli.verbs.launch import print_event, print_node_line
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
@@ -20,8 +21,22 @@ PILOT = 'pilot'  # the node that ends a flight
 ARMING_NODE = 'crazyflie_bridge'  # the node that arms a real drone
 
 
+def parse_folder(text: str) -> Path:
+    """Return a folder; refuse empty text (an unset shell variable), which would mean '.'."""
+    if not text.strip():
+        raise typer.BadParameter('the path is empty; give a folder or file')
+    return Path(text)
+
+
 def fly(
-    vehicle: VehicleName,
+    vehicle: Annotated[
+        str,
+        typer.Argument(
+            metavar='VEHICLE',
+            help='Name of a shipped vehicle, or path of a vehicle file.',
+            autocompletion=complete_names('vehicle'),
+        ),
+    ],
     arguments: Annotated[
         list[str] | None,
         typer.Argument(
@@ -45,7 +60,12 @@ def fly(
     seconds: Annotated[
         float, typer.Option(help='Time of each flight in which sticks move.', min=1.0, max=600.0)
     ] = 60.0,
-    out: Out = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            help='Folder of the results; in runs/ by default.', parser=parse_folder, metavar='FOLDER'
+        ),
+    ] = None,
 ) -> None:
     """
     Fly by motion capture what calibrates a vehicle, and record it.

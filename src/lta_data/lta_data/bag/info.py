@@ -1,7 +1,6 @@
 """Summarise a bag."""
 
-from dataclasses import asdict, dataclass, field
-import json
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import final
 
@@ -81,10 +80,6 @@ class BagInfo:
     losses: list[str]  # what is missing, one sentence each
     # Irregularities without loss, one sentence each
     remarks: list[str] = field(default_factory=list)
-
-    def to_json(self) -> str:
-        """Return the summary as a JSON object."""
-        return json.dumps(asdict(self), indent=2)
 
 
 def summarize_bag(path: Path | str) -> BagInfo:

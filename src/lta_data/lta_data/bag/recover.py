@@ -2,8 +2,7 @@
 
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
-import json
+from dataclasses import dataclass
 from pathlib import Path
 import shutil
 from typing import Any, cast, final
@@ -40,10 +39,6 @@ class Recovery:
     # Messages of the reader, one sentence each
     losses: list[str]
     remarks: list[str]
-
-    def to_json(self) -> str:
-        """Return the result as a JSON object."""
-        return json.dumps(asdict(self), indent=2)
 
     def describe_losses(self) -> list[str]:
         """Return what was saved and what was lost, in sentences."""

@@ -2,10 +2,9 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
-import json
 from pathlib import Path
 from textwrap import fill
-from typing import Final, final
+from typing import Any, Final, final
 
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.channels import read_flight
@@ -97,26 +96,23 @@ def _add_findings(one: CheckedRecording, more: list[QualityFinding]) -> CheckedR
     return replace(one, report=report)
 
 
-def findings_to_json(done: Sequence[CheckedRecording]) -> str:
+def encode_findings(done: Sequence[CheckedRecording]) -> list[dict[str, Any]]:
     """Return the results as a JSON list with one entry per robot and bag."""
-    return json.dumps(
-        [
-            {
-                'path': one.path,
-                'robot': one.robot,
-                'simulated': one.simulated,
-                'status': one.report.status,
-                'clean': one.report.status == 'clean',
-                'suspicious': one.report.is_grave,
-                'findings': [asdict(finding) for finding in one.report.findings],
-                'judged': list(one.report.judged),
-                'unjudged': list(one.report.unjudged),
-                'losses': list(one.losses),
-            }
-            for one in done
-        ],
-        indent=1,
-    )
+    return [
+        {
+            'path': one.path,
+            'robot': one.robot,
+            'simulated': one.simulated,
+            'status': one.report.status,
+            'clean': one.report.status == 'clean',
+            'suspicious': one.report.is_grave,
+            'findings': [asdict(finding) for finding in one.report.findings],
+            'judged': list(one.report.judged),
+            'unjudged': list(one.report.unjudged),
+            'losses': list(one.losses),
+        }
+        for one in done
+    ]
 
 
 def print_findings(one: CheckedRecording, console: Console) -> None:

@@ -1,16 +1,18 @@
-"""What `lta cfd run` and `lta cfd validate` take, and what they do in which order."""
+"""What `lta cfd run`, `validate` and `refit` take, and what they do in which order."""
 
 from collections.abc import Sequence
 from enum import StrEnum
 from pathlib import Path
+import sys
 from typing import final
 
 from lta_config.errors import BadInput, unknown_name_error
+from lta_config.files import share_folder
 from lta_config.schema.mount_file import load_mount
 from lta_config.schema.vehicle_aero import load_tunnel_file
 from lta_report.report import Report
-from lta_report.request import argument, option, StudyRequest, StudyRun
-from lta_report.results_folder import resolve_folder
+from lta_report.request import Action, argument, option, Outcome, StudyRequest, StudyRun
+from lta_report.results_folder import resolve_folder, write_file
 from lta_studies.cfd.cluster import (
     CACHE,
     check_solver_options,
@@ -19,12 +21,13 @@ from lta_studies.cfd.cluster import (
     resolve_cache_folder,
     TunnelProgress,
 )
+from lta_windtunnel.aero_text import format_aero_file
 from lta_windtunnel.flow_fields import FlowSlice, read_flow_slice
 from lta_windtunnel.flow_plan import AIR, plan_flows, TunnelFlow
 from lta_windtunnel.openfoam.case import CaseRunner
 from lta_windtunnel.openfoam.programs import FoamPrograms
 from lta_windtunnel.solve import build_sweep, solve_sweep
-from lta_windtunnel.sweep_table import TunnelSweep
+from lta_windtunnel.sweep_table import read_sweep, TunnelSweep
 from lta_windtunnel.tunnel import INCIDENCES
 from lta_windtunnel.tunnel_model import load_tunnel_model, TunnelModel
 from lta_windtunnel.validation import (
@@ -32,6 +35,7 @@ from lta_windtunnel.validation import (
     compare_with_measurements,
     plan_validation_flows,
 )
+from rich.console import Console
 
 SHOWN = ('heave', 'surge', 'up_left', 'both_up', 'all', 'up_left_reversed', 'forward_left')
 
@@ -172,6 +176,38 @@ class SphereRequest(
             text = 'No flow could be solved.'
             return Report('cfd validate', '', text, '', [], [], {}, status=1)
         return build_report(results, sum(len(flow.speeds) for flow in flows))
+
+
+@final
+class RefitRequest(Action, command='cfd refit'):
+    """
+    Refit the coefficients of a sweep that "lta cfd run" wrote, without solving anything.
+
+    Exit status 0: done. 2: bad input.
+
+    Example: lta cfd refit gtmab
+    """
+
+    sweep: str = argument(
+        'CFD results to fit: a .sweep.json file, or the name of one in config/aero.',
+        metavar='SWEEP',
+    )
+    file: Path | None = option(
+        'Aero file to write; printed by default.', default=None, metavar='FILE'
+    )
+
+    def run(self, console: Console) -> Outcome[str]:
+        """Print or write the aero file, and return its text."""
+        path = Path(self.sweep)
+        # A plain word is a shipped name, anything else a path
+        if '/' not in self.sweep and not self.sweep.endswith('.json'):
+            path = share_folder() / 'aero' / f'{self.sweep}.sweep.json'
+        text = format_aero_file(read_sweep(path))
+        if self.file is None:
+            sys.stdout.write(text)
+        else:
+            write_file(text, self.file)
+        return Outcome(text)
 
 
 def select_flows(model: TunnelModel, fidelity: str, only: Sequence[str]) -> list[TunnelFlow]:

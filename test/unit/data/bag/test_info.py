@@ -1,7 +1,7 @@
 """A bag at a glance."""
 
+from dataclasses import asdict
 from io import StringIO
-import json
 
 from lta_data.bag import summarize_bag
 from lta_data.bag.bag_folder import find_bag
@@ -25,7 +25,7 @@ def test_figures_of_a_flight(flight_bag):
 
 
 def test_json_is_the_same_facts(flight_bag):
-    found = json.loads(summarize_bag(flight_bag).to_json())
+    found = asdict(summarize_bag(flight_bag))
     assert found['provenance'] == {'scenario': 'lamp', 'seed': '11'}
     assert found['topics'][1] == {
         'name': '/lta1/energy/reserve',
@@ -72,4 +72,3 @@ def test_a_results_folder_holds_its_bag(tmp_path, flight_bag):
 def test_bag_without_messages(record):
     info = summarize_bag(record([]))
     assert (info.messages, info.duration, info.start, info.topics) == (0, 0.0, None, [])
-    assert json.loads(info.to_json())['start'] is None

@@ -3,7 +3,7 @@
 import io
 import json
 
-from lta_cli.options.draft_command import ask_user
+from lta_analysis.import_draft import ask_user
 from lta_config.errors import BadInput
 from lta_config.schema.import_file import load_mapping
 from lta_data.importers.draft.choices import DraftQuestion, DraftVehicle

@@ -2,7 +2,7 @@
 
 import io
 
-from lta_cli.options.draft_command import ask_user
+from lta_analysis.import_draft import ask_user
 from lta_config.errors import BadInput
 from lta_data.importers.draft.choices import DraftQuestion
 from lta_data.importers.draft.draft_mapping import draft_mapping

@@ -3,8 +3,9 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 import sys
+from typing import Any, cast
 
-from lta_cli.options.common_options import print_json
+from lta_analysis.console import print_lines
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
 from lta_data.importers.draft.choices import DraftQuestion, DraftVehicle
@@ -19,6 +20,7 @@ from lta_data.importers.draft.draft_report import (
 from lta_data.plot.report import draw_curves
 from lta_report.report_page import PAGE, write_report
 from lta_report.report_terminal import print_report, print_table
+from lta_report.request import Outcome
 from lta_report.results_folder import (
     check_creatable,
     format_page_line,
@@ -26,7 +28,6 @@ from lta_report.results_folder import (
     stage_results,
 )
 from rich.console import Console
-import typer
 
 
 def run_draft(
@@ -35,15 +36,13 @@ def run_draft(
     vehicle: str | None,
     out: Path | None,
     console: Console,
-    json: bool,
-) -> None:
+) -> Outcome[Path | None]:
     """
-    Draft the mapping of one log or folder, and write it with its page.
+    Draft the mapping of one log or folder, and write it with its page; return its path.
 
     `vehicle`: name or file of the one that flew, after whose rotors commands are named.
 
-    Raise `BadInput` if several sources are named, a setting is malformed, or nothing is
-    recognised.
+    Raise `BadInput` if several sources are named, or nothing is recognised.
     """
     if len(sources) != 1:
         raise BadInput('--draft needs one log or one folder; draft one, and import all with it.')
@@ -56,7 +55,7 @@ def run_draft(
     while draft.choices.questions:
         if not (console.is_terminal and sys.stdin.isatty()):
             print_questions(draft, console)
-            raise typer.Exit(2)
+            return Outcome(None, status=2)
         print_table(build_reason_table(draft), console)
         question = draft.choices.questions[0]
         answers[question.key] = ask_user(question, console)
@@ -64,42 +63,41 @@ def run_draft(
             draft = draft_mapping(source, answers, draft_vehicle)
         except BadInput as fault:
             # The answer to an open question may not fit
-            console.print(str(fault), style='yellow', highlight=False, markup=False)
+            print_lines(console, str(fault), style='yellow')
             del answers[question.key]
     named = [] if vehicle is None else ['--vehicle', vehicle]
+    mapping = folder / MAPPING
     command = format_lta_command(
-        'import', relative_path(source), '--mapping', relative_path(folder / MAPPING), *named
+        'import', relative_path(source), '--mapping', relative_path(mapping), *named
     )
     report = build_draft_report(source, draft, {'Import with it': command})
     with stage_results(folder, PAGE) as staged:
         write_report(report, staged, page=True, pictures=None)
-    if json:
-        print_json(report.data, folder / PAGE)
     print_report(report, console)
     if console.is_terminal:
         print_first_seconds(draft, console)
-    lines = (
-        f'Mapping {relative_path(folder / MAPPING)}',
+    print_lines(
+        console,
+        f'Mapping {relative_path(mapping)}',
         format_page_line(relative_path(folder / PAGE)),
         f'Import with it: {command}',
     )
-    for line in lines:
-        console.print(line, highlight=False, markup=False, soft_wrap=True)
+    return Outcome(mapping, {**cast('Mapping[str, Any]', report.data), 'page': str(folder / PAGE)})
 
 
 def print_questions(draft: MappingDraft, console: Console) -> None:
     """Print the reasons, and for each question both readings with the option that decides."""
     print_table(build_reason_table(draft), console)
     for question in draft.choices.questions:
-        console.print(question.reason, style='bold', highlight=False, markup=False, soft_wrap=True)
+        print_lines(console, question.reason, style='bold')
         print_table(build_question_table(question), console)
     count = len(draft.choices.questions)
     words = 'One reading is' if count == 1 else f'{count} readings are'
-    console.print(
+    print_lines(
+        console,
         f'{words} not decided; repeat the command with the --set that is right. Nothing is '
         'written.',
-        highlight=False, markup=False, soft_wrap=True,
-    )  # fmt: skip
+    )
 
 
 def ask_user(question: DraftQuestion, console: Console) -> str:
@@ -109,9 +107,8 @@ def ask_user(question: DraftQuestion, console: Console) -> str:
     Raise `BadInput` if the input ends.
     """
     names = [name for name, _ in question.options]
-    console.print(question.reason, style='bold', highlight=False, markup=False)
-    for name, meaning in question.options:
-        console.print(f'  {name}: {meaning}', highlight=False, markup=False)
+    print_lines(console, question.reason, style='bold')
+    print_lines(console, *(f'  {name}: {meaning}' for name, meaning in question.options))
     examples = 'such as ' if question.is_open else ''
     while True:
         console.print(
@@ -128,7 +125,7 @@ def ask_user(question: DraftQuestion, console: Console) -> str:
             ) from None
         if answer in names or (question.is_open and answer):
             return answer
-        console.print(f"  '{answer}' is none of them.", highlight=False, markup=False)
+        print_lines(console, f"  '{answer}' is none of them.")
 
 
 def print_first_seconds(draft: MappingDraft, console: Console) -> None:

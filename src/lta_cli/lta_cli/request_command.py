@@ -1,24 +1,39 @@
 """Turn a request into a command of Typer: each of its fields is an option or an argument."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 import inspect
+import json as json_text
+import sys
 from types import NoneType, UnionType
 from typing import Annotated, Any, Final, get_args, get_origin, Literal, Union
 
 from lta_analysis.console import plain_console
-from lta_analysis.door import perform
-from lta_cli.options.common_options import complete_names, Json, print_json
-from lta_config.command_line import relative_path
-from lta_report.report_terminal import print_report
-from lta_report.request import build_request, ReportRequest
-from lta_report.results_folder import format_page_line
+from lta_config.files import FOLDERS, list_shipped_names
+from lta_report.request import Action, build_request, ReportRequest, Request
 from pydantic import BeforeValidator
 import typer
 
 JSON: Final = 'json'
+# JSON goes to stdout, tables then go to stderr
+Json = Annotated[bool, typer.Option('--json', help='Print the results as JSON.')]
 
 
-def build_command(model: type[ReportRequest]) -> Any:  # noqa: ANN401 - a function that Typer inspects
+def complete_names(kind: str) -> Callable[[str], list[str]]:
+    """Return the function with which a shell completes the name of a shipped file."""
+
+    def find(incomplete: str) -> list[str]:
+        return [name for name in list_shipped_names(FOLDERS[kind]) if name.startswith(incomplete)]
+
+    return find
+
+
+def print_json(content: Any) -> None:  # noqa: ANN401 - plain data
+    """Print results."""
+    # One write for the whole text, so that other output cannot split it
+    sys.stdout.write(json_text.dumps(content, indent=1) + '\n')
+
+
+def build_command(model: type[Request]) -> Any:  # noqa: ANN401 - a function that Typer inspects
     """Return the function of a command, with the help and the options of a request."""
 
     def command(context: typer.Context, **values: Any) -> None:  # noqa: ANN401 - the options
@@ -30,7 +45,8 @@ def build_command(model: type[ReportRequest]) -> Any:  # noqa: ANN401 - a functi
     kind = inspect.Parameter.KEYWORD_ONLY
     parameters = [inspect.Parameter('context', kind, annotation=typer.Context)]
     parameters += [build_parameter(model, name) for name in model.list_fields()]
-    parameters.append(inspect.Parameter(JSON, kind, default=False, annotation=Json))
+    if not issubclass(model, Action) or model.prints_json:
+        parameters.append(inspect.Parameter(JSON, kind, default=False, annotation=Json))
     command.__doc__ = model.__doc__
     command.__annotations__ = {each.name: each.annotation for each in parameters}
     command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
@@ -43,7 +59,7 @@ def is_unset(context: typer.Context, name: str) -> bool:
     return source is None or source.name == 'DEFAULT'
 
 
-def build_parameter(model: type[ReportRequest], name: str) -> inspect.Parameter:
+def build_parameter(model: type[Request], name: str) -> inspect.Parameter:
     """Return the declaration of a field for Typer."""
     field, declared = model.model_fields[name], model.read_declaration(name)
     texts: dict[str, Any] = {'help': model.describe(name), 'metavar': declared.get('metavar')}
@@ -90,17 +106,20 @@ def find_click_type(annotation: Any) -> Any:  # noqa: ANN401 - a type
     return str
 
 
-def run_request(request: ReportRequest, json: bool) -> None:
-    """Perform a request, print its report, and exit with its status unless that is 0."""
+def run_request(request: Request, json: bool) -> None:
+    """Perform a request, print what it returns, and exit with its status unless that is 0."""
     console = plain_console(stderr=json)
-    result = perform(request, console)
-    if json:
-        print_json(result.data, result.page)
-    print_report(result.report, console)
-    if result.page is not None:
-        console.print(
-            format_page_line(relative_path(result.page)),
-            highlight=False, markup=False, soft_wrap=True,
-        )  # fmt: skip
-    if result.report.status:
-        raise typer.Exit(result.report.status)
+    if isinstance(request, ReportRequest):
+        from lta_analysis.door import perform  # it loads Plotly, which an action does without
+
+        result = perform(request, console)
+        result.print(console)
+        data, status = result.to_json(), result.report.status
+    else:
+        assert isinstance(request, Action)
+        outcome = request.run(console)
+        data, status = outcome.to_json(), outcome.status
+    if json and data is not None:
+        print_json(data)
+    if status:
+        raise typer.Exit(status)

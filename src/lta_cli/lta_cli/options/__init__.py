@@ -1,1 +1,0 @@
-"""Define options and the console that many verbs share."""

@@ -1,1 +1,0 @@
-"""The `lta bag` verbs, one file each."""

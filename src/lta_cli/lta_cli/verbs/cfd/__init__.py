@@ -1,1 +1,0 @@
-"""The `lta cfd` verbs, one file each."""

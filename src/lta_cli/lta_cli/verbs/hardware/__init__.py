@@ -1,1 +1,0 @@
-"""The `lta hardware` verbs, one file each."""

@@ -1,1 +1,0 @@
-"""The `lta vehicle` verbs, one file each."""
