@@ -6,11 +6,9 @@ from dataclasses import asdict
 from typing import Any, Final
 
 from lta_config.command_line import format_lta_command
-from lta_energy.harvest import HarvestCurve
 from lta_report.formatting import format_count, Tile
 from lta_report.report import Picture, Report, TextSection, TextTable
 from lta_report.result_table import build_table, Column, format_value
-from lta_studies.mission import paper
 from lta_studies.mission.figures import MissionFigures
 from lta_studies.mission.gas import (
     describe_gas,
@@ -83,7 +81,7 @@ def build_report(request: MissionRequest, results: Sequence[MissionResult]) -> R
             Picture('when', 'Timeline', WHEN, draw_timeline(selected, light), height=250),
             Picture('hours', 'Minutes flown', HOURS, draw_flight_hours(selected, light)),
             Picture('books', 'Energy', BOOKS, draw_energy_use(selected)),
-            *build_mission_tables(request, results),
+            build_schedule_table(request, results),
             TextSection('Gas over the day', (describe_gas(gas),)),
             TextSection('Meaning and method', METHOD),
         ),
@@ -97,7 +95,8 @@ def build_report(request: MissionRequest, results: Sequence[MissionResult]) -> R
         commands={
             'Fly between its beacons': format_lta_command(
                 'simulate', '--scenario', request.mission.scene, '--strategy', 'homing'
-            )
+            ),
+            "The paper's ratios of charging to flight": format_lta_command('reproduce', 'energy'),
         },
     )  # fmt: skip
 
@@ -197,20 +196,6 @@ def build_tiles(request: MissionRequest, results: Sequence[MissionResult]) -> li
             ),
         )
     return tiles
-
-
-def build_mission_tables(
-    request: MissionRequest, results: Sequence[MissionResult]
-) -> list[TextTable]:
-    """Return all tables of the page."""
-    vehicle, first = request.scenes.vehicle, select_main_result(results)
-    # If no drone took off, use the paper's flight power.
-    power = first.figures.in_flight or paper.NAVIGATE
-    # Charging time per flight time, which the paper states for some kinds of light
-    ratios = paper.compute_charging_ratios(
-        HarvestCurve.of_energy(vehicle.file.energy), vehicle.charger, vehicle.loads.idle, power
-    )
-    return [build_schedule_table(request, results), paper.build_ratio_table(ratios)]
 
 
 def build_schedule_table(request: MissionRequest, results: Sequence[MissionResult]) -> TextTable:

@@ -26,7 +26,12 @@ from lta_control.cascade import CascadeGains, Setpoint
 from lta_control.strategies import find_navigation_strategy
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_stack import FlightStack
-from lta_flight.sweep.statistics import ShareInterval, wilson_interval
+from lta_flight.sweep.statistics import (
+    MeanInterval,
+    ShareInterval,
+    student_interval,
+    wilson_interval,
+)
 from lta_report.study_store import StoreFormat
 from lta_report.workers import ItemFailure, Workers
 from lta_sim.readings import FlightOutcome
@@ -44,7 +49,6 @@ from lta_studies.tune.step_response import (
 )
 import numpy as np
 from pydantic import TypeAdapter
-from scipy.special import stdtrit
 
 STRATEGY = 'bag'
 
@@ -288,16 +292,6 @@ class QuartileSpread:
 
 @final
 @dataclass(frozen=True, slots=True)
-class CostDifference:
-    """Mean of the cost difference new - old over paired draws, with its 95 % interval."""
-
-    mean: float
-    low: float
-    high: float
-
-
-@final
-@dataclass(frozen=True, slots=True)
 class GainEvaluation:
     """Test flights of one set of gains."""
 
@@ -342,19 +336,11 @@ def compute_quartiles(values: Sequence[float]) -> QuartileSpread:
     return QuartileSpread(middle, low, high)
 
 
-def compare_costs(old: GainEvaluation, new: GainEvaluation) -> CostDifference:
-    """Return the mean paired cost difference with Student's 95 % interval."""
+def compare_costs(old: GainEvaluation, new: GainEvaluation) -> MeanInterval:
+    """Return the mean of the cost difference new - old over paired draws, with its interval."""
     pairs = zip(old.reports, new.reports, strict=True)
     # Both sides flew the same draws; the pairing removes the variance between draws.
-    gaps = np.array([b.cost - a.cost for a, b in pairs])
-    count = len(gaps)
-    # One draw gives no spread, hence an infinite interval.
-    half = math.inf
-    if count > 1:
-        quantile = float(stdtrit(count - 1, 0.975))
-        half = quantile * float(gaps.std(ddof=1)) / math.sqrt(count)
-    mean = float(gaps.mean())
-    return CostDifference(mean, mean - half, mean + half)
+    return student_interval([b.cost - a.cost for a, b in pairs])
 
 
 def draw_cases(least: float, most: float, count: int, seed: int) -> list[TuningCase]:

@@ -42,7 +42,7 @@ def tuning_to_json(tuned: TuningResult) -> Any:  # noqa: ANN401 - what JSON hold
             'flights': len(tuned.search.history) * len(tuned.losses),
             'stopped': tuned.search.stopped,
             'cost': {'old': tuned.search.first, 'new': tuned.search.cost},
-            'fresh_difference': asdict(gap),
+            'fresh_difference': {'mean': gap.value, 'low': gap.low, 'high': gap.high},
             'gains': dict(tuned.search.numbers),
             'old': gain_set_to_json(tuned.old),
             'new': gain_set_to_json(tuned.new),

@@ -49,7 +49,7 @@ def format_headline(tuned: TuningResult) -> str:
     interval = f'95 % interval of the difference: {gap.low:+.3f} to {gap.high:+.3f}'
     # Differences are new - old, so a negative interval means that the new gains are better.
     if gap.high < 0.0:
-        less = f'{-100.0 * gap.mean / before:.0f} % lower'
+        less = f'{-100.0 * gap.value / before:.0f} % lower'
         return (
             f'The cost of the new gains is {less} over {len(old.reports)} new random flights '
             f'({interval}).'

@@ -74,6 +74,5 @@ def test_what_the_cell_gave_is_what_was_drawn(found):
     assert other['energy'] == pytest.approx(5.0 * 0.983 + 35.0 * other['power'], rel=0.02)
 
 
-def test_the_page_shows_both_claims(found):
+def test_the_page_says_what_the_paper_claims(found):
     assert 'almost a third' in found['page']
-    assert '18 % of the power of multirotor' in found['told']

@@ -201,8 +201,8 @@ def test_the_difference_has_students_interval():
 
     gap = compare_costs(flights(0.4, 0.4, 0.4), flights(0.0, 0.04, 0.08))
     # Differences -1, -0.9, -0.8: mean -0.9, s 0.1, t(0.975, 2) = 4.303.
-    assert gap.mean == pytest.approx(-0.9)
-    assert gap.high - gap.mean == pytest.approx(4.303 * 0.1 / math.sqrt(3.0), rel=1e-3)
+    assert gap.value == pytest.approx(-0.9)
+    assert gap.high - gap.value == pytest.approx(4.303 * 0.1 / math.sqrt(3.0), rel=1e-3)
 
 
 MARK = compute_step_metrics(np.arange(4.0), np.zeros(4), SetpointStep(0.0, 4.0, 'speed', 0.0, 1.0))
