@@ -5,7 +5,7 @@ import re
 import struct
 
 from lta_flight.report import write_page
-from lta_flight.report.panels import PANELS
+from lta_flight.report.panels import FLIGHT_PANELS
 from lta_report.browser import Browser
 from lta_report.flight_video import write_video
 from lta_report.screenshots import open_page, SHARPNESS, write_pictures
@@ -14,8 +14,8 @@ import pytest
 
 from ..unit.report_flight import END, write_flight  # noqa: TID252 - `test` is Python's own
 
-NAMES = [panel.name for panel in PANELS]
-TIMED = [panel.name for panel in PANELS if panel.timed]
+NAMES = [panel.name for panel in FLIGHT_PANELS]
+TIMED = [panel.name for panel in FLIGHT_PANELS if panel.timed]
 RANGES = """Object.fromEntries([...document.querySelectorAll('.plot')].map(
   (plot) => [plot.dataset.panel, plot._fullLayout.xaxis.range.slice()]))"""
 CURSORS = """[...document.querySelectorAll('.cursor')].map((line) => {

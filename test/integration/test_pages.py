@@ -16,7 +16,7 @@ from lta_flight.report import write_page
 from lta_report.report_page import write_report
 from lta_report.screenshots import capture_part, open_page, resize_window
 from lta_studies.light.evaluation.sets import FlightSet, SETS
-from lta_studies.light.evaluation.tables import FACTORS
+from lta_studies.light.evaluation.tables import FACTOR_LABELS
 from lta_studies.tune import compare, helium_limit
 from lta_studies.tune.compare import LampFlightResult
 from page_checks import collect_errors, find_overlapping_labels, list_requests
@@ -103,7 +103,11 @@ def platforms(folder, call):
 def evaluate(folder, call):
     (folder / 'near.yaml').write_text(yaml.safe_dump(NEAR))
     near = FlightSet(str(folder / 'near.yaml'), 'Near', 'From close by.')
-    factors = {**NEAR, 'vary': {'strategy': ['bag']}, 'cases': {name: {} for name in FACTORS}}
+    factors = {
+        **NEAR,
+        'vary': {'strategy': ['bag']},
+        'cases': {name: {} for name in FACTOR_LABELS},
+    }
     (folder / 'factors.yaml').write_text(yaml.safe_dump(factors))
     changed = FlightSet(str(folder / 'factors.yaml'), 'Factors', 'One changed at a time.')
     with pytest.MonkeyPatch.context() as patched:
@@ -116,7 +120,7 @@ def evaluate(folder, call):
 
 def tune(folder, call):
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(helium_limit, 'TRIED', 1)
+        patched.setattr(helium_limit, 'TRIED_LOSSES', 1)
         patched.setattr(helium_limit, 'HALVINGS', 0)
         patched.setattr(compare, 'fly_to_lamp', lambda *_: LampFlightResult(True, 0.3))
         words = ('--budget=2', '--draws=2', '--cases=1', '--workers=1', '--number=climb.kp')

@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 Written = TypeVar('Written')
-BAG: Any = argument('Bag folder, results folder or .mcap file.')
-ORIGIN = ('vehicle', 'scenario', 'strategy', 'seed', 'commit', 'created')  # facts of a plot
+BAG_ARGUMENT: Any = argument('Bag folder, results folder or .mcap file.')
+PLOT_FACTS = ('vehicle', 'scenario', 'strategy', 'seed', 'commit', 'created')  # facts of a plot
 
 
 @final
@@ -42,7 +42,7 @@ class BagInfoRequest(Action, command='bag info', json=True):
     vehicle and scenario files.
     """
 
-    path: Path = BAG
+    path: Path = BAG_ARGUMENT
 
     def run(self, console: Console) -> Outcome[BagInfo]:
         """Print the summary, and return it."""
@@ -110,7 +110,7 @@ class BagPlotRequest(Action, command='bag plot'):
     Example: lta bag plot BAG motors 'light/peaks/snr*' --from 5 --to 10 --png look.png
     """
 
-    bag: Path = BAG
+    bag: Path = BAG_ARGUMENT
     patterns: tuple[str, ...] = argument(
         'Channels or topics to plot; * matches any text. Without any, the command only lists the '
         'channels.',
@@ -160,7 +160,9 @@ class BagPlotRequest(Action, command='bag plot'):
         else:
             # One page for both outputs: the picture is taken of the page. Imported bags have only
             # some of the facts.
-            origin = {key: flight.provenance[key] for key in ORIGIN if key in flight.provenance}
+            origin = {
+                key: flight.provenance[key] for key in PLOT_FACTS if key in flight.provenance
+            }
             facts = {'bag': str(self.bag), **origin}
             page = plots.build_report(', '.join(self.patterns), panels, span, facts)
             text = render_report(page)
@@ -193,7 +195,7 @@ class BagRecoverRequest(Action, command='bag recover', json=True):
     Example: lta bag recover runs/20261120-lamp_room-1/bag --out runs/mended
     """
 
-    path: Path = BAG
+    path: Path = BAG_ARGUMENT
     out: Folder | None = option(
         'Folder for the new bag; BAG-recovered next to the original by default.', default=None,
         metavar='FOLDER',
@@ -233,7 +235,7 @@ class BagUpgradeRequest(Action, command='bag upgrade'):
     Example: lta bag upgrade runs/20251120-lamp_room-1/bag --out runs/upgraded
     """
 
-    path: Path = BAG
+    path: Path = BAG_ARGUMENT
     out: Folder | None = option(
         'Folder for the new bag; BAG-upgraded next to the original by default.', default=None,
         metavar='FOLDER',
@@ -288,7 +290,7 @@ class BagExportRequest(Action, command='bag export', json=True):
     Example: lta bag export runs/20261120-lamp_room-1/bag --format mat --rate 50 --method linear
     """
 
-    bag: Path = BAG
+    bag: Path = BAG_ARGUMENT
     form: str = option(
         'Format of the exported files: parquet, csv, mat.', default='parquet', name='format'
     )

@@ -44,13 +44,13 @@ if TYPE_CHECKING:
 
 DEFAULT_VEHICLE, DEFAULT_SCENARIO = 'gtmab', 'lamp_room'
 UNKNOWN_ROOM = 'hall'  # for recordings of no known scene: no wall is near
-OUT: Any = option(
+OUT_OPTION: Any = option(
     'Folder of the results; in runs/ by default.', default=None, metavar='FOLDER', kw_only=True
 )
-STRATEGY: Any = option(
+STRATEGY_OPTION: Any = option(
     f'Navigation strategy: {", ".join(STRATEGIES)}, or a file such as ./mine.py.', default='homing'
 )
-SEED: Any = option('Random seed.', default=1, low=0, high=2**31 - 1)
+SEED_OPTION: Any = option('Random seed.', default=1, low=0, high=2**31 - 1)
 # Fields of a flight that forecasts do not have
 ONLY_OF_FLIGHTS = (
     'scenario', 'strategy', 'gains', 'seed', 'changes', 'begin', 'end', 'bag',
@@ -75,8 +75,8 @@ class FlyRequest(Action, command='fly', json=True):
 
     vehicle: str = VEHICLE
     scenario: str = option('Scenario name or file.', default=DEFAULT_SCENARIO, complete='scenario')
-    strategy: str = STRATEGY
-    seed: int = SEED
+    strategy: str = STRATEGY_OPTION
+    seed: int = SEED_OPTION
     time: Literal['lockstep', 'realtime'] | None = option(
         'Speed of the simulation. lockstep: as fast as the nodes respond. realtime: wall-clock '
         'speed.',
@@ -87,7 +87,7 @@ class FlyRequest(Action, command='fly', json=True):
         'processor time.',
         default='many',
     )
-    out: Folder | None = OUT
+    out: Folder | None = OUT_OPTION
     live: bool = option('Stream the flight live to Foxglove.', default=False)
     live_port: int = option('Port for Foxglove, with --live.', default=PORT, low=1, high=65535)
     page: bool = option('Write an HTML report.', default=True)
@@ -178,9 +178,9 @@ class SimulateRequest(Action, command='simulate', json=True):
         f'Scenario name or file; {DEFAULT_SCENARIO}, or the recorded one, by default.',
         default=None, complete='scenario',
     )  # fmt: skip
-    strategy: str = STRATEGY
+    strategy: str = STRATEGY_OPTION
     gains: str = option("Controller gains, name or file; the vehicle's by default.", default='')
-    seed: int = SEED
+    seed: int = SEED_OPTION
     changes: Changes = CHANGES
     commands: tuple[Path, ...] = option(
         'Fly the commands of this recording (bag or results folder) from its motion on, instead '
@@ -198,7 +198,7 @@ class SimulateRequest(Action, command='simulate', json=True):
     robot: str | None = option(
         'With --commands: its robot; needed if the recording has several.', default=None
     )
-    out: Folder | None = OUT
+    out: Folder | None = OUT_OPTION
     bag: bool = option('Record a bag and write an HTML report.', default=True)
 
     def run(self, console: Console) -> Outcome[Any]:
@@ -425,7 +425,7 @@ class LogImportRequest(Action, command='import', json=True):
     format: str | None = option(
         f'File format: {", ".join(get_args(Format))}; detected by default.', default=None
     )
-    out: Folder | None = OUT
+    out: Folder | None = OUT_OPTION
     robot: str = option('Namespace of the topics in the new bag.', default='lta1')
     vehicle: str | None = option(
         'Flown vehicle, name or file; stored in the bag. A draft names commands after its rotors.',

@@ -22,7 +22,7 @@ from lta_report.request import (
     VEHICLE_NAME,
 )
 from lta_report.results_folder import create_folder, format_page_line, stage_results, write_file
-from lta_vehicle.vehicle_size import MOTORS
+from lta_vehicle.vehicle_size import MOTOR_LAYOUTS
 from rich.console import Console
 
 LOWEST_ALTITUDE = 0.5  # m, of a mission by default
@@ -62,8 +62,8 @@ class NewVehicleRequest(Action, command='vehicle new'):
         'Mass of everything without gas and ballast: what a scale shows.'
     )
     motors: int = option(
-        '; '.join(f'{count}: {where}' for count, where in MOTORS.items()) + '.',
-        default=3, low=min(MOTORS), high=max(MOTORS),
+        '; '.join(f'{count}: {where}' for count, where in MOTOR_LAYOUTS.items()) + '.',
+        default=3, low=min(MOTOR_LAYOUTS), high=max(MOTOR_LAYOUTS),
     )  # fmt: skip
     thrust: str | None = size_option("Thrust of one motor at full: '0.1 N'.")
     arm: str | None = size_option('Distance of the side motors from the middle.')
@@ -126,7 +126,7 @@ class NewVehicleRequest(Action, command='vehicle new'):
         high = stands > LOWEST_ALTITUDE - 0.1
         climb = ['--set', f'mission.altitude={stands + 0.3:.1f}'] if high else []
         flies = ('Fly it', ('simulate', '--vehicle', place, *climb))
-        if self.motors == min(MOTORS):
+        if self.motors == min(MOTOR_LAYOUTS):
             print_lines(
                 console, 'No motor pushes up, so no control law of LTA can hold its altitude.'
             )

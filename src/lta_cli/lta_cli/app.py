@@ -33,11 +33,11 @@ from lta_config.version import VERSION
 import typer
 from typer.core import TyperGroup
 
-NEAR: Final = 40  # characters around bytes that are not UTF-8, to find them
+SHOWN_NEAR_BYTES: Final = 40  # characters around bytes that are not UTF-8, to find them
 STOPPED = 130  # exit status after Ctrl-C, as in shells and Typer: 128 + SIGINT
 # Errors of a path or disk that the user can fix; they are reported in one sentence, not as a
 # traceback, where the verb has no better message.
-UNUSABLE: Final = {
+USER_ERRORS: Final = {
     errno.EACCES, errno.EBUSY, errno.EDQUOT, errno.EIO, errno.ENAMETOOLONG, errno.ENOSPC,
     errno.EPERM, errno.EROFS, errno.ESTALE,
 }  # fmt: skip
@@ -102,7 +102,7 @@ def call(name: str, **settings: Any) -> Verb:  # noqa: ANN401 - of a verb
     return Verb(module, request, **settings)
 
 
-VEHICLE: Final = VerbGroup(
+VEHICLE_VERBS: Final = VerbGroup(
     'Create, inspect, compare and check vehicle files, and estimate weight from a flight.',
     {
         'new': call('vehicle_new'),
@@ -114,7 +114,7 @@ VEHICLE: Final = VerbGroup(
         'urdf': call('vehicle_urdf'),
     },
 )
-BAG: Final = VerbGroup(
+BAG_VERBS: Final = VerbGroup(
     'Inspect, check, plot, repair and export recordings.',
     {
         'info': call('bag_info'),
@@ -125,7 +125,7 @@ BAG: Final = VerbGroup(
         'export': call('bag_export'),
     },
 )
-LIGHT: Final = VerbGroup(
+LIGHT_VERBS: Final = VerbGroup(
     'Plan lamps and study navigation by light.',
     {
         'link': call('light_link'),
@@ -136,7 +136,7 @@ LIGHT: Final = VerbGroup(
         'study': call('light_study'),
     },
 )
-ENERGY: Final = VerbGroup(
+ENERGY_VERBS: Final = VerbGroup(
     'Simulate energy use and solar charging; compare with published values and a multirotor.',
     {
         'budget': call('energy_budget'),
@@ -145,7 +145,7 @@ ENERGY: Final = VerbGroup(
         'breakeven': call('energy_breakeven'),
     },
 )
-TESTS: Final = VerbGroup(
+TESTS_VERBS: Final = VerbGroup(
     'Plan and fly the tests that calibrate a vehicle, read their logs, tell two effects apart.',
     {
         'plan': call('tests_plan'),
@@ -154,7 +154,7 @@ TESTS: Final = VerbGroup(
         'between': call('tests_between'),
     },
 )
-CFD: Final = VerbGroup(
+CFD_VERBS: Final = VerbGroup(
     'Compute drag and rotor slipstreams from the shape of a vehicle (virtual wind tunnel).',
     {
         'run': call('cfd_run'),
@@ -162,7 +162,7 @@ CFD: Final = VerbGroup(
         'refit': call('cfd_refit'),
     },
 )
-HARDWARE: Final = VerbGroup(
+HARDWARE_VERBS: Final = VerbGroup(
     'Check connected drones and light boards, test one motor, evaluate turntable recordings, draw '
     'the wiring.',
     {
@@ -188,12 +188,12 @@ FAMILIES: Final[Mapping[str, Mapping[str, Verb | VerbGroup]]] = {
     },
     'Analyse': {
         'import': call('import_log'),
-        'bag': BAG,
+        'bag': BAG_VERBS,
         'report': call('report'),
         'compare': call('compare'),
     },
     'Learn': {
-        'tests': TESTS,
+        'tests': TESTS_VERBS,
         'calibrate': call('calibrate', several=('--train', '--confirm')),
         'discover': call('discover', several=('--train', '--confirm', '--holdout')),
         'effects': call('effects'),
@@ -202,16 +202,16 @@ FAMILIES: Final[Mapping[str, Mapping[str, Verb | VerbGroup]]] = {
         'effects new': call('effects_new'),
     },
     'Design': {
-        'vehicle': VEHICLE,
+        'vehicle': VEHICLE_VERBS,
         'tune': call('tune'),
         'wind': call('wind'),
         'platforms': call('platforms'),
-        'light': LIGHT,
-        'energy': ENERGY,
+        'light': LIGHT_VERBS,
+        'energy': ENERGY_VERBS,
         'cells': call('cells'),
-        'cfd': CFD,
+        'cfd': CFD_VERBS,
     },
-    'Hardware': {'hardware': HARDWARE},
+    'Hardware': {'hardware': HARDWARE_VERBS},
     'Tools': {
         'doctor': Verb('doctor', 'doctor'),
         'reproduce': call('reproduce'),
@@ -412,8 +412,10 @@ def describe_error(error: Exception) -> str | None:
         return str(missing_ros_error(error))
     if isinstance(error, UnicodeEncodeError):
         # A folder above the given path, or a file in it
-        near = to_one_line(error.object[max(0, error.start - NEAR) : error.end + NEAR])
+        near = to_one_line(
+            error.object[max(0, error.start - SHOWN_NEAR_BYTES) : error.end + SHOWN_NEAR_BYTES]
+        )
         return f"The name of a file or folder is not UTF-8 ('{near}'); rename it."
-    if isinstance(error, OSError) and error.filename and error.errno in UNUSABLE:
+    if isinstance(error, OSError) and error.filename and error.errno in USER_ERRORS:
         return f"Cannot read or write '{error.filename}': {error.strerror}."
     return describe_shortage(error)

@@ -19,9 +19,9 @@ from lta_graph.terminal_streams import exit_process, guard_streams, reserve_stdo
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 COMPLETION = '_LTA_COMPLETE'  # a shell asks how the line may go on
-JSON: Final = '--json'  # stdout holds nothing else then
+JSON_OPTION: Final = '--json'  # stdout holds nothing else then
 MIDDLEWARE = 'RMW_IMPLEMENTATION'
-AGAIN: Final = 0.05  # s; until a signal that a C library dropped is sent again
+DROPPED_SIGNAL_PAUSE: Final = 0.05  # s; until a signal that a C library dropped is sent again
 
 
 def main() -> NoReturn:
@@ -33,7 +33,7 @@ def main() -> NoReturn:
     # The lta script blocks SIGINT while Python starts; a pending one is delivered here.
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     guard_streams()
-    if JSON in sys.argv:
+    if JSON_OPTION in sys.argv:
         reserve_stdout()
     # Arithmetic on damaged data: what matters of it is reported, and children inherit this
     if not sys.warnoptions:
@@ -64,7 +64,7 @@ def main() -> NoReturn:
             return
         # A callback from C, such as that of a compiler, cannot raise: wait until it has returned
         last = caught[-1] if caught else signal.SIGINT
-        threading.Timer(AGAIN, os.kill, (os.getpid(), last)).start()
+        threading.Timer(DROPPED_SIGNAL_PAUSE, os.kill, (os.getpid(), last)).start()
 
     sys.unraisablehook = send_again
 

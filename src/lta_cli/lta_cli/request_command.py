@@ -13,7 +13,7 @@ from lta_report.request import Action, build_request, ReportRequest, Request
 from pydantic import BeforeValidator
 import typer
 
-JSON: Final = 'json'
+JSON_FIELD: Final = 'json'
 # JSON goes to stdout, tables then go to stderr
 Json = Annotated[bool, typer.Option('--json', help='Print the results as JSON.')]
 
@@ -37,7 +37,7 @@ def build_command(model: type[Request]) -> Any:  # noqa: ANN401 - a function tha
     """Return the function of a command, with the help and the options of a request."""
 
     def command(context: typer.Context, **values: Any) -> None:  # noqa: ANN401 - the options
-        json = values.pop(JSON, False)
+        json = values.pop(JSON_FIELD, False)
         # What is left at its default is not passed on, as --quick may preset it
         own = {name: each for name, each in values.items() if not is_unset(context, name)}
         run_request(build_request(model, own, model.name_option), json)
@@ -46,7 +46,7 @@ def build_command(model: type[Request]) -> Any:  # noqa: ANN401 - a function tha
     parameters = [inspect.Parameter('context', kind, annotation=typer.Context)]
     parameters += [build_parameter(model, name) for name in model.list_fields()]
     if not issubclass(model, Action) or model.prints_json:
-        parameters.append(inspect.Parameter(JSON, kind, default=False, annotation=Json))
+        parameters.append(inspect.Parameter(JSON_FIELD, kind, default=False, annotation=Json))
     command.__doc__ = model.__doc__
     command.__annotations__ = {each.name: each.annotation for each in parameters}
     command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]

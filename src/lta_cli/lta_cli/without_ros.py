@@ -8,9 +8,9 @@ from lta_config.errors import BadInput
 import typer
 
 ROS: Final = ('rclpy', 'rcl_interfaces', 'builtin_interfaces', 'std_srvs')
-REMEDY: Final = 'get the LTA sources, run "make build" there, and use ./lta'
+ROS_REMEDY: Final = 'get the LTA sources, run "make build" there, and use ./lta'
 # The last lines of `lta --help` where only the wheel is installed
-WITHOUT_GRAPH: Final = f'fly, replay, launch and call need ROS 2: {REMEDY}.'
+WITHOUT_GRAPH: Final = f'fly, replay, launch and call need ROS 2: {ROS_REMEDY}.'
 # A verb that cannot run accepts all arguments, so that its own message is shown.
 ANYTHING: Final = {'allow_extra_args': True, 'ignore_unknown_options': True}
 
@@ -39,10 +39,11 @@ def is_ros_module(module: str | None) -> bool:
 def missing_ros_error(missing: ModuleNotFoundError) -> BadInput:
     """Return the error for a missing ROS 2 module."""
     return BadInput(
-        f"This command needs ROS 2, but its package '{missing.name}' is not installed; {REMEDY}."
+        f"This command needs ROS 2, but its package '{missing.name}' is not installed; "
+        f'{ROS_REMEDY}.'
     )
 
 
 def refuse_without_ros(context: typer.Context) -> None:
     """Not available: needs ROS 2, which is not installed."""
-    raise BadInput(f"'lta {context.info_name}' needs ROS 2, which is not installed; {REMEDY}.")
+    raise BadInput(f"'lta {context.info_name}' needs ROS 2, which is not installed; {ROS_REMEDY}.")

@@ -10,7 +10,7 @@ from typing import final, Self
 from lta_config.errors import BadInput
 
 HIGHEST_DOMAIN = 232  # the ports of a higher one would exceed 16 bits
-LONGEST = 4096  # bytes read of the robots' names
+LONGEST_NAMES = 4096  # bytes read of the robots' names
 
 
 @final
@@ -55,7 +55,7 @@ class DomainLock:
         try:
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
-            holder = os.pread(self._file, LONGEST, 0).decode(errors='replace')
+            holder = os.pread(self._file, LONGEST_NAMES, 0).decode(errors='replace')
             os.close(self._file)
             raise BadInput(
                 f'{holder or "A robot is"} flying on ROS domain {self._domain} already, and all '

@@ -36,8 +36,8 @@ if TYPE_CHECKING:
     from lta_graph.ros.listener import DiagnosticsListener
 
 SIMULATORS = ('simulator', ONE_PROCESS[1])  # processes that print the outcome
-PATIENCE = 10.0  # wall seconds of a stall after which the graph is stopped
-LOOK = 0.05  # wall seconds between polls of the processes and the diagnostics
+STALL_PATIENCE = 10.0  # wall seconds of a stall after which the graph is stopped
+POLL_PERIOD = 0.05  # wall seconds between polls of the processes and the diagnostics
 
 
 @final
@@ -129,7 +129,7 @@ def supervise_flight(
     """
     lookout = StallMonitor(watcher.show_message, listener.publish_error)
     while launcher.outcome is None:
-        facts = listener.poll(LOOK)
+        facts = listener.poll(POLL_PERIOD)
         for end in launcher.poll():
             if end.name in optional and not end.stopped:
                 why = f' ({end.lines[-1]})' if is_refusal(end) else ''
@@ -141,8 +141,8 @@ def supervise_flight(
             facts, listener.find_silent_nodes(running), listener.find_pending_nodes(running)
         )
         lookout.report_health(facts.values())
-        if lookout.stall_duration > PATIENCE:
-            sentence = f'The ROS graph made no progress for {PATIENCE:.0f} s and is stopped.'
+        if lookout.stall_duration > STALL_PATIENCE:
+            sentence = f'The ROS graph made no progress for {STALL_PATIENCE:.0f} s and is stopped.'
             watcher.show_message(sentence)
             listener.publish_error(sentence)
             return

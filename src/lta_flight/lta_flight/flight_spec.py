@@ -38,14 +38,14 @@ from lta_sim.world import World
 from pydantic import BaseModel
 import yaml
 
-FILES = ('vehicle', 'scenario', 'gains')
-SETTINGS: dict[str, type[Settings]] = {
+SPEC_FILES = ('vehicle', 'scenario', 'gains')
+SPEC_SETTINGS: dict[str, type[Settings]] = {
     'gains': CascadeGains,
     **{root: block.model for root, block in SETTABLE.items()},
 }
-GAINS = 'gtmab'  # for a vehicle that does not name its own
-NAMED = ('strategy', *FILES)  # paths of one word, which replace a whole file
-ROOTS = (*FILES, *(name for name in SETTINGS if name not in FILES))
+DEFAULT_GAINS = 'gtmab'  # for a vehicle that does not name its own
+NAMED_ROOTS = ('strategy', *SPEC_FILES)  # paths of one word, which replace a whole file
+SPEC_ROOTS = (*SPEC_FILES, *(name for name in SPEC_SETTINGS if name not in SPEC_FILES))
 
 
 @final
@@ -64,9 +64,9 @@ class FlightSpec:
 
         If a file is replaced, earlier replacements are applied to the new file.
         """
-        other = {path: value for path, value in values.items() if path in NAMED}
+        other = {path: value for path, value in values.items() if path in NAMED_ROOTS}
         if other:
-            rest = {path: value for path, value in values.items() if path not in NAMED}
+            rest = {path: value for path, value in values.items() if path not in NAMED_ROOTS}
             return self._with_files(other).with_values({**self.replaced, **rest})
         contents = dict(self.contents)
         for path, value in values.items():
@@ -88,7 +88,7 @@ class FlightSpec:
 
     def read_value(self, path: str) -> Any:  # noqa: ANN401 - what YAML holds
         """Return the value at a path; None for an omitted parameter of an effect."""
-        if path in NAMED:
+        if path in NAMED_ROOTS:
             return {'strategy': self.strategy, **self.names}[path]
         root, below = split_path(path)
         return get_parameter(self.contents[root], below, root)
@@ -99,7 +99,7 @@ class FlightSpec:
         if quantity is not None:
             # An unknown unit is reported later, by validation
             return UNITS.get(quantity['unit'], (quantity['unit'],))[0]
-        if path in NAMED:
+        if path in NAMED_ROOTS:
             return ''
         root, below = split_path(path)
         models = select_settings_models(self.contents['vehicle'])
@@ -109,8 +109,10 @@ class FlightSpec:
 def split_path(path: str) -> tuple[str, str]:
     """Return the root of a path and the rest."""
     root, _, below = path.partition('.')
-    if root not in ROOTS or not below:
-        raise unknown_name_error('parameter', path, [*NAMED, *(f'{name}. ...' for name in ROOTS)])
+    if root not in SPEC_ROOTS or not below:
+        raise unknown_name_error(
+            'parameter', path, [*NAMED_ROOTS, *(f'{name}. ...' for name in SPEC_ROOTS)]
+        )
     return root, below
 
 
@@ -137,7 +139,7 @@ def load_spec(vehicle: str, scenario: str, strategy_name: str, gains: str) -> Fl
     """
     find_navigation_strategy(strategy_name)
     content = load_vehicle_content(find_file('vehicle', vehicle))
-    own = read_control(content).get('gains', GAINS)
+    own = read_control(content).get('gains', DEFAULT_GAINS)
     names = {'vehicle': vehicle, 'scenario': scenario, 'gains': gains or own}
     contents = {root: load_yaml(find_file(root, name)) for root, name in names.items()}
     contents['vehicle'] = content
@@ -145,7 +147,7 @@ def load_spec(vehicle: str, scenario: str, strategy_name: str, gains: str) -> Fl
         contents['scenario'], find_file('scenario', scenario).parent
     )
     contents['gains'] = read_gains(contents['gains'], names['gains'])
-    for root, model in SETTINGS.items():
+    for root, model in SPEC_SETTINGS.items():
         # Nodes have no files here, so their settings start at the defaults
         contents.setdefault(root, model().model_dump() if root != 'gains' else None)
     return FlightSpec(names, strategy_name, contents)
@@ -160,7 +162,9 @@ def read_control(content: Any) -> dict[str, str]:  # noqa: ANN401 - what YAML ho
 
 def select_settings_models(vehicle: Any) -> dict[str, type[Settings]]:  # noqa: ANN401 - what YAML holds
     """Return the models of all settings; the gains are those of the vehicle's control law."""
-    return SETTINGS | {'gains': find_control_law(read_control(vehicle).get('law', CASCADE)).gains}
+    return SPEC_SETTINGS | {
+        'gains': find_control_law(read_control(vehicle).get('law', CASCADE)).gains
+    }
 
 
 def read_gains(content: Any, name: str) -> Any:  # noqa: ANN401 - what YAML holds
@@ -220,7 +224,9 @@ def build_loop(spec: FlightSpec, seed: int) -> ClosedLoop:
 
 def _validate_part(model: type[Any], spec: FlightSpec, root: str) -> Any:  # noqa: ANN401 - a model
     """Return one validated part; errors name its file and the replaced parameters."""
-    where = str(find_file(root, spec.names[root])) if root in FILES else f'the settings of {root}'
+    where = (
+        str(find_file(root, spec.names[root])) if root in SPEC_FILES else f'the settings of {root}'
+    )
     replaced = [path for path in spec.replaced if path.startswith(f'{root}.')]
     if replaced:
         where += f' with {", ".join(replaced)} set'
@@ -230,7 +236,7 @@ def _validate_part(model: type[Any], spec: FlightSpec, root: str) -> Any:  # noq
 def write_files(spec: FlightSpec, folder: Path) -> dict[str, str]:
     """Write files with replaced parameters; return the paths or names of all files by root."""
     names = dict(spec.names)
-    for root in FILES:
+    for root in SPEC_FILES:
         if any(path.startswith(f'{root}.') for path in spec.replaced):
             content = spec.contents[root]
             if root == 'gains':

@@ -14,7 +14,7 @@ from lta_graph.launch_plan import LaunchPlan
 from lta_graph.launcher import Launcher, OnLine
 from lta_graph.ros.listener import DiagnosticsListener
 
-LOOK = 0.1  # wall seconds between polls of the processes and the diagnostics
+GRAPH_POLL_PERIOD = 0.1  # wall seconds between polls of the processes and the diagnostics
 RECORDER = ('lta_bridge', 'recorder')
 TELLERS = (('lta_sim', 'simulator'), ('lta_bridge', 'player'))  # executables with a /clock
 
@@ -54,7 +54,7 @@ def supervise_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None
         report_live_views(plan, say)
         launcher = stack.enter_context(Launcher(plan, on_line))
         while (outcome := launcher.outcome) is None:
-            facts = listener.poll(LOOK)
+            facts = listener.poll(GRAPH_POLL_PERIOD)
             # Other packages' nodes do not report on /diagnostics, which is not a fault
             running = [name for name in launcher.running_nodes if name not in spare]
             silent = listener.find_silent_nodes(running, required=False)

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 # Topics that the data stand for: always, and once there is a light block
-KEPT = {'ground_truth/odom', 'odom', 'battery'}
+KEPT_TOPICS = {'ground_truth/odom', 'odom', 'battery'}
 LIT = {'light/bearing', 'light/estimate', 'light/peaks', 'setpoint/pose', 'setpoint/velocity'}
 
 
@@ -93,7 +93,7 @@ class LoopView:
 
     def has_topics(self, *topics: str) -> bool:
         """Return whether all these topics have data."""
-        return set(topics) <= (KEPT | LIT if self._light else KEPT)
+        return set(topics) <= (KEPT_TOPICS | LIT if self._light else KEPT_TOPICS)
 
     @property
     def span(self) -> tuple[float, float]:

@@ -42,7 +42,7 @@ def check_node(executable: str, robot: str, values: Values) -> None:
         The sentence with which the node would exit.
 
     """
-    if (check := CHECKS.get(executable)) is not None:
+    if (check := NODE_CHECKS.get(executable)) is not None:
         check(robot, values)
 
 
@@ -95,7 +95,7 @@ def validate_settings(model: type[Model], node: str, values: Values) -> Model:
         raise BadInput(f'{node}: parameter {format_error(error)}') from None
 
 
-CHECKS: Final[Mapping[str, Callable[[str, Values], None]]] = {
+NODE_CHECKS: Final[Mapping[str, Callable[[str, Values], None]]] = {
     'recorder': check_recorder,
     'player': check_player,
     'crazyflie_bridge': check_crazyflie_bridge,

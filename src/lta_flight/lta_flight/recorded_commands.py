@@ -33,13 +33,13 @@ from scipy.spatial.transform import Rotation
 Array = NDArray[np.float64]
 Vector = tuple[float, float, float]
 
-FITTED: Final = 0.5  # s; poses from which a missing velocity is fitted
-SHORTEST: Final = 1.0  # s
-WRENCH: Final = 'wrench_command'
+FIT_INTERVAL: Final = 0.5  # s; poses from which a missing velocity is fitted
+SHORTEST_PART: Final = 1.0  # s
+WRENCH_TOPIC: Final = 'wrench_command'
 SUNK: Final = 0.02  # m below the height at which the vehicle stands
-HEAVY: Final = 10.0  # times the weight; a larger command is in another unit
+LARGEST_FORCE: Final = 10.0  # times the weight; a larger command is in another unit
 EARLY: Final = 1e-6  # s; a command counts from its stamp, whose float is rounded
-TWIST: Final = tuple(
+TWIST_FIELDS: Final = tuple(
     f'twist.twist.{kind}.{axis}' for kind in ('linear', 'angular') for axis in 'xyz'
 )
 
@@ -130,7 +130,7 @@ def read_commands(
     """
     flight = open_flight(find_bag(bag), robot)
     pose_channels, prefix = _read_pose(flight, bag)
-    if WRENCH in flight.topics and 'motors' not in flight.topics:
+    if WRENCH_TOPIC in flight.topics and 'motors' not in flight.topics:
         times, wrenches = _read_wrenches(flight, vehicle)
         duties, places = np.zeros((len(times), len(vehicle.rotor_names))), None
     else:
@@ -149,9 +149,10 @@ def read_commands(
         valid &= at <= end
     at, poses = at[valid], poses[valid]
     last = min(at[-1], end if end is not None else times[-1]) if len(at) else 0.0
-    if not len(at) or last - at[0] < SHORTEST:
+    if not len(at) or last - at[0] < SHORTEST_PART:
         raise BadInput(
-            f"'{bag}' has less than {SHORTEST:g} s with both a tracked pose and commands in this "
+            f"'{bag}' has less than {SHORTEST_PART:g} s with both a tracked pose and "
+            f'commands in this '
             'part; choose another part with --begin and --end, or another recording.'
         )
     remedy = 'choose a part with --begin and --end'
@@ -211,16 +212,16 @@ def find_body_poses(vehicle: Vehicle, places: Array, turns: Rotation) -> tuple[A
 
 def _read_wrenches(flight: RecordedFlight, vehicle: Vehicle) -> tuple[Array, Array]:
     """Return times [s] and commanded wrenches, shape (n, 6) [N, N m]."""
-    channels = {each.name: each for each in iterate_channels(flight, WRENCH)}
+    channels = {each.name: each for each in iterate_channels(flight, WRENCH_TOPIC)}
     named = [
-        channels[f'{WRENCH}/wrench.{kind}.{axis}']
+        channels[f'{WRENCH_TOPIC}/wrench.{kind}.{axis}']
         for kind in ('force', 'torque')
         for axis in 'xyz'
     ]
     times, first = np.unique(named[0].time, return_index=True)
     wrenches = fill_with_last(np.column_stack([each.values for each in named])[first])
     most, weight = float(np.abs(wrenches).max(initial=0.0)), STANDARD_GRAVITY * vehicle.mass
-    if most > HEAVY * weight:
+    if most > LARGEST_FORCE * weight:
         raise BadInput(
             f"The commands in 'wrench_command' reach {most:.3g} N or N m, and "
             f'{vehicle.file.name} weighs {weight:.3g} N; import the log again with the right '
@@ -278,7 +279,7 @@ def _read_duties(flight: RecordedFlight, vehicle: Vehicle) -> tuple[Array, Array
 def _read_twist(channels: Mapping[str, Channel], prefix: str, time: float) -> Array:
     """Return recorded velocity and rates at a time, shape (6,); NaN where unknown."""
     topic = prefix.rpartition('/')[0]
-    fields = [channels.get(f'{topic}/{field}') for field in TWIST]
+    fields = [channels.get(f'{topic}/{field}') for field in TWIST_FIELDS]
     return np.array([
         math.nan if each is None else float(np.interp(time, each.time, each.values))
         for each in fields
@@ -289,7 +290,7 @@ def find_velocity(
     twist: Array, times: Array, track: Array, turns: Rotation
 ) -> tuple[Array, Array]:
     """Return velocity and rates at the first pose, body frame: recorded, or fitted to poses."""
-    near = times <= times[0] + FITTED
+    near = times <= times[0] + FIT_INTERVAL
     near[:2] = True  # a velocity needs two poses, however sparse they are
     since = times[near] - times[0]
     degree = min(2, len(since) - 1)

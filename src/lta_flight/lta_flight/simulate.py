@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from lta_flight.recorded_commands import RecordedCommands
 
 COMPILING = 'compiling the vehicle model (only the first time, about half a minute)'
-LOOK = 0.1  # wall seconds between two updates of the progress bar
+BAR_PERIOD = 0.1  # wall seconds between two updates of the progress bar
 
 
 @final
@@ -144,7 +144,7 @@ def simulate_closed_loop(
             recorder.record_step()
         # Updating a terminal in every step would slow the simulation down
         now = time.monotonic()
-        if now - looked >= LOOK:
+        if now - looked >= BAR_PERIOD:
             looked = now
             watcher.show_position(
                 world.elapsed, world.goal_distance, world.elapsed / (now - begun)

@@ -17,9 +17,11 @@ FLIGHT = 'simulator: flight'  # task with the state of a simulated flight
 PLAYBACK = 'player: playback'  # task with the state of a replay
 GOING = {FLIGHT: 'flying', PLAYBACK: 'playing'}  # their outcomes until they end
 SETTLE = 0.5  # wall seconds; nodes check their inputs at different times
-DISCOVERY = 4.0  # wall seconds to wait instead while some nodes are not discovered yet
-ELSEWHERE = (INPUT_TASK, 'processes')  # tasks whose errors are reported elsewhere
-START = 8.0  # wall seconds that nodes take to load on a busy machine; report if it takes longer
+WAIT_FOR_DISCOVERY = 4.0  # wall seconds to wait instead while some nodes are not discovered yet
+OTHER_TASKS = (INPUT_TASK, 'processes')  # tasks whose errors are reported elsewhere
+STARTING_TIME = (
+    8.0  # wall seconds that nodes take to load on a busy machine; report if it takes longer
+)
 
 
 @final
@@ -54,7 +56,7 @@ class StallDetector:
         if not suspects and not silent:
             self._well = now
         self.standing = now - self._well
-        settled = now - self._changed > (SETTLE if all_reporting else DISCOVERY)
+        settled = now - self._changed > (SETTLE if all_reporting else WAIT_FOR_DISCOVERY)
         # Silence is certain, suspects may still change
         return silent or (suspects if settled else [])
 
@@ -115,13 +117,13 @@ class StallMonitor:
 
     def report_health(self, facts: Iterable[HealthFact]) -> None:
         """Report the faults of nodes and their ends, for a run whose nodes' lines nobody sees."""
-        others = (fact for fact in facts if fact.task.partition(': ')[2] not in ELSEWHERE)
+        others = (fact for fact in facts if fact.task.partition(': ')[2] not in OTHER_TASKS)
         for line in self._log.update(others, time.monotonic()):
             self._say(f'{line.text.rstrip(".")}.')
 
     def _report_loading(self, loading: list[str]) -> None:
         """Report once which nodes the others wait for, if loading takes long."""
-        if loading and not self._excused and time.monotonic() - self._begun > START:
+        if loading and not self._excused and time.monotonic() - self._begun > STARTING_TIME:
             self._excused = True
             self._say(
                 f'Waiting for {", ".join(loading)} to load; '

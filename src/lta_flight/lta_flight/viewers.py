@@ -10,7 +10,7 @@ from lta_graph.launch_plan import LaunchPlan, LaunchProcess
 
 LIVE = ('lta_bridge', 'live')
 DESCRIPTION = ('lta_bridge', 'description')
-LAYOUT = 'foxglove/lta.json'  # in the folder of LTA's own data
+LAYOUT_FILE = 'foxglove/lta.json'  # in the folder of LTA's own data
 
 
 def _is_live_view(process: LaunchProcess) -> bool:
@@ -67,4 +67,7 @@ def report_live_views(plan: LaunchPlan, say: Callable[[str], None]) -> None:
             f'Live view: {url}  ({whose}open it in a browser, or with Open connection in Foxglove)'
         )
     if views:
-        say(f'Layout:    {relative_path(share_folder() / LAYOUT)}  (import it once into Foxglove)')
+        say(
+            f'Layout:    {relative_path(share_folder() / LAYOUT_FILE)}  (import it once '
+            f'into Foxglove)'
+        )

@@ -19,9 +19,15 @@ from typing import Any, Final, final, Self
 
 from lta_config.errors import BadInput
 
-NAMES: Final = ('chromium', 'chromium-browser', 'google-chrome', 'google-chrome-stable', 'chrome')
+BROWSER_NAMES: Final = (
+    'chromium',
+    'chromium-browser',
+    'google-chrome',
+    'google-chrome-stable',
+    'chrome',
+)
 OVERRIDE: Final = 'LTA_CHROMIUM'  # environment variable
-MISSING: Final = (
+NO_BROWSER: Final = (
     'No Chromium was found; install it (Debian or Ubuntu: sudo apt install chromium) or set '
     f'{OVERRIDE} to the program.'
 )
@@ -52,8 +58,8 @@ FLAGS: Final = (
     '--password-store=basic',
 )
 READ, WRITE = 3, 4  # file descriptors on which Chromium expects its ends of the pipes
-PATIENCE = 300.0  # s; a cold start or one page on a busy machine took more than 30
-FAILED = 30.0  # s to wait after a script error: the page may still finish, but soon
+ANSWER_PATIENCE = 300.0  # s; a cold start or one page on a busy machine took more than 30
+DRAWING_PATIENCE = 30.0  # s to wait after a script error: the page may still finish, but soon
 
 
 def find_chromium() -> str:
@@ -71,11 +77,11 @@ def find_chromium() -> str:
                 'this environment variable.'
             )
         return path
-    for name in NAMES:
+    for name in BROWSER_NAMES:
         path = shutil.which(name)
         if path is not None:
             return path
-    raise BadInput(MISSING)
+    raise BadInput(NO_BROWSER)
 
 
 @final
@@ -166,7 +172,7 @@ class Browser:
         while not self.evaluate(f'Boolean({expression})'):
             took = time.monotonic() - begun
             failed = any(name == 'Runtime.exceptionThrown' for name, _ in self.events[before:])
-            if took > (FAILED if failed else PATIENCE):
+            if took > (DRAWING_PATIENCE if failed else ANSWER_PATIENCE):
                 why = (
                     'because a script in it failed'
                     if failed
@@ -180,12 +186,13 @@ class Browser:
 
     def _read_message(self, method: str) -> dict[str, Any]:
         """Return the next message; events are also stored."""
-        end = time.monotonic() + PATIENCE
+        end = time.monotonic() + ANSWER_PATIENCE
         while b'\0' not in self._buffer:
             ready, _, _ = select.select([self._in], [], [], max(0.0, end - time.monotonic()))
             if not ready:
                 raise BadInput(
-                    f'Chromium did not answer {method} within {PATIENCE:g} s; try again when the '
+                    f'Chromium did not answer {method} within {ANSWER_PATIENCE:g} s; try '
+                    f'again when the '
                     'machine is less busy.'
                 )
             data = os.read(self._in, 1 << 20)  # at most 1 MiB at once

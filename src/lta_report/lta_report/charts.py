@@ -11,13 +11,13 @@ import numpy as np
 from plotly.graph_objects import Bar, Figure, Scatter, Scatterpolar
 
 # Colours of items that a study compares, in order; they repeat
-COLOURS: Final = (TRUTH, ESTIMATE, GOOD, LAMP, SETPOINT, TIME[0], TIME[2], TIME[3])
+ITEM_COLOURS: Final = (TRUTH, ESTIMATE, GOOD, LAMP, SETPOINT, TIME[0], TIME[2], TIME[3])
 DOTTED, DASHED = '2px,3px', '4px,3px'
 
 
 def item_colour(place: int) -> str:
     """Return the colour of an item by its place among those that a figure compares."""
-    return COLOURS[place % len(COLOURS)]
+    return ITEM_COLOURS[place % len(ITEM_COLOURS)]
 
 
 @final

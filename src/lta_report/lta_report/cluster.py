@@ -12,10 +12,10 @@ from lta_config.errors import BadInput
 from lta_config.version import VERSION
 
 DASK: Final = 'distributed'
-PATIENCE: Final = 10.0  # s to reach the scheduler
+SCHEDULER_PATIENCE: Final = 10.0  # s to reach the scheduler
 LOGGERS: Final = ('distributed', 'distributed.client', 'tornado.application')
 TLS: Final = 'DASK_DISTRIBUTED__COMM__TLS__'  # Dask's settings, as environment variables
-UNKNOWN: Final = 'unknown'
+UNKNOWN_VERSION: Final = 'unknown'
 
 
 class ClusterSoftware(NamedTuple):
@@ -29,15 +29,15 @@ class ClusterSoftware(NamedTuple):
 
     def matches(self, other: 'ClusterSoftware') -> bool:
         """Return whether both give the same results; what is unknown matches any."""
-        return all(a == b or UNKNOWN in (a, b) for a, b in zip(self, other, strict=True))
+        return all(a == b or UNKNOWN_VERSION in (a, b) for a, b in zip(self, other, strict=True))
 
     def __str__(self) -> str:
         """Return all versions in one line."""
         # Twelve digits of a commit tell it apart; a suffix says that its files have changed
         digits, _, changed = self.commit.partition('-')
         commit_text = f' (commit {"-".join(filter(None, (digits[:12], changed)))})'
-        commit = '' if self.commit == UNKNOWN else commit_text
-        lta = '' if self.lta == UNKNOWN else f'LTA {self.lta}{commit}, '
+        commit = '' if self.commit == UNKNOWN_VERSION else commit_text
+        lta = '' if self.lta == UNKNOWN_VERSION else f'LTA {self.lta}{commit}, '
         return f'{lta}Python {self.python} and Dask {self.dask}'
 
 
@@ -65,7 +65,7 @@ def connect_cluster(address: str) -> Any:  # noqa: ANN401 - Dask has no types
     client = open_client(address)
     try:
         # A scheduler without workers would accept jobs and never run them
-        client.wait_for_workers(1, timeout=PATIENCE)
+        client.wait_for_workers(1, timeout=SCHEDULER_PATIENCE)
         check_software(client)
     except OSError as error:
         client.close()
@@ -91,7 +91,7 @@ def open_client(address: str) -> Any:  # noqa: ANN401 - Dask has no types
             # Dask's table of versions; `check_software` says it in one sentence
             warnings.simplefilter('ignore')
             # Not the default client, which would capture Dask calls of the user's own code
-            return dask.Client(address, timeout=PATIENCE, set_as_default=False)
+            return dask.Client(address, timeout=SCHEDULER_PATIENCE, set_as_default=False)
     except TypeError:  # Dask's error for tls:// without certificates
         raise BadInput(
             f"The Dask scheduler at '{address}' needs certificates; set {TLS}CA_FILE, "
@@ -99,7 +99,7 @@ def open_client(address: str) -> Any:  # noqa: ANN401 - Dask has no types
         ) from None
     except (OSError, ValueError) as error:
         raise BadInput(
-            f"No Dask scheduler answers at '{address}' within {PATIENCE:.0f} s "
+            f"No Dask scheduler answers at '{address}' within {SCHEDULER_PATIENCE:.0f} s "
             f'({flatten_error(error)}); start one with "dask scheduler --host 127.0.0.1".'
         ) from None
 
@@ -171,7 +171,7 @@ def read_cluster_software(client: Any) -> dict[str, ClusterSoftware]:  # noqa: A
         installed |= {f'worker {name}': each for name, each in client.run(read_lta).items()}
     return {
         name: ClusterSoftware(
-            *installed.get(name, (UNKNOWN, UNKNOWN)),
+            *installed.get(name, (UNKNOWN_VERSION, UNKNOWN_VERSION)),
             shorten_python(each['python']),
             each['distributed'],
         )

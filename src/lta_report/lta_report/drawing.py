@@ -16,7 +16,7 @@ LEFT, RIGHT, TOP, BOTTOM = 56, 88, 22, 40  # px; equal, so that time axes line u
 LETTER = 6.4  # px, mean width of a letter of a label
 FITTING = 15  # letters of a label that fit the margin RIGHT
 MOST_POINTS = 2000  # per line: more than the pixels of a panel, few enough to redraw at once
-AXIS = {
+AXIS_LOOK = {
     'gridcolor': GRID,
     'linecolor': GRID,
     'zeroline': False,
@@ -34,8 +34,8 @@ TEMPLATE = Template(
         'hovermode': 'x unified',
         'hoverlabel': {'bgcolor': PAPER, 'bordercolor': GRID, 'font': {'color': INK, 'size': 11}},
         'margin': {'l': LEFT, 'r': RIGHT, 't': TOP, 'b': BOTTOM},
-        'xaxis': AXIS,
-        'yaxis': AXIS,
+        'xaxis': AXIS_LOOK,
+        'yaxis': AXIS_LOOK,
         'annotationdefaults': {'showarrow': False, 'font': {'size': 11, 'color': SOFT}},
     }
 )

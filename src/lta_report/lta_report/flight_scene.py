@@ -23,10 +23,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-RATE: Final = 20.0  # samples per second, enough for a slow blimp
-MOST: Final = 1500  # samples of a flight, to limit the size of the page
+SCENE_RATE: Final = 20.0  # samples per second, enough for a slow blimp
+MOST_SCENE_SAMPLES: Final = 1500  # samples of a flight, to limit the size of the page
 DEFAULT_RADIUS: Final = 0.5  # m, of a hull that is not known
-KEYS: Final = (
+KEYS_HELP: Final = (
     'Drag, or Shift and the arrow keys, to turn the view; plus and minus zoom, 0 resets. '
     'The left and right arrow keys move the time.'
 )
@@ -35,7 +35,7 @@ NO_WEBGL: Final = (
     'the figures below show the same flight.'
 )
 PACES: Final = (0.25, 0.5, 1, 2, 4)  # speeds of play, by the usual one
-TRACKS: Final = ('position', 'turn', 'thrust', 'bearing', 'wind')
+SCENE_TRACKS: Final = ('position', 'turn', 'thrust', 'bearing', 'wind')
 
 
 @final
@@ -78,7 +78,9 @@ class SceneSet:
 
 def sample_times(first: float, last: float) -> Array:
     """Return the times at which tracks are sampled. [s]"""
-    return np.linspace(first, last, min(MOST, int((last - first) * RATE) + 2))  # at least two
+    return np.linspace(
+        first, last, min(MOST_SCENE_SAMPLES, int((last - first) * SCENE_RATE) + 2)
+    )  # at least two
 
 
 def render_scene(
@@ -123,13 +125,13 @@ def render_scene(
         '<figure class="panel scene-panel" id="panel-scene" aria-labelledby="title-scene">'
         '<h2 id="title-scene">In 3-D</h2>'
         '<div class="scene" tabindex="0" role="application" aria-roledescription="3-D view" '
-        f'aria-label="{escape(caption)} {KEYS}"></div>'
+        f'aria-label="{escape(caption)} {KEYS_HELP}"></div>'
         f'<p class="scene-absent absent" hidden>{NO_WEBGL}</p>'
         f'<ul class="scene-names">{names}</ul>'
         '<p class="scene-buttons"><button type="button" data-view="follow" aria-pressed="false">'
         'Follow</button> <button type="button" data-view="whole" aria-pressed="true">'
         'Whole flight</button></p>'
-        f'<figcaption>{escape(caption)} <span class="scene-keys">{KEYS}</span></figcaption>'
+        f'<figcaption>{escape(caption)} <span class="scene-keys">{KEYS_HELP}</span></figcaption>'
         f'{embed_data("scene", data)}</figure>'
     )
 
@@ -176,7 +178,7 @@ def encode_set(scene_set: SceneSet) -> dict[str, object]:
 
 def encode_flight(flight: SceneFlight) -> dict[str, object]:
     """Return the JSON content of a flight."""
-    tracks = {name: getattr(flight, name) for name in TRACKS}
+    tracks = {name: getattr(flight, name) for name in SCENE_TRACKS}
     return {
         'name': flight.name,
         'colour': flight.colour,

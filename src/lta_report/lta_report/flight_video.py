@@ -11,20 +11,20 @@ from typing import Final
 
 from lta_config.errors import BadInput
 from lta_report.browser import Browser
-from lta_report.screenshots import open_page, WIDTH
+from lta_report.screenshots import open_page, PAGE_WIDTH
 import numpy as np
 
-SIZE: Final = (640, 360)  # px
-LONGEST: Final = 60.0  # s of a video; a longer flight is shown faster
+VIDEO_SIZE: Final = (640, 360)  # px
+LONGEST_VIDEO: Final = 60.0  # s of a video; a longer flight is shown faster
 # Frames per second, and what ffmpeg makes of them
-FORMATS: Final = {
+VIDEO_FORMATS: Final = {
     '.mp4': (25.0, ('-c:v', 'libx264', '-crf', '20', '-pix_fmt', 'yuv420p')),
     '.gif': (
         10.0,
         ('-vf', 'split[a][b];[a]palettegen=max_colors=64[p];[b][p]paletteuse=dither=none'),
     ),
 }
-MISSING: Final = (
+NO_FFMPEG: Final = (
     'A video needs ffmpeg, which is not installed; install it (Debian or Ubuntu: sudo apt install '
     'ffmpeg) or run "pip install imageio-ffmpeg", in a source tree ".venv/bin/pip install -r '
     'requirements-video.txt".'
@@ -40,7 +40,7 @@ PREPARE: Final = """
   scene.camera.updateProjectionMatrix();
   return [times[0], times[times.length - 1]];
 })()"""
-FRAME: Final = """
+FRAME_SCRIPT: Final = """
 (() => {
   const pen = film.getContext('2d'), style = getComputedStyle(document.documentElement);
   scene.show(%(time)f);
@@ -61,14 +61,14 @@ def check_video_output(out: Path) -> str:
 
     Raise `BadInput` if it is not installed, or if `out` is neither MP4 nor GIF.
     """
-    if out.suffix not in FORMATS:
-        raise BadInput(f"The video '{out}' must end in {' or '.join(FORMATS)}.")
+    if out.suffix not in VIDEO_FORMATS:
+        raise BadInput(f"The video '{out}' must end in {' or '.join(VIDEO_FORMATS)}.")
     if (program := shutil.which('ffmpeg')) is not None:
         return program
     try:
         return str(import_module('imageio_ffmpeg').get_ffmpeg_exe())
     except (ImportError, RuntimeError) as error:
-        raise BadInput(MISSING) from error
+        raise BadInput(NO_FFMPEG) from error
 
 
 def write_video(page: Path, out: Path) -> None:
@@ -79,14 +79,14 @@ def write_video(page: Path, out: Path) -> None:
     missing or fails, or the page has no 3-D view.
     """
     program = check_video_output(out)
-    rate, coding = FORMATS[out.suffix]
+    rate, coding = VIDEO_FORMATS[out.suffix]
     out.parent.mkdir(parents=True, exist_ok=True)
     with Browser() as browser, tempfile.TemporaryDirectory(dir=out.parent) as folder:
-        open_page(browser, page, 'light', WIDTH)
-        span: tuple[float, float] | None = browser.evaluate(PREPARE % SIZE)
+        open_page(browser, page, 'light', PAGE_WIDTH)
+        span: tuple[float, float] | None = browser.evaluate(PREPARE % VIDEO_SIZE)
         if span is None:
             raise BadInput(f"'{page}' has no 3-D view to film: the true motion is not known.")
-        pace = max(1.0, (span[1] - span[0]) / LONGEST)
+        pace = max(1.0, (span[1] - span[0]) / LONGEST_VIDEO)
         film = Path(folder, out.name)
         words = [program, '-loglevel', 'error', '-f', 'mjpeg', '-framerate', f'{rate}', '-i', '-']
         with subprocess.Popen(
@@ -95,7 +95,7 @@ def write_video(page: Path, out: Path) -> None:
             frames = bytearray()
             for time in np.arange(span[0], span[1], pace / rate):
                 text = f'{time:.1f} s' + (f'   {pace:.1f} x real time' if pace > 1.0 else '')
-                shot = browser.evaluate(FRAME % {'time': time, 'text': json.dumps(text)})
+                shot = browser.evaluate(FRAME_SCRIPT % {'time': time, 'text': json.dumps(text)})
                 frames += base64.b64decode(shot)
             _, errors = encoder.communicate(bytes(frames))
         if encoder.returncode:

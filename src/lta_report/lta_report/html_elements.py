@@ -11,9 +11,11 @@ import zlib
 from lta_report.palette import DARK
 from plotly.graph_objects import Figure
 
-OWN: Final = 'br|/?(b|i|sub|sup|extra)|span style="color:#[0-9a-f]{6}"|/span'  # tags we use
-JSON: Final = 'application/json'  # type of an element with data
-MARKUP: Final = re.compile(f'<(?!({OWN})>)')  # the start of any other tag
+ALLOWED_TAGS: Final = (
+    'br|/?(b|i|sub|sup|extra)|span style="color:#[0-9a-f]{6}"|/span'  # tags we use
+)
+JSON_TYPE: Final = 'application/json'  # type of an element with data
+MARKUP: Final = re.compile(f'<(?!({ALLOWED_TAGS})>)')  # the start of any other tag
 
 
 def embed_data(name: str, content: object) -> str:
@@ -38,7 +40,7 @@ def embed_json(name: str, text: str) -> str:
     """Return JSON for the page's script; no text in it can close the element."""
     # The same character to a JSON parser, but "</script>" no longer occurs
     safe = text.replace('<', '\\u003c')
-    return f'<script type="{JSON}" id="{name}">{safe}</script>'
+    return f'<script type="{JSON_TYPE}" id="{name}">{safe}</script>'
 
 
 def render_colors(colors: Mapping[str, str]) -> str:
@@ -92,7 +94,7 @@ def render_section(
     style = '' if height is None else f'style="height: {height}px" '
     below = f'<figcaption>{about}</figcaption>' if about else ''
     text, place = format_json(sanitize_figure(picture)), f'figure-{name}'
-    data = pack_text(place, text, JSON) if packed else embed_json(place, text)
+    data = pack_text(place, text, JSON_TYPE) if packed else embed_json(place, text)
     return (
         f'<figure class="panel" id="panel-{name}" aria-labelledby="title-{name}">'
         f'<h2 id="title-{name}">{words}</h2><div class="plot" data-panel="{name}" '

@@ -15,7 +15,7 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
-EVERY: Final = 60.0  # wall s between two lines without a terminal
+LINE_PERIOD: Final = 60.0  # wall s between two lines without a terminal
 
 
 class ProgressBar:
@@ -88,7 +88,7 @@ class ProgressBar:
 
     def _write_lines(self) -> None:
         """Write a line to stderr each minute until the work is over."""
-        while not self._over.wait(EVERY):
+        while not self._over.wait(LINE_PERIOD):
             self.write_line()
 
     @property

@@ -28,7 +28,7 @@ from lta_report.script_libraries import embed_plotly, embed_three
 
 PAGE: Final = 'report.html'
 # A cell that starts like a number (but not like a heading, '1. Title'), or is a dash or empty
-NUMBER: Final = re.compile(
+NUMERIC_CELL: Final = re.compile(
     rf'(?!\d+\. )[-+\N{{MINUS SIGN}}<>≤≥±~]?\s?(?:\.?\d|[∞{MISSING}])|-?$|none$|never\b'
 )
 MARKS: Final = re.compile(r'\*\*(.+?)\*\*|\*(.+?)\*|`(.+?)`')  # strong, emphasis, code
@@ -151,7 +151,7 @@ def list_columns(table: TextTable) -> list[list[str]]:
 
 def is_numeric(cells: Sequence[str]) -> bool:
     """Return whether a column holds numbers, with units or intervals perhaps."""
-    return all(NUMBER.match(cell) for cell in cells)
+    return all(NUMERIC_CELL.match(cell) for cell in cells)
 
 
 def render_cells(

@@ -20,9 +20,9 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-GAP = 2  # spaces between columns; 1 if the terminal is narrow
-STYLES: Final[dict[CellColor, str]] = {'good': 'green', 'bad': 'yellow', 'soft': 'dim'}
-NAME = 24  # characters to which long names wrap before a table is printed in parts
+COLUMN_GAP = 2  # spaces between columns; 1 if the terminal is narrow
+CELL_STYLES: Final[dict[CellColor, str]] = {'good': 'green', 'bad': 'yellow', 'soft': 'dim'}
+LONGEST_ROW_NAME = 24  # characters to which long names wrap before a table is printed in parts
 
 
 def print_report(report: Report, console: Console) -> None:
@@ -53,11 +53,11 @@ def print_block(block: Block, console: Console) -> None:
 def print_table(table: TextTable, console: Console) -> None:
     """Print a table: with narrower gaps, transposed or in parts where the terminal is narrow."""
     table = merge_groups(table)
-    gap = GAP
+    gap = COLUMN_GAP
     if not console.is_terminal:
         # Into a file or a pipe, a table takes the width that it needs
         console.width = max(console.width, measure_width(table, gap))
-    elif measure_width(table, GAP) > console.width:
+    elif measure_width(table, COLUMN_GAP) > console.width:
         gap = 1
         turned = transpose_table(table)
         fits = measure_width(table, gap) > console.width >= measure_width(turned, gap)
@@ -116,7 +116,7 @@ def measure_columns(table: TextTable) -> list[int]:
     for place, (head, *cells) in enumerate(zip(split_heads(table), *table.rows, strict=True)):
         own = measure_lines(cells)
         if place == 0:
-            own = min(own, NAME)
+            own = min(own, LONGEST_ROW_NAME)
         elif not is_numeric(cells):
             own = measure_lines([cell.replace(' ', '\n') for cell in cells])
         widths.append(max(own, measure_lines([head])))
@@ -131,7 +131,7 @@ def measure_lines(cells: Sequence[str]) -> int:
 def style_cell(cell: str, color: CellColor | None = None) -> Text:
     """Return the text of a cell."""
     bold = 'bold' if isinstance(cell, Emphasis) else ''
-    return Text(cell, style=STYLES[color] if color else bold)
+    return Text(cell, style=CELL_STYLES[color] if color else bold)
 
 
 def merge_groups(table: TextTable) -> TextTable:

@@ -20,7 +20,7 @@ from lta_config.atomic_file import create_part_folder, replace_atomically, reser
 from lta_config.errors import BadInput
 
 BEGIN: Final = '<style>\n'
-END: Final = '</style>\n'
+STYLE_END: Final = '</style>\n'
 
 
 def read_asset(name: str) -> str:
@@ -30,7 +30,7 @@ def read_asset(name: str) -> str:
 
 def split_template(text: str) -> list[str]:
     """Return style and content of a page's file."""
-    return text.removeprefix(BEGIN).split(END, 1)
+    return text.removeprefix(BEGIN).split(STYLE_END, 1)
 
 
 def write_file(content: str | bytes, out: Path) -> Path:

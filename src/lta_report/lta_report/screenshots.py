@@ -11,12 +11,12 @@ from lta_report.browser import Browser
 from lta_report.results_folder import write_file
 
 Theme = Literal['light', 'dark']
-WIDTH: Final = 1280  # px, a laptop
+PAGE_WIDTH: Final = 1280  # px, a laptop
 SHARPNESS: Final = 2  # pixels of a picture per px of the page
-TOP: Final = 'top'  # stands for header, tiles and what follows them
+TOP_PICTURE: Final = 'top'  # stands for header, tiles and what follows them
 LIST_PANELS: Final = "[...document.querySelectorAll('.plot')].map((plot) => plot.dataset.panel)"
 # Position of a part from the top of the document, since the page may be scrolled
-BOX: Final = """
+FIND_BOX: Final = """
 (() => {
   const rise = window.scrollY;
   const box = (element) => element.getBoundingClientRect();
@@ -31,7 +31,7 @@ BOX: Final = """
 })()"""
 
 # Plotly redraws 0.1 s after the window has changed, over several frames
-SETTLED: Final = """
+SETTLED_SCRIPT: Final = """
 Promise.all([...(document.getElementById('panel-%(panel)s') ?? document).querySelectorAll('.plot')]
   .filter((plot) => plot.data && plot.offsetParent)
   .map((plot) => Plotly.Plots.resize(plot)))
@@ -40,7 +40,11 @@ Promise.all([...(document.getElementById('panel-%(panel)s') ?? document).querySe
 
 
 def write_picture(
-    page: Path, out: Path, panel: str = TOP, theme: Theme = 'light', width: int = WIDTH
+    page: Path,
+    out: Path,
+    panel: str = TOP_PICTURE,
+    theme: Theme = 'light',
+    width: int = PAGE_WIDTH,
 ) -> None:
     """
     Write one panel of a page, or its top, as PNG.
@@ -77,8 +81,8 @@ def write_pictures(page: Path, folder: Path, theme: Theme = 'light') -> list[Pat
     """
     folder.mkdir(parents=True, exist_ok=True)
     with Browser() as browser:
-        open_page(browser, page, theme, WIDTH)
-        names = [TOP, *browser.evaluate(LIST_PANELS)]
+        open_page(browser, page, theme, PAGE_WIDTH)
+        names = [TOP_PICTURE, *browser.evaluate(LIST_PANELS)]
         for name in names:
             capture_part(browser, name, folder / f'{name}.png')
     return [folder / f'{name}.png' for name in names]
@@ -113,7 +117,7 @@ def capture_part(browser: Browser, panel: str, out: Path) -> None:
     box = locate_part(browser, panel)
     # Chromium would enlarge the window itself for the picture, without waiting for the redraw
     resize_window(browser, browser.evaluate('innerWidth'), max(math.ceil(box['height']), 1))
-    if browser.evaluate(SETTLED % {'panel': panel}) is not True:
+    if browser.evaluate(SETTLED_SCRIPT % {'panel': panel}) is not True:
         raise BadInput(
             f"Chromium did not draw the part '{panel}' of the HTML page; open the page in a "
             'browser and look for errors there.'
@@ -128,7 +132,7 @@ def capture_part(browser: Browser, panel: str, out: Path) -> None:
 
 def locate_part(browser: Browser, panel: str) -> Mapping[str, float]:
     """Return the position and size of a part of the open page. [px]"""
-    box: Mapping[str, float] | None = browser.evaluate(BOX % {'panel': panel})
+    box: Mapping[str, float] | None = browser.evaluate(FIND_BOX % {'panel': panel})
     if box is None:
-        raise unknown_name_error('panel', panel, [TOP, *browser.evaluate(LIST_PANELS)])
+        raise unknown_name_error('panel', panel, [TOP_PICTURE, *browser.evaluate(LIST_PANELS)])
     return box

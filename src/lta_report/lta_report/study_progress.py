@@ -14,7 +14,7 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
-LOOK: Final = 0.1  # wall s between two updates of the bar
+BAR_PERIOD: Final = 0.1  # wall s between two updates of the bar
 RECENT: Final = 60.0  # s over which the rate is averaged
 
 
@@ -50,7 +50,7 @@ class StudyProgress(ProgressBar):
         self._unit, self._done, self._part, self._lost = unit, done, 0.0, 0
         self._counts: Counter[str] = Counter()
         self._detail = ''
-        self._shown_at = -LOOK  # in the past, so that the first item is shown at once
+        self._shown_at = -BAR_PERIOD  # in the past, so that the first item is shown at once
 
     def __exit__(self, *_: object) -> None:
         """Update the bar a last time and remove it."""
@@ -83,7 +83,7 @@ class StudyProgress(ProgressBar):
 
     def _update_sometimes(self) -> None:
         # A batch finishes thousands of items at once
-        if time.monotonic() - self._shown_at >= LOOK:
+        if time.monotonic() - self._shown_at >= BAR_PERIOD:
             self._update()
 
     def _update(self) -> None:

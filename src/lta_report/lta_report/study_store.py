@@ -19,7 +19,7 @@ from lta_report.workers import ItemFailure
 from pydantic import TypeAdapter, ValidationError
 
 Result = TypeVar('Result')
-FAILED, KEY, RESULT = 'failed', 'key', 'result'  # keys of a line
+FAILED_KEY, ITEM_KEY, RESULT_KEY = 'failed', 'key', 'result'  # keys of a line
 
 
 @final
@@ -43,24 +43,26 @@ class StoreFormat(Generic[Result]):
     def to_line(self, key: Hashable, outcome: Result | ItemFailure) -> Mapping[str, Any]:
         """Return the content of a line."""
         if isinstance(outcome, ItemFailure):
-            return {KEY: key, FAILED: outcome.reason}
+            return {ITEM_KEY: key, FAILED_KEY: outcome.reason}
         # Python mode, because JSON mode replaces NaN by null in some places
         content = self.adapter.dump_python(outcome)
-        return content if self.find_key is not None else {KEY: key, RESULT: content}
+        return content if self.find_key is not None else {ITEM_KEY: key, RESULT_KEY: content}
 
     def from_line(self, content: Mapping[str, Any]) -> tuple[Hashable, Result | ItemFailure]:
         """Return the key and the outcome of a line; raise `BadInput` if it is invalid."""
         try:
-            if content.keys() == {KEY, FAILED}:
-                key = content[KEY]
+            if content.keys() == {ITEM_KEY, FAILED_KEY}:
+                key = content[ITEM_KEY]
                 # JSON has no tuples
-                return tuple(key) if isinstance(key, list) else key, ItemFailure(content[FAILED])
+                return tuple(key) if isinstance(key, list) else key, ItemFailure(
+                    content[FAILED_KEY]
+                )
             result = self.adapter.validate_python(
-                content if self.find_key is not None else content[RESULT]
+                content if self.find_key is not None else content[RESULT_KEY]
             )
         except (AttributeError, KeyError, TypeError, ValidationError):
             raise BadInput('The line is of another form.') from None
-        return (content[KEY] if self.find_key is None else self.find_key(result)), result
+        return (content[ITEM_KEY] if self.find_key is None else self.find_key(result)), result
 
 
 @final

@@ -30,9 +30,11 @@ Outcome = TypeVar('Outcome', covariant=True)
 
 CHANCES: Final = 2  # attempts of an item whose worker dies
 STILLBORN: Final = 3  # consecutive deaths per worker, without a result, that stop the run
-AHEAD: Final = 4  # items queued per thread of a cluster, so that none waits for the network
+QUEUED_PER_THREAD: Final = (
+    4  # items queued per thread of a cluster, so that none waits for the network
+)
 # One thread per worker, since the workers already use all cores
-THREADS: Final = ('OPENBLAS_NUM_THREADS', 'OMP_NUM_THREADS', 'MKL_NUM_THREADS')
+THREAD_VARIABLES: Final = ('OPENBLAS_NUM_THREADS', 'OMP_NUM_THREADS', 'MKL_NUM_THREADS')
 
 
 class ItemFailure(NamedTuple):
@@ -107,7 +109,7 @@ def _worker_environment() -> Iterator[None]:
 
     They take no module from the current folder, as Python's own start of a process would.
     """
-    missing = [name for name in (*THREADS, 'PYTHONSAFEPATH') if name not in os.environ]
+    missing = [name for name in (*THREAD_VARIABLES, 'PYTHONSAFEPATH') if name not in os.environ]
     os.environ.update(dict.fromkeys(missing, '1'))
     # Start Python's resource tracker before, because it would unblock the signal
     resource_tracker.ensure_running()
@@ -334,7 +336,7 @@ class DaskWorkers(Generic[Item, Result]):
             # pure=False: equal arguments must not return an earlier result
             lambda item: self._client.submit(attempt, self._there, item, pure=False),
             items,
-            AHEAD * threads,
+            QUEUED_PER_THREAD * threads,
         ):
             # Only the cluster fails here; errors of the function are failures already
             error = future.exception()

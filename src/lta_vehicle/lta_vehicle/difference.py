@@ -14,13 +14,13 @@ from lta_vehicle.figures.figure import DerivedFigure
 from lta_vehicle.figures.sheet import build_sheet, list_entries, VehicleFileEntry, VehicleSheet
 from lta_vehicle.stale_aero import find_stale_aero
 
-ROOT = 'vehicle.'  # optional path prefix, as in `lta simulate --set`
-SAME = 1e-12  # relative; absorbs the rounding of unit conversions, such as 4 g and 0.004 kg
+VEHICLE_PREFIX = 'vehicle.'  # optional path prefix, as in `lta simulate --set`
+SAME_VALUE = 1e-12  # relative; absorbs the rounding of unit conversions, such as 4 g and 0.004 kg
 # Groups reported as one change when added or removed, with the path depth of one group.
-WHOLE = {'layers': 3, 'rotors': 2, 'aero.thrust_allocation': 3}
+WHOLE_GROUPS = {'layers': 3, 'rotors': 2, 'aero.thrust_allocation': 3}
 ASSUMED = 'assumed'  # how a source begins that names none
 MOST_NAMED = 4  # numbers that a warning lists
-WORDS = ('name', 'about')  # texts without effect on the physics
+TEXT_ENTRIES = ('name', 'about')  # texts without effect on the physics
 
 
 @final
@@ -135,7 +135,7 @@ def load_vehicle_variant(
         content = _replace_layer(content, swap, where)
     for text in sets:
         place, value = parse_assignment(text)
-        content = replace_parameter(content, place.removeprefix(ROOT), value, 'vehicle')
+        content = replace_parameter(content, place.removeprefix(VEHICLE_PREFIX), value, 'vehicle')
     if changed := ', '.join([*swaps, *sets]):
         where += f' with {changed}'
     try:
@@ -192,7 +192,7 @@ def find_changes(before: VehicleFile, after: VehicleFile) -> list[VehicleChange]
     return [
         VehicleChange(place, a.get(place), b.get(place))
         for place in places
-        if place not in WORDS and not has_same_value(a.get(place), b.get(place))
+        if place not in TEXT_ENTRIES and not has_same_value(a.get(place), b.get(place))
     ]
 
 
@@ -203,7 +203,7 @@ def _merge_entries(
     groups: dict[str, list[VehicleFileEntry]] = {}
     for entry in own.values():
         keys = entry.place.split('.')
-        for head, depth in WHOLE.items():
+        for head, depth in WHOLE_GROUPS.items():
             if entry.place.startswith(f'{head}.') and len(keys) > depth:
                 groups.setdefault('.'.join(keys[:depth]), []).append(entry)
     for group, parts in groups.items():
@@ -229,7 +229,7 @@ def has_same_value(a: VehicleFileEntry | None, b: VehicleFileEntry | None) -> bo
         a.unit == b.unit
         and len(a.numbers) == len(b.numbers)
         and all(
-            math.isclose(x, y, rel_tol=SAME, abs_tol=0.0)
+            math.isclose(x, y, rel_tol=SAME_VALUE, abs_tol=0.0)
             for x, y in zip(a.numbers, b.numbers, strict=True)
         )
     )

@@ -9,7 +9,7 @@ from typing import Final
 from lta_config.errors import BadInput
 from lta_model.effects import EFFECTS
 
-FILE: Final = Template('''"""An effect of one's own: $name."""
+EFFECT_FILE: Final = Template('''"""An effect of one's own: $name."""
 
 from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
 
@@ -37,7 +37,7 @@ def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Val
 
 EFFECT = WrenchEffect('$name', PARAMETERS, compute_wrench, linear_in=('damping',))
 ''')
-PROJECT: Final = Template("""[build-system]
+PROJECT_FILE: Final = Template("""[build-system]
 requires = ["setuptools"]
 build-backend = "setuptools.build_meta"
 
@@ -76,8 +76,8 @@ def write_skeleton(name: str, folder: Path) -> list[Path]:
         raise BadInput(f'{folder} exists already; give another folder with --out.')
     folder.mkdir(parents=True)
     files = {
-        folder / f'{name}.py': FILE.substitute(name=name),
-        folder / 'pyproject.toml': PROJECT.substitute(name=name),
+        folder / f'{name}.py': EFFECT_FILE.substitute(name=name),
+        folder / 'pyproject.toml': PROJECT_FILE.substitute(name=name),
     }
     for path, content in files.items():
         path.write_text(content, encoding='utf-8')

@@ -9,8 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-POSES: Final = ('ground_truth/odom', 'odom')  # in order of preference: truth or tracker first
-WRENCH: Final = 'wrench_command'  # used where there are no duties
+POSE_TOPICS: Final = (
+    'ground_truth/odom',
+    'odom',
+)  # in order of preference: truth or tracker first
+WRENCH_TOPIC: Final = 'wrench_command'  # used where there are no duties
 
 
 @final
@@ -51,14 +54,14 @@ def read_flight_record(
     Raise `BadInput` if the bag lacks commands or poses, or its rotors are not those of the
     vehicle.
     """
-    topic = next((name for name in POSES if name in flight.topics), None)
-    wrench = 'motors' not in flight.topics and WRENCH in flight.topics
+    topic = next((name for name in POSE_TOPICS if name in flight.topics), None)
+    wrench = 'motors' not in flight.topics and WRENCH_TOPIC in flight.topics
     if topic is None or ('motors' not in flight.topics and not wrench):
         raise BadInput(
             f"The recording '{flight.bag.path}' has no topic "
             f'{"motors" if topic else "odom"}; record that topic too.'
         )
-    orders = WRENCH if wrench else 'motors'
+    orders = WRENCH_TOPIC if wrench else 'motors'
     poses, motors = flight.read_series(topic), flight.read_series(orders)
     if not len(poses) or not len(motors):
         raise BadInput(

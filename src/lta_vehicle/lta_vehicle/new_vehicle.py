@@ -22,10 +22,10 @@ from lta_sim.wind_limits import rise_speed
 from lta_vehicle.vehicle_estimate import build_blocks, round_digits
 from lta_vehicle.vehicle_size import VehicleSize
 
-NAME = re.compile(r'[a-z][a-z0-9_]*')
+VEHICLE_NAME_PATTERN = re.compile(r'[a-z][a-z0-9_]*')
 # The top-level key only: nested keys are indented
-LINE = re.compile(r'(?m)^name:[ \t]*\S.*$')
-HEAD = """\
+NAME_LINE = re.compile(r'(?m)^name:[ \t]*\S.*$')
+COPY_HEAD = """\
 # {name}: copied from {model}.
 #
 # Replace the numbers with your own. Weigh each part, measure its position from the hull centre,
@@ -41,7 +41,7 @@ HEAD = """\
 
 def check_vehicle_name(name: str) -> None:
     """Raise `BadInput` for an invalid name of a vehicle."""
-    if not NAME.fullmatch(name):
+    if not VEHICLE_NAME_PATTERN.fullmatch(name):
         raise BadInput(
             f"Invalid vehicle name '{name}'; use lower-case letters, digits and "
             'underscores, and begin with a letter.'
@@ -59,10 +59,10 @@ def format_new_vehicle(name: str, model: str) -> str:
     copied = load_vehicle(model).file.name  # raises BadInput if the model itself is invalid
     text = find_file('vehicle', model).read_text(encoding='utf-8')
     # Edit the text and not the parsed YAML, which would lose the comments
-    renamed, count = LINE.subn(f'name: {name}', text, count=1)
+    renamed, count = NAME_LINE.subn(f'name: {name}', text, count=1)
     if count != 1:
         raise BadInput(f"{find_file('vehicle', model)} has no line 'name: ...'; add one.")
-    return HEAD.format(name=name, model=copied, file=f'{name}.yaml') + renamed
+    return COPY_HEAD.format(name=name, model=copied, file=f'{name}.yaml') + renamed
 
 
 def write_new_vehicle(name: str, model: str, out: Path) -> None:

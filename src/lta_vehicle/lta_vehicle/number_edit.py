@@ -17,7 +17,7 @@ from lta_config.schema.vehicle_file import VehicleFile
 from lta_config.vehicle_edit import set_yaml_values
 from lta_model.vehicle import Vehicle
 
-ROOT = 'vehicle'
+EDIT_ROOT = 'vehicle'
 
 
 @final
@@ -58,11 +58,11 @@ def edit_vehicle_file(
     edits = []
     for assignment in assignments:
         place, value = parse_assignment(assignment)
-        place = place.removeprefix(f'{ROOT}.')
+        place = place.removeprefix(f'{EDIT_ROOT}.')
         content = parse_yaml(text, str(path))
-        old = get_parameter(content, place, ROOT)
+        old = get_parameter(content, place, EDIT_ROOT)
         # Checks path, type and dimension, as for --set
-        replace_parameter(content, place, value, ROOT)
+        replace_parameter(content, place, value, EDIT_ROOT)
         quantity = parse_quantity(value)
         old_source = str(old.get('source', '')) if isinstance(old, dict) else ''
         if quantity is not None:

@@ -18,14 +18,14 @@ from lta_model.propulsion import Six
 # vehicles and aero files the force is at most 3.8 degrees off the rotor axis, and the moment at
 # most 1.1 % of the rotor's distance from the hull centre. Reverse thrust is not compared, since
 # reversed jets that hit the hull differ far more.
-ASIDE: Final = 10.0  # largest angle between rotor axis and force [deg]
-FAR: Final = 0.05  # largest difference of the moments, relative to the rotor's distance
-REMEDY: Final = (
+LARGEST_AXIS_ANGLE: Final = 10.0  # largest angle between rotor axis and force [deg]
+LARGEST_SHIFT: Final = 0.05  # largest difference of the moments, relative to the rotor's distance
+ALLOCATION_REMEDY: Final = (
     'delete aero.thrust_allocation, so that the columns follow from position and axis, or '
     'compute new ones with lta cfd run.'
 )
 OUTLINE: Final = frozenset(f'hull.{key}' for key in ('shape', 'diameter', 'height', 'length'))
-COLUMNS: Final = 'aero.thrust_allocation'
+ALLOCATION_PATH: Final = 'aero.thrust_allocation'
 DRAGS: Final = ('aero.linear_drag', 'aero.quadratic_drag')
 
 
@@ -47,13 +47,13 @@ def _describe_force_mismatch(name: str, column: WrenchPerNewton, plain: Six) -> 
     length = math.hypot(*force)
     along = sum(a * b for a, b in zip(force, axis, strict=True))
     # Compare cosines: `acos` is needed only for the message
-    if length == 0.0 or along >= length * math.cos(math.radians(ASIDE)):
+    if length == 0.0 or along >= length * math.cos(math.radians(LARGEST_AXIS_ANGLE)):
         return ''
     angle = math.degrees(math.acos(max(-1.0, along / length)))
     return (
         f'The rotor {name} points along {_format_vector(axis, 2)}, but its column of '
-        f'{COLUMNS} pushes along {_format_vector(force, 2)}, {angle:.0f} degrees away. '
-        f'The simulation uses the column; {REMEDY}'
+        f'{ALLOCATION_PATH} pushes along {_format_vector(force, 2)}, {angle:.0f} degrees away. '
+        f'The simulation uses the column; {ALLOCATION_REMEDY}'
     )
 
 
@@ -62,7 +62,7 @@ def _describe_moment_mismatch(
 ) -> str:
     """Return a sentence if the moment does not match the rotor geometry, else ''; in m."""
     own, of_place = column.moment.vector, plain[3:]
-    if math.dist(own, of_place) <= FAR * distance:
+    if math.dist(own, of_place) <= LARGEST_SHIFT * distance:
         return ''
     there, here = (
         # Moments per newton are lengths: m to cm
@@ -71,8 +71,8 @@ def _describe_moment_mismatch(
     )
     return (
         f'From its position and axis, the rotor {name} has a moment of {there} N cm per '
-        f'newton of thrust, but its column of {COLUMNS} gives {here}. The simulation uses '
-        f'the column; {REMEDY}'
+        f'newton of thrust, but its column of {ALLOCATION_PATH} gives {here}. The simulation uses '
+        f'the column; {ALLOCATION_REMEDY}'
     )
 
 
@@ -91,9 +91,9 @@ def find_stale_aero(changed: Collection[str], columns: Collection[str]) -> Itera
     held = [name for name in columns if _has_stale_column(name, changed)]
     if held:
         yield (
-            f'These rotors were moved or turned, but their columns in {COLUMNS} are '
+            f'These rotors were moved or turned, but their columns in {ALLOCATION_PATH} are '
             f'unchanged: {", ".join(held)}. The columns override positions and axes, so the '
-            f'thrust does not change; {REMEDY}'
+            f'thrust does not change; {ALLOCATION_REMEDY}'
         )
     # Drag belongs to the outline of the hull; a change of its material keeps the drag
     if OUTLINE.intersection(changed) and not any(place.startswith(DRAGS) for place in changed):
@@ -105,7 +105,7 @@ def find_stale_aero(changed: Collection[str], columns: Collection[str]) -> Itera
 
 def _has_stale_column(name: str, changed: Collection[str]) -> bool:
     """Return whether the position or axis of a rotor changed but its column did not."""
-    own = f'{COLUMNS}.{name}'
+    own = f'{ALLOCATION_PATH}.{name}'
     if any(place == own or place.startswith(f'{own}.') for place in changed):
         return False
     return any(f'rotors.{name}.{key}' in changed for key in ('position', 'axis'))

@@ -35,8 +35,8 @@ from scipy.special import stdtrit
 STRETCH: Final = 2.0  # s, length of an interval
 CALM_CLIMB: Final = 0.05  # m/s, mean over a stretch
 CALM_SPEED: Final = 0.4  # m/s over the ground; drag is subtracted, but uncertain
-FEWEST: Final = 3  # intervals needed for an estimate of the scatter
-SMOOTH: Final = 0.3  # s; window of the fit that gives velocities
+FEWEST_HOVERS: Final = 3  # intervals needed for an estimate of the scatter
+SMOOTHING_TIME: Final = 0.3  # s; window of the fit that gives velocities
 CONFIDENCE: Final = 0.95
 # The Crazyflie constants a, b that the shipped files use, against Bitcraze's bench table.
 CURVE_ERROR: Final = 0.0029  # N rms a rotor
@@ -97,7 +97,7 @@ def estimate_heaviness(
         gained = rising * (velocity[first + length, 2] - velocity[first, 2]) / took
         samples.append((float(up[part].mean()) - gained) / STANDARD_GRAVITY)
         stretches.append(part)
-    if len(samples) < FEWEST:
+    if len(samples) < FEWEST_HOVERS:
         raise BadInput(
             f'The flight has only {STRETCH * len(samples):.0f} s of hover (climb rate '
             f'below {CALM_CLIMB:g} m/s, ground speed below {CALM_SPEED:g} m/s); let the '
@@ -159,7 +159,7 @@ def _build_time_grid(path: VehiclePath, commands: RotorCommands | WrenchCommands
         check_time_span('of the poses', float(np.ptp(path.time)), step, len(path.time))
     inside = (commands.time >= path.time[0]) & (commands.time <= path.time[-1])
     grid = commands.time[inside]
-    if len(grid) < FEWEST or len(path.time) < FEWEST:
+    if len(grid) < FEWEST_HOVERS or len(path.time) < FEWEST_HOVERS:
         raise BadInput(
             'The recording has too few motor commands or poses; record the topics motors and '
             'odom for the whole flight.'
@@ -172,7 +172,7 @@ def _estimate_velocity(path: VehiclePath, grid: Array) -> Array:
     """Return the velocity at the grid times, by a line fit to the poses around each."""
     step = float(np.median(np.diff(path.time)))
     uniform = np.arange(path.time[0], path.time[-1], step)
-    half = max(1, round(min(0.5 * SMOOTH / step, len(uniform) / 2)))
+    half = max(1, round(min(0.5 * SMOOTHING_TIME / step, len(uniform) / 2)))
     # Least-squares slope over an odd window, as a convolution.
     weights = np.arange(-half, half + 1) / (step * sum(k * k for k in range(-half, half + 1)))
     velocity = np.zeros((len(grid), 3))
@@ -289,7 +289,7 @@ def _vertical_drag(vehicle: Vehicle, velocity: Array, rotation: Array) -> Array:
 
 
 GRAMS = 1e3
-SMALLEST = 0.05  # g; smaller changes of ballast are not practical
+SMALLEST_BALLAST_CHANGE = 0.05  # g; smaller changes of ballast are not practical
 
 
 def describe_heaviness(estimate: HeavinessEstimate, name: str, simulated: bool) -> str:
@@ -330,7 +330,7 @@ def _describe_effort(estimate: HeavinessEstimate) -> str:
 def _suggest_ballast(add: float, declared: float, error: float) -> str:
     """Return advice on the ballast; masses in g."""
     target = f'to reach trim.heaviness of the vehicle file ({declared:.2f} g)'
-    if abs(add) < SMALLEST:
+    if abs(add) < SMALLEST_BALLAST_CHANGE:
         return (
             f'This matches trim.heaviness of the vehicle file ({declared:.2f} g): leave the '
             'ballast as it is.'

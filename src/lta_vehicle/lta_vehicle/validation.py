@@ -26,7 +26,7 @@ LEANING: Final = 3.0  # largest tilt at rest [deg]
 STEEP: Final = 30.0  # largest tilt at full forward thrust [deg]
 BUSY: Final = 70.0  # largest hover duty [%]
 SOON: Final = 7.0  # least hover endurance at the highest leak rate [days]
-LIGHT: Final = 1.0  # least ballast that can still be removed [g]
+LEAST_BALLAST: Final = 1.0  # least ballast that can still be removed [g]
 DISAGREE: Final = 0.03  # relative; displaced air (weighed, hull) and sizes (envelope, hull)
 COPIED: Final = 0.5  # share of numbers of another vehicle, with their sources
 IMPURE: Final = 0.8  # least purity of the gas [1]
@@ -158,7 +158,7 @@ def _find_lift_warnings(sheet: VehicleSheet) -> Iterator[str]:
             'for control and climbing; make it lighter.'
         )
     ballast = f.get('ballast')
-    if ballast is not None and (ballast.value or 0.0) < LIGHT:
+    if ballast is not None and (ballast.value or 0.0) < LEAST_BALLAST:
         yield (
             f'It carries only {ballast.value_with_unit} of ballast; if its parts are '
             'heavier than the file says by more than that, it is too heavy.'

@@ -13,13 +13,13 @@ from lta_config.errors import BadInput
 from lta_config.files import find_file, load_yaml
 from lta_config.schema.vehicle_body import HullBlock
 from lta_model import mass_properties
-from lta_vehicle.vehicle_size import MOTORS, VehicleSize
+from lta_vehicle.vehicle_size import MOTOR_LAYOUTS, VehicleSize
 
-GIVEN: Final = 'given to lta vehicle new'
+GIVEN_SOURCE: Final = 'given to lta vehicle new'
 FILM: Final = 0.045  # kg/m2, of a foil or film envelope with seams
 PURITY: Final = 93.0  # %
-CLEARANCE: Final = 0.03  # m, from the envelope to the gondola
-TURNING: Final = 0.09  # m; diameter times the share of the gas that turns with the hull
+GONDOLA_CLEARANCE: Final = 0.03  # m, from the envelope to the gondola
+TURNING_GAS: Final = 0.09  # m; diameter times the share of the gas that turns with the hull
 LEGS: Final = 0.05  # m, from the motors to the ground
 DONOR: Final = 'blimp2b'  # of the assumed battery and loads
 HALF_TO_TWICE: Final = 'an estimate; half to twice'
@@ -30,7 +30,7 @@ def build_blocks(name: str, size: VehicleSize, gains: str) -> dict[str, Any]:
     envelope = _build_hull(size)
     shape = HullBlock.model_validate(envelope)
     across, depth = (2.0 * mass_properties.half_axes(shape)[axis] for axis in (1, 2))
-    hang = 0.5 * depth + CLEARANCE if size.hang is None else size.hang
+    hang = 0.5 * depth + GONDOLA_CLEARANCE if size.hang is None else size.hang
     film = _find_envelope_mass(size, mass_properties.half_axes(shape))
     air = mass_properties.hull_volume(shape) * AIR_DENSITY
     lift = air - mass_properties.gas_mass(shape, AIR_DENSITY)
@@ -38,7 +38,7 @@ def build_blocks(name: str, size: VehicleSize, gains: str) -> dict[str, Any]:
     return {
         'schema': 3,
         'name': name,
-        'about': f'{1e3 * size.mass:.4g} g without gas; motors: {MOTORS[size.motors]}.',
+        'about': f'{1e3 * size.mass:.4g} g without gas; motors: {MOTOR_LAYOUTS[size.motors]}.',
         'control': {
             'law': 'cascade',
             'gains': gains,
@@ -77,7 +77,7 @@ def build_blocks(name: str, size: VehicleSize, gains: str) -> dict[str, Any]:
         'effects': {
             'gas_rotation': {
                 'share': _assume(
-                    min(0.5, TURNING / size.diameter),
+                    min(0.5, TURNING_GAS / size.diameter),
                     '1',
                     'computed: Stokes layer of helium, by 1/diameter as of GT-MAB',
                     HALF_TO_TWICE,
@@ -142,11 +142,11 @@ def _build_hull(size: VehicleSize) -> dict[str, Any]:
     along = size.length or size.height
     shape = {'shape': 'sphere'} if along is None else {
         'shape': 'spheroid', 'axis': 'x' if size.length else 'z',
-        'length': _cite(along, 'm', GIVEN),
+        'length': _cite(along, 'm', GIVEN_SOURCE),
     }  # fmt: skip
     return {
         **shape,
-        'diameter': _cite(size.diameter, 'm', GIVEN),
+        'diameter': _cite(size.diameter, 'm', GIVEN_SOURCE),
         'purity': _cite(PURITY, '%', 'assumed: the gas of GT-MAB')
         | {'range': [88, 98], 'range_source': 'party helium to a fresh filling'},
     }  # fmt: skip
@@ -160,7 +160,7 @@ def _find_envelope_mass(size: VehicleSize, half: tuple[float, float, float]) -> 
                 f'--envelope is {1e3 * size.envelope:g} g and --mass {1e3 * size.mass:g} g; '
                 '--mass is everything without gas, the envelope included.'
             )
-        return _cite(1e3 * size.envelope, 'g', GIVEN)
+        return _cite(1e3 * size.envelope, 'g', GIVEN_SOURCE)
     a, b, c = half
     p = 1.6075  # Thomsen's formula for the area of an ellipsoid, within 1.1 %
     mean = ((a * b) ** p + (a * c) ** p + (b * c) ** p) / 3.0
@@ -179,7 +179,7 @@ def _build_trim(size: VehicleSize, lift: float, hang: float) -> dict[str, Any]:
     heaviness = usual if size.heaviness is None else size.heaviness
     if size.mass <= lift + heaviness:
         return {
-            'heaviness': _cite(1e3 * heaviness, 'g', GIVEN)
+            'heaviness': _cite(1e3 * heaviness, 'g', GIVEN_SOURCE)
             if size.heaviness is not None
             else _cite(1e3 * usual, 'g', 'assumed: trimmed with ballast')
             | {'range': [1e3 * usual - 2, 1e3 * usual + 2], 'range_source': 'trimmed by eye'},
@@ -202,7 +202,7 @@ def _build_trim(size: VehicleSize, lift: float, hang: float) -> dict[str, Any]:
 def _describe_hang(size: VehicleSize, place: list[float], spread: float) -> dict[str, Any]:
     """Return a place in the gondola; assumed with a range unless its height was given."""
     if size.hang is not None:
-        return _cite(place, 'm', GIVEN)
+        return _cite(place, 'm', GIVEN_SOURCE)
     low, high = ([*place[:2], place[2] + change] for change in (-spread, spread))
     return _cite(place, 'm', 'assumed: 3 cm below the envelope') | {
         'range': round_digits([low, high]),
@@ -211,7 +211,7 @@ def _describe_hang(size: VehicleSize, place: list[float], spread: float) -> dict
 
 
 def _build_rotors(size: VehicleSize, hang: float) -> dict[str, Any]:
-    """Return the rotors of a standard arrangement (`MOTORS`)."""
+    """Return the rotors of a standard arrangement (`MOTOR_LAYOUTS`)."""
     places = {'left': (size.arm, [1, 0, 0]), 'right': (-size.arm, [1, 0, 0])}
     if size.motors == 3:
         places['up'] = (0.0, [0, 0, 1])
@@ -231,7 +231,7 @@ def _build_rotors(size: VehicleSize, hang: float) -> dict[str, Any]:
         name: {
             'reversible': True,
             'position': _describe_hang(size, [0, y, -hang], 0.03),
-            'axis': _cite(axis, '1', f'assumed: {MOTORS[size.motors]}'),
+            'axis': _cite(axis, '1', f'assumed: {MOTOR_LAYOUTS[size.motors]}'),
             'thrust_curve': curve,
         }
         for name, (y, axis) in places.items()
@@ -293,7 +293,7 @@ def _build_energy(size: VehicleSize) -> dict[str, Any]:
     block: dict[str, Any] = load_yaml(find_file('vehicle', DONOR))['energy']
     battery, loads = dict(block['battery']), dict(block['loads'])
     if size.battery is not None:
-        battery['capacity'] = _cite(size.battery / 3.6, 'mA h', GIVEN)
+        battery['capacity'] = _cite(size.battery / 3.6, 'mA h', GIVEN_SOURCE)
         battery['charge_current'] = _cite(size.battery / 3.6, 'mA', 'assumed: 1 C')
     for key, cause in (
         ('idle', 'a receiver to a small computer'),

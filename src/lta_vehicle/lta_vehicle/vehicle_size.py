@@ -8,7 +8,7 @@ from lta_config.errors import BadInput
 from lta_config.quantity import describe_misfit, Quantity, UNITS
 from pydantic import ValidationError
 
-MOTORS: Final = {
+MOTOR_LAYOUTS: Final = {
     2: 'one on each side pushing forward, none up',
     3: 'one on each side pushing forward, one in the middle pushing up',
     4: 'one on each side pushing forward, and two pushing up',

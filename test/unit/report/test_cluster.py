@@ -96,7 +96,7 @@ def test_a_lost_cluster_is_one_sentence():
 
 def test_a_scheduler_without_workers_is_one_sentence(monkeypatch):
     distributed = cluster.import_dask()
-    monkeypatch.setattr(cluster, 'PATIENCE', 0.1)
+    monkeypatch.setattr(cluster, 'SCHEDULER_PATIENCE', 0.1)
     options = {'n_workers': 0, 'processes': False, 'protocol': 'tcp', 'dashboard_address': None}
     with (
         distributed.LocalCluster(**options) as empty,

@@ -64,7 +64,7 @@ def test_a_terminal_shows_the_share_of_a_first_item_and_the_time_that_has_passed
 
 
 def test_a_long_step_without_an_update_is_not_silent(capsys, monkeypatch):
-    monkeypatch.setattr(progress_bar, 'EVERY', 0.01)
+    monkeypatch.setattr(progress_bar, 'LINE_PERIOD', 0.01)
     said = []
     with ProgressBar(Console(file=io.StringIO()), begin='reading'):
         wait_until(

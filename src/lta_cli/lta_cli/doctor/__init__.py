@@ -1,8 +1,8 @@
 """
 Check that LTA can run on this machine: the core of `lta doctor`.
 
-Each check is a function that returns a `HardwareCheck`. Checks run in the order of `CHECKS`, the
-most fundamental first, and are read-only.
+Each check is a function that returns a `HardwareCheck`. Checks run in the order of
+`MACHINE_CHECKS`, the most fundamental first, and are read-only.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -28,7 +28,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-CHECKS: dict[str, Callable[[], HardwareCheck]] = {
+MACHINE_CHECKS: dict[str, Callable[[], HardwareCheck]] = {
     # Later checks depend on earlier ones, so the first failure is the cause to fix
     'python': check_python_version,
     'platform': check_platform,
@@ -44,7 +44,7 @@ CHECKS: dict[str, Callable[[], HardwareCheck]] = {
     'browser': check_browser,
 }
 OF_GRAPH = ('packages', 'dds', 'ports')
-COLOURS: dict[State, str] = {'ok': 'green', 'warn': 'yellow', 'fail': 'bold red'}
+STATE_COLOURS: dict[State, str] = {'ok': 'green', 'warn': 'yellow', 'fail': 'bold red'}
 
 __all__ = [
     'CHECKS',
@@ -62,7 +62,7 @@ def iterate_check_results() -> Iterator[HardwareCheck]:
     without_graph = is_wheel_without_graph()
     if without_graph:
         yield HardwareCheck('graph', 'ok', f'not part of this installation: {WITHOUT_GRAPH}')
-    for name, check in CHECKS.items():
+    for name, check in MACHINE_CHECKS.items():
         if without_graph and name in OF_GRAPH:
             continue
         try:
@@ -88,7 +88,7 @@ def print_checks(results: Iterable[HardwareCheck], console: Console) -> None:
     """Print one row for each result, with the remedy below a problem."""
     table = Table.grid(padding=(0, 2))
     for check in results:
-        colour = COLOURS[check.state]
+        colour = STATE_COLOURS[check.state]
         table.add_row(Text(check.state, colour), Text(check.name), Text(check.found))
         if check.remedy:
             table.add_row('', '', Text(check.remedy, colour))

@@ -11,7 +11,7 @@ from lta_bridge.hardware.check_result import HardwareCheck
 from lta_graph.reach import RANGE_VARIABLE
 
 DEADLINE = 10.0  # s for the whole check; starting and discovery usually take about 1 s
-SLOW = 3.0  # s; discovery that takes this long makes a launch look stuck
+SLOW_EXCHANGE = 3.0  # s; discovery that takes this long makes a launch look stuck
 PARTICIPANTS = 8  # a graph of seven nodes and one more
 FIREWALL = (
     'Allow UDP between processes of this machine (firewall, container network) and check'
@@ -91,7 +91,7 @@ def check_message_exchange() -> HardwareCheck:
         f' {times["round_trip_s"] * 1e6:.0f} us (check took {time.monotonic() - began:.1f} s)'
     )
     # Works, but every start of a graph will be slow
-    if times['discovery_s'] > SLOW:
+    if times['discovery_s'] > SLOW_EXCHANGE:
         return HardwareCheck(
             'dds',
             'warn',

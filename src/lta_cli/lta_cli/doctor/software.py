@@ -16,9 +16,9 @@ MODULES = (
     'sensor_msgs', 'lta_msgs.msg', 'tf2_msgs.msg', 'numpy', 'scipy', 'numba', 'pydantic', 'yaml',
     'mcap', 'plotly',
 )  # fmt: skip
-PACKAGES = ('analysis', 'bridge', 'config', 'control', 'energy', 'graph', 'sim', 'vlc')
+OWN_PACKAGES = ('analysis', 'bridge', 'config', 'control', 'energy', 'graph', 'sim', 'vlc')
 BROWSERS = ('chromium', 'chromium-browser', 'google-chrome', 'google-chrome-stable')
-PATIENCE = 60.0  # s; the first import after an installation reads from a cold disk cache
+IMPORT_PATIENCE = 60.0  # s; the first import after an installation reads from a cold disk cache
 MAKE_AGAIN = "Run 'make build'; if the problem remains, 'make clean' and then 'make build'."
 
 
@@ -32,7 +32,7 @@ def check_dependency_imports() -> HardwareCheck:
         [sys.executable, '-P', '-c', script],
         capture_output=True,
         text=True,
-        timeout=PATIENCE,
+        timeout=IMPORT_PATIENCE,
     )
     if result.returncode != 0:
         module = result.stdout.split()[-1]
@@ -89,14 +89,16 @@ def check_workspace_packages() -> HardwareCheck:
     index = Path('share/ament_index/resource_index/packages')
     missing = [
         f'lta_{name}'
-        for name in PACKAGES
+        for name in OWN_PACKAGES
         if not any((prefix / index / f'lta_{name}').is_file() for prefix in prefixes)
     ]
     if missing:
         text = f'packages missing in the ament index: {", ".join(missing)}'
         return HardwareCheck('packages', 'fail', text, MAKE_AGAIN)
     return HardwareCheck(
-        'packages', 'ok', f'{len(PACKAGES)} of {len(PACKAGES)} LTA packages in the ament index'
+        'packages',
+        'ok',
+        f'{len(OWN_PACKAGES)} of {len(OWN_PACKAGES)} LTA packages in the ament index',
     )
 
 

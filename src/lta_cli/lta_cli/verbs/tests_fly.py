@@ -63,7 +63,9 @@ def fly(
     out: Annotated[
         Path | None,
         typer.Option(
-            help='Folder of the results; in runs/ by default.', parser=parse_folder, metavar='FOLDER'
+            help='Folder of the results; in runs/ by default.',
+            parser=parse_folder,
+            metavar='FOLDER',
         ),
     ] = None,
 ) -> None:

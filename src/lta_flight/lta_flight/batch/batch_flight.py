@@ -16,7 +16,7 @@ from lta_control.laws import CASCADE, LAWS
 from lta_control.per_rotor import NO_ROTORS, pad_to_slots
 from lta_control.strategies.protocol import NavigationStrategy
 from lta_flight.batch.constants_and_tally import BatchPower, FlightConstants
-from lta_flight.batch.targets import BatchSchedule, STEP
+from lta_flight.batch.targets import BatchSchedule, SENSOR_STEP
 from lta_flight.flight_stack import FlightStack
 from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import MeasurementEffect
@@ -64,13 +64,14 @@ class BatchFlight:
 
 def build_schedule(table: TopicTable) -> BatchSchedule:
     """Return the schedule; raise `BadInput` if a period is not a multiple of the step."""
-    step_ns = round(STEP * 1e9)
+    step_ns = round(SENSOR_STEP * 1e9)
     control = table.control_ns
     due = {name: table[name].period_ns for name in ('range', 'pressure', 'photodiodes')}
     # A light block needs an even number of control steps, since its middle must be one
     if control % step_ns or due['range'] % step_ns or due['photodiodes'] % (2 * control):
         raise BadInput(
-            f'--device uses steps of {1e3 * STEP:g} ms, so the periods of control and range must '
+            f'--device uses steps of {1e3 * SENSOR_STEP:g} ms, so the periods of control '
+            f'and range must '
             'be whole multiples of that, and the period of the photodiodes an even multiple of '
             f'that of control; topics.yaml has {control} ns for control, {due["range"]} ns for '
             f'range and {due["photodiodes"]} ns for the photodiodes. Change them there.'
@@ -108,7 +109,7 @@ def build_model(vehicle: Vehicle, scenario: Scenario, policy: FlightStack) -> Ve
                 'commands; leave --device out.'
             )
     # The explicit integrator would diverge for a vehicle that is too stiff
-    vehicle.check_step(STEP, model)
+    vehicle.check_step(SENSOR_STEP, model)
     return model
 
 

@@ -47,7 +47,7 @@ from lta_vlc.direction_fit import DirectionFit
 
 State = tuple[float, ...]
 Pose = tuple[float, float, float, float, float, float, float]  # position [m], quaternion
-MOVED = 1.0  # m of motion after which reflections are computed again
+MOVED_DISTANCE = 1.0  # m of motion after which reflections are computed again
 TURNED = math.cos(0.5 * 0.35) ** 2  # the same for a rotation by 0.35 rad
 HELD_RATE = (0.0,) * RIGID  # derivative of the state of a held drone
 
@@ -68,7 +68,7 @@ def has_moved(pose: Pose, gathered: Pose) -> bool:
     """Return whether reflections must be computed again (direct light always is)."""
     x, y, z = pose[0] - gathered[0], pose[1] - gathered[1], pose[2] - gathered[2]
     # Negated, so that an infinite or NaN distance counts as motion.
-    if not x * x + y * y + z * z < MOVED * MOVED:
+    if not x * x + y * y + z * z < MOVED_DISTANCE * MOVED_DISTANCE:
         return True
     # The dot product of two quaternions is the cosine of half the angle between them;
     # squared, because q and -q are the same attitude.

@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 Seeds = NDArray[np.int64]
 Rows = NDArray[np.intp]
 Device = Literal['cpu-batch', 'gpu']
-PIECE = 8  # flights per task of a thread; small, because their lengths differ
+FLIGHTS_PER_PIECE = 8  # flights per task of a thread; small, because their lengths differ
 
 
 @cache
@@ -138,12 +138,12 @@ def _fly_on_cores(
     cores = count_cores()
 
     def fly_chunk(begin: int) -> None:
-        part = slice(begin, begin + PIECE)
+        part = slice(begin, begin + FLIGHTS_PER_PIECE)
         kernel.fly_some(fixed[part], constants[part], winds, spans[part], seeds[part], out[part])
 
     # Threads suffice, because the compiled flight releases the GIL
     with ThreadPoolExecutor(cores) as pool:
-        list(pool.map(fly_chunk, range(0, len(seeds), PIECE)))
+        list(pool.map(fly_chunk, range(0, len(seeds), FLIGHTS_PER_PIECE)))
     return out
 
 

@@ -10,7 +10,7 @@ from lta_model.model import STEP_NS
 from lta_sim.kernels.thread import THREAD_MODEL
 from lta_vlc.reading_model import FIT_SCRATCH
 
-STEP = STEP_NS * 1e-9  # integration step [s]
+SENSOR_STEP = STEP_NS * 1e-9  # integration step [s]
 SCRATCH = max(allocation.SCRATCH, FIT_SCRATCH)  # shared, since both are used in turn
 
 
@@ -25,7 +25,7 @@ class BatchSchedule:
     # Control periods per sample of the barometer, and per light block
     pressure: int
     light: int
-    dt: float = STEP  # integration step [s]
+    dt: float = SENSOR_STEP  # integration step [s]
     # Whether reflections are computed only after the drone has moved (`has_moved`)
     reuse_reflections: bool = False
 

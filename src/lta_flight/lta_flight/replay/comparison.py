@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 TOLERANCE = 1e-9  # of a channel's largest value
 SINGLE = 2.0**-23  # a step of single precision
-PLACE = ('platform', 'libraries', 'commit')  # provenance that may change the last bits
+PLACE_ENTRIES = ('platform', 'libraries', 'commit')  # provenance that may change the last bits
 
 
 @final
@@ -130,4 +130,4 @@ def channel_tolerance(x: NDArray[np.float64], y: NDArray[np.float64]) -> float:
 
 def find_origin_differences(provenance: Mapping[str, str], here: Mapping[str, str]) -> list[str]:
     """Return the provenance entries in which a recording and this machine differ."""
-    return [name for name in PLACE if provenance.get(name) != here.get(name)]
+    return [name for name in PLACE_ENTRIES if provenance.get(name) != here.get(name)]

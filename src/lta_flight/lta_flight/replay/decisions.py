@@ -10,7 +10,7 @@ from lta_flight.replay.topic_messages import TopicMessages
 import numpy as np
 from numpy.typing import NDArray
 
-SAME = 1e-9  # rad, m, m/s or 1; smaller changes do not count
+SMALLEST_CHANGE = 1e-9  # rad, m, m/s or 1; smaller changes do not count
 
 Column = NDArray[np.float64]
 
@@ -31,12 +31,12 @@ class DecisionComparison:
     @property
     def change_count(self) -> int:
         """Number of changed decisions."""
-        return int((self.gaps > SAME).sum())
+        return int((self.gaps > SMALLEST_CHANGE).sum())
 
     @property
     def first_change(self) -> int | None:
         """Row of the first change."""
-        return int(np.argmax(self.gaps > SAME)) if self.change_count else None
+        return int(np.argmax(self.gaps > SMALLEST_CHANGE)) if self.change_count else None
 
     @property
     def largest_change(self) -> float:
@@ -82,7 +82,7 @@ def read_lamp_visible(messages: TopicMessages) -> Column:
     return is_visible
 
 
-KINDS = (
+DECISION_KINDS = (
     DecisionKind('light/estimate', 'lamp seen', '', read_lamp_visible),
     DecisionKind('setpoint/pose', 'heading', 'rad', read_heading, turning=True),
     DecisionKind('setpoint/pose', 'altitude', 'm', build_field_reader('pose.position.z')),
@@ -100,7 +100,7 @@ def compare_decisions(comparisons: Sequence[TopicComparison]) -> list[DecisionCo
     """Return the comparisons of all decisions in the compared topics."""
     topics = {each.topic: each for each in comparisons if each.count}
     rows = []
-    for kind in KINDS:
+    for kind in DECISION_KINDS:
         each = topics.get(kind.topic)
         if each is None:
             continue

@@ -23,8 +23,12 @@ from lta_graph.launches import FLY
 from lta_model.vehicle import load_vehicle
 import yaml
 
-ROBOT = 'lta1'  # for a bag without namespaces
-VEHICLE, STRATEGY, LAMP_ROOM = 'gtmab', 'bag', 'lamp_room'  # for a bag without provenance
+UNNAMED_ROBOT = 'lta1'  # for a bag without namespaces
+DEFAULT_VEHICLE, DEFAULT_STRATEGY, LAMP_ROOM = (
+    'gtmab',
+    'bag',
+    'lamp_room',
+)  # for a bag without provenance
 
 
 @final
@@ -146,7 +150,7 @@ def build_launch_arguments(
     """Return a replay as arguments of the launch `fly`; extract files to the folder."""
     provenance = flight.provenance
     return {
-        'robot': flight.robot or ROBOT,
+        'robot': flight.robot or UNNAMED_ROBOT,
         'source': 'replay',
         'replay': str(order.bag),
         'time': 'lockstep' if order.rate is None else 'realtime',
@@ -188,7 +192,9 @@ def select_files(
     # The recorded gains belong to the recorded vehicle
     if gains is None and order.vehicle is None:
         gains = extract_file(provenance, 'gains', folder)
-    vehicle = order.vehicle or extract_file(provenance, 'vehicle', folder, gains) or VEHICLE
+    vehicle = (
+        order.vehicle or extract_file(provenance, 'vehicle', folder, gains) or DEFAULT_VEHICLE
+    )
     control = load_vehicle(vehicle).file.control
     named = control.gains if control else None
     if gains is None and named:
@@ -204,8 +210,8 @@ def select_files(
 def select_strategy(order: ReplayRequest, provenance: Mapping[str, str]) -> str:
     """Return the navigation strategy: the requested one, else the recorded one if it runs."""
     if order.strategy is None and 'navigator' in order.nodes:
-        return find_recorded_name(provenance, 'strategy') or STRATEGY
-    return order.strategy or STRATEGY
+        return find_recorded_name(provenance, 'strategy') or DEFAULT_STRATEGY
+    return order.strategy or DEFAULT_STRATEGY
 
 
 def extract_file(

@@ -16,15 +16,23 @@ from lta_report.report import Block, Picture, Report, TextSection, TextTable
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
 
-LISTED: Final = 40  # channels in the table
-MOST: Final = 3000  # points of a line
-HEADS: Final = ('topic', 'field', 'differs', 'first at [s]', 'recorded', 'replayed', 'largest')
-METHOD: Final = (
+LISTED_CHANNELS: Final = 40  # channels in the table
+MOST_LINE_POINTS: Final = 3000  # points of a line
+CHANNEL_HEADS: Final = (
+    'topic',
+    'field',
+    'differs',
+    'first at [s]',
+    'recorded',
+    'replayed',
+    'largest',
+)
+REPLAY_METHOD: Final = (
     'Every message of the replayed nodes is compared, field by field, with the recorded message '
     'of the same time stamp. "Differs": messages in which the field differs in any bit. '
     '"Largest": largest difference between replay and recording, in the unit of the field.'
 )
-NAMES: Final = {
+VERDICT_WORDS: Final = {
     'identical': 'identical to the last bit', 'same': 'the same', 'different': 'different',
 }  # fmt: skip
 
@@ -83,7 +91,9 @@ def build_tiles(verdict: ReplayVerdict) -> list[Tile]:
     total = sum(topic.count for topic in verdict.topics)
     differing = sum(topic.differing for topic in verdict.topics)
     tiles = [
-        Tile('verdict', NAMES[verdict.word], '', format_count(len(verdict.topics), 'topic')),
+        Tile(
+            'verdict', VERDICT_WORDS[verdict.word], '', format_count(len(verdict.topics), 'topic')
+        ),
         Tile('messages', str(total), '', f'{differing} differ'),
     ]
     return tiles + [
@@ -150,11 +160,17 @@ def build_channel_table(verdict: ReplayVerdict) -> Block:
         for each in topic.channels
     ]  # fmt: skip
     if not rows:
-        return TextSection('What differs', ('No field of any message differs.', METHOD))
+        return TextSection('What differs', ('No field of any message differs.', REPLAY_METHOD))
     # The page lists the first fields only; JSON has all
-    more = len(rows) - LISTED
+    more = len(rows) - LISTED_CHANNELS
     rest = f'And {more} more fields; all are in replay.json. ' if more > 0 else ''
-    return TextTable('What differs', HEADS, rows[:LISTED], f'{rest}{METHOD}', printed=False)
+    return TextTable(
+        'What differs',
+        CHANNEL_HEADS,
+        rows[:LISTED_CHANNELS],
+        f'{rest}{REPLAY_METHOD}',
+        printed=False,
+    )
 
 
 def format_caption(decision: DecisionComparison, verdict: ReplayVerdict) -> str:
@@ -171,7 +187,7 @@ def plot_decision(decision: DecisionComparison, verdict: ReplayVerdict) -> Figur
     figure = create_figure()
     rows = np.arange(len(decision.keys))
     # Decisions are held between messages, so skipping rows keeps the picture
-    rows = rows[:: max(1, len(rows) // MOST)]
+    rows = rows[:: max(1, len(rows) // MOST_LINE_POINTS)]
     time = (decision.keys[rows] - verdict.start_ns) * 1e-9
     # Angles are shown in degrees
     turned = decision.unit == 'rad'

@@ -26,8 +26,8 @@ from lta_report.report import Report
 from lta_report.request import argument, option, ReportRequest, ROBOT, StudyRun
 from rich.progress import BarColumn, TextColumn
 
-PATIENCE = 15.0  # wall seconds of a stall after which the replay is stopped
-LOOK = 0.05  # wall seconds between polls of the processes and the diagnostics
+REPLAY_PATIENCE = 15.0  # wall seconds of a stall after which the replay is stopped
+REPLAY_POLL_PERIOD = 0.05  # wall seconds between polls of the processes and the diagnostics
 
 
 @final
@@ -147,7 +147,7 @@ def supervise_replay(
     """Follow a replay until a process ends it, or it has stalled for too long."""
     lookout = StallMonitor(watcher.show_message, listener.publish_error)
     while launcher.outcome is None:
-        facts = listener.poll(LOOK)
+        facts = listener.poll(REPLAY_POLL_PERIOD)
         launcher.poll()
         fact = facts.get(PLAYBACK)
         if fact is not None and (numbers := fact.parse_numbers('time_s', 'pace')):
@@ -160,9 +160,9 @@ def supervise_replay(
         )
         lookout.report_health(facts.values())
         # Leaving the context stops all processes
-        if lookout.stall_duration > PATIENCE:
+        if lookout.stall_duration > REPLAY_PATIENCE:
             watcher.show_message(
-                f'The ROS graph made no progress for {PATIENCE:.0f} s and is stopped.'
+                f'The ROS graph made no progress for {REPLAY_PATIENCE:.0f} s and is stopped.'
             )
             return
 

@@ -27,11 +27,11 @@ from lta_vlc.spectral.spectrum import amplitude_spectrum
 import numpy as np
 from plotly.graph_objects import Figure, Heatmap, Scatter
 
-COLOURS: Final = (TRUTH, ESTIMATE)
+BLOCK_COLOURS: Final = (TRUTH, ESTIMATE)
 MOST_COLUMNS = 1000  # columns of the map, about the pixels of a panel
-FAINTEST = 0.1  # counts; below it there is only noise of the converter
+FAINTEST_COUNTS = 0.1  # counts; below it there is only noise of the converter
 HIGHEST = 1000.0  # Hz; above it there are only higher harmonics
-FLOOR = 1e-3  # counts, the least value on the logarithmic axis
+LEAST_COUNTS = 1e-3  # counts, the least value on the logarithmic axis
 
 
 def plot_light(view: FlightView) -> Figure:
@@ -69,8 +69,10 @@ def plot_light(view: FlightView) -> Figure:
 def build_amplitude_map(time: Array, azimuth: Array, amplitude: Array) -> Heatmap:
     """Return a map of the lamp's amplitude over time and direction, on a log scale."""
     # A dead diode has no amplitude and is drawn as the faintest
-    finite = np.nan_to_num(amplitude, nan=FAINTEST, posinf=FAINTEST, neginf=FAINTEST)
-    levels = np.log10(np.maximum(finite, FAINTEST)).astype(np.float32)
+    finite = np.nan_to_num(
+        amplitude, nan=FAINTEST_COUNTS, posinf=FAINTEST_COUNTS, neginf=FAINTEST_COUNTS
+    )
+    levels = np.log10(np.maximum(finite, FAINTEST_COUNTS)).astype(np.float32)
     low, high = np.floor(levels.min()), np.ceil(levels.max())
     ticks = np.arange(low, high + 1)
     return Heatmap(
@@ -153,7 +155,7 @@ def select_sample_blocks(view: FlightView) -> list[SampleBlock]:
     rate = load_topic_table().light.sample_rate.si
     blocks = []
     ends = (int(chosen[0]), int(chosen[-1]))
-    for k, samples, colour in zip(ends, view.read_blocks(ends), COLOURS, strict=True):
+    for k, samples, colour in zip(ends, view.read_blocks(ends), BLOCK_COLOURS, strict=True):
         block = samples.astype(np.float64)
         # The lamp modulates the light, so its diode has the largest deviation
         brightest = block[:, block.std(axis=0).argmax()]
@@ -211,7 +213,7 @@ def plot_spectrum(view: FlightView) -> Figure:
         amplitude = amplitude_spectrum(moment.samples[:, None])[:, 0]
         frequency = np.fft.rfftfreq(len(moment.samples), 1.0 / rate)
         in_range = (frequency > 0.0) & (frequency <= HIGHEST)
-        values = np.maximum(amplitude[in_range], FLOOR)
+        values = np.maximum(amplitude[in_range], LEAST_COUNTS)
         figure.add_trace(
             Scatter(
                 x=frequency[in_range].astype(np.float32),

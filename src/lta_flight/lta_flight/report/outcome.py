@@ -11,7 +11,7 @@ from lta_report.result_table import format_value, unit_factor
 
 GRAMS: Final = 1e3
 DEGREES: Final = 180.0 / math.pi
-CRUISE: Final = (
+CRUISE_NOTE: Final = (
     '“Cruise” starts when the true forward airspeed first reaches 90 % of the commanded one.'
 )
 
@@ -99,4 +99,4 @@ def build_result_table(results: FlightResults) -> TextTable:
         rows.append([
             item.metadata['about'], format_value(value) if isinstance(value, bool) else cell,
         ])  # fmt: skip
-    return TextTable('In numbers', ('quantity', 'this flight'), rows, CRUISE)
+    return TextTable('In numbers', ('quantity', 'this flight'), rows, CRUISE_NOTE)

@@ -9,7 +9,7 @@ from lta_config.command_line import format_lta_command, relative_path
 from lta_data.bag.bag_folder import find_bag_files
 from lta_data.bag.recorded_flight import open_flight, RecordedFlight
 from lta_flight.report.outcome import build_result_table, build_tiles, describe_outcome
-from lta_flight.report.panels import FlightPanel, PANELS
+from lta_flight.report.panels import FLIGHT_PANELS, FlightPanel
 from lta_flight.report.results import compute_results, FlightResults
 from lta_flight.report.scene import render_flight_scene
 from lta_flight.report.track import build_track
@@ -19,15 +19,15 @@ from lta_report.report import Grid, Picture, Report, TextSection
 from lta_report.report_page import render_report
 from lta_report.results_folder import write_file
 
-FILES: Final = ('vehicle_file', 'scenario_file', 'gains_file', 'strategy_file')
+RECORDED_FILES: Final = ('vehicle_file', 'scenario_file', 'gains_file', 'strategy_file')
 CHOSEN: Final = ('vehicle', 'scenario', 'strategy', 'seed', 'time')
-MOVED: Final = ('offset_x', 'offset_y')
+OFFSET_RESULTS: Final = ('offset_x', 'offset_y')
 SIMULATED: Final = (
     'A simulated flight. "Truth" is the state of the simulator, which the drone cannot access; '
     '"estimate" is what the drone computed from its simulated sensors.'
 )
 DEGREES: Final = 57.29578
-READOUT: Final = {
+READOUT_FIELDS: Final = {
     'time': ('time', '\N{NO-BREAK SPACE}s', 1, 1.0),
     'distance': ('to the lamp', '\N{NO-BREAK SPACE}m', 2, 1.0),
     'z': ('altitude', '\N{NO-BREAK SPACE}m', 2, 1.0),
@@ -35,10 +35,10 @@ READOUT: Final = {
     'bearing': ('bearing', '°', 0, DEGREES),
     'snr': ('SNR', '', 0, 1.0),
 }
-HEIGHTS: Final = {
+PANEL_HEIGHTS: Final = {
     'heading': 340, 'light': 340, 'duty': 340, 'power': 340, 'samples': 300, 'spectrum': 300,
 }  # fmt: skip
-MEASURED: Final = (
+MEASURED_NOTE: Final = (
     'The recording has no scenario. "Truth" is its recorded ground truth; "estimate" is what '
     'the drone computed from its sensors.'
 )
@@ -61,7 +61,7 @@ def write_page(bag: Path, out: Path, robot: str | None = None) -> FlightResults:
 
 def build_report(view: FlightView, results: FlightResults, bag: Path) -> Report:
     """Return the report of a flight in a bag."""
-    path, *panels = (build_panel(panel, view) for panel in PANELS)
+    path, *panels = (build_panel(panel, view) for panel in FLIGHT_PANELS)
     return Report(
         command='flight',
         subject=describe_setup(view.provenance),
@@ -77,11 +77,11 @@ def build_report(view: FlightView, results: FlightResults, bag: Path) -> Report:
         commands=suggest_commands(view, relative_path(bag)),
         files={
             key.replace('_', ' ').capitalize(): view.provenance[key]
-            for key in FILES
+            for key in RECORDED_FILES
             if key in view.provenance
         },
         scene=render_flight_scene(view),
-        time_bar=render_time_bar(READOUT, 'flight'),
+        time_bar=render_time_bar(READOUT_FIELDS, 'flight'),
         track=build_track(view),
         asset='flight.html',
     )
@@ -92,7 +92,7 @@ def build_panel(panel: FlightPanel, view: FlightView) -> Picture | TextSection:
     # A recording of other robots may lack topics
     if missing := [topic for topic in panel.needs if not view.has_topics(topic)]:
         return TextSection(panel.title, [f'The recording has nothing on {" and ".join(missing)}.'])
-    figure, height = panel.picture(view), HEIGHTS.get(panel.name, 270)
+    figure, height = panel.picture(view), PANEL_HEIGHTS.get(panel.name, 270)
     return Picture(panel.name, panel.title, panel.caption, figure, height, timed=panel.timed)
 
 
@@ -106,13 +106,13 @@ def describe_setup(provenance: Mapping[str, str]) -> str:
 def explain_truth_and_estimate(view: FlightView) -> str:
     """Return the explanation of "truth" and "estimate"."""
     if view.scene.scenario is None:
-        return MEASURED
+        return MEASURED_NOTE
     return SIMULATED
 
 
 def describe_provenance(flight: RecordedFlight) -> dict[str, str]:
     """Return the provenance of the data."""
-    entries = {key: value for key, value in flight.provenance.items() if key not in FILES}
+    entries = {key: value for key, value in flight.provenance.items() if key not in RECORDED_FILES}
     return entries | {
         # Losses are shown, because they may explain gaps in the figures
         'recording': 'complete' if flight.bag.is_complete else ' '.join(flight.bag.losses)
@@ -137,7 +137,7 @@ def suggest_commands(view: FlightView, bag: Path) -> dict[str, str]:
 def format_repeat_command(provenance: Mapping[str, str]) -> str:
     """Return the command that repeats a flight; a moved start needs `lta launch`."""
     choices = {key: provenance[key] for key in CHOSEN if key in provenance}
-    moved = {key: provenance[key] for key in MOVED if key in provenance}
+    moved = {key: provenance[key] for key in OFFSET_RESULTS if key in provenance}
     if moved:
         return format_lta_command(
             'launch', 'fly', *(f'{key}:={value}' for key, value in (choices | moved).items())

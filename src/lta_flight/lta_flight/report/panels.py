@@ -161,7 +161,7 @@ class FlightPanel(NamedTuple):
     timed: bool = True  # whether the x axis is the time of the flight
 
 
-PANELS: Final = (
+FLIGHT_PANELS: Final = (
     FlightPanel(
         'path',
         'From above',

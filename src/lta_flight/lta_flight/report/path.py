@@ -12,13 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 from plotly.graph_objects import Figure, Scatter
 
-BEADS = 700  # points of the path, which together look like a ribbon
-MARGIN = 0.25  # m around the room
-STEPS = (1, 2, 5, 10, 20, 60)  # s between the time labels of the path
+PATH_POINTS = 700  # points of the path, which together look like a ribbon
+ROOM_MARGIN = 0.25  # m around the room
+LABEL_STEPS = (1, 2, 5, 10, 20, 60)  # s between the time labels of the path
 MOST_STEPS = 7  # labels
-NEAR = 0.1  # of the longer side of the room or path, in which two labels would overlap on a phone
-LENGTH = 0.75  # m of a ray; long enough to show a direction, short enough not to hide the next
-PERIOD = 1.0  # s between two rays
+LABEL_GAP = (
+    0.1  # of the longer side of the room or path, in which two labels would overlap on a phone
+)
+RAY_LENGTH = 0.75  # m of a ray; long enough to show a direction, short enough not to hide the next
+RAY_PERIOD = 1.0  # s between two rays
 
 
 def plot_path(view: FlightView) -> Figure:
@@ -48,9 +50,11 @@ def set_axis_ranges(figure: Figure, view: FlightView) -> None:
     (left, right), (low, high) = sides
     step = choose_tick_distance(max(right - left, high - low))
     shared = {'showgrid': False, 'dtick': step, 'constrain': 'domain'}
-    figure.update_xaxes(range=[left - MARGIN, right + MARGIN], title_text='x [m]', **shared)
+    figure.update_xaxes(
+        range=[left - ROOM_MARGIN, right + ROOM_MARGIN], title_text='x [m]', **shared
+    )
     figure.update_yaxes(
-        range=[low - MARGIN, high + MARGIN],
+        range=[low - ROOM_MARGIN, high + ROOM_MARGIN],
         title_text='y [m]',
         scaleanchor='x',
         constraintoward='top',
@@ -61,8 +65,8 @@ def set_axis_ranges(figure: Figure, view: FlightView) -> None:
 def draw_estimate(figure: Figure, view: FlightView) -> None:
     """Draw the path by dead reckoning."""
     estimate = view.estimate
-    # Every n-th point, for about BEADS in all
-    keep = slice(None, None, max(1, len(estimate.time) // BEADS))
+    # Every n-th point, for about PATH_POINTS in all
+    keep = slice(None, None, max(1, len(estimate.time) // PATH_POINTS))
     figure.add_trace(
         Scatter(
             x=estimate.x[keep].astype(np.float32),
@@ -78,7 +82,7 @@ def draw_estimate(figure: Figure, view: FlightView) -> None:
 def build_colored_path(view: FlightView) -> Scatter:
     """Return the true path as points coloured by time."""
     truth = view.truth
-    keep = slice(None, None, max(1, len(truth.time) // BEADS))
+    keep = slice(None, None, max(1, len(truth.time) // PATH_POINTS))
     time = truth.time[keep].astype(np.float32)
     return Scatter(
         x=truth.x[keep].astype(np.float32),
@@ -99,8 +103,8 @@ def draw_times(figure: Figure, view: FlightView) -> None:
     # The smallest step that gives few enough labels; beyond the list, a multiple of its last
     length = phases.end - start
     step = next(
-        (step for step in STEPS if length / step <= MOST_STEPS),
-        STEPS[-1] * math.ceil(length / (STEPS[-1] * MOST_STEPS)),
+        (step for step in LABEL_STEPS if length / step <= MOST_STEPS),
+        LABEL_STEPS[-1] * math.ceil(length / (LABEL_STEPS[-1] * MOST_STEPS)),
     )
     truth = view.truth
     size = max(float(np.ptp(part)) for part in (truth.x, truth.y))
@@ -114,7 +118,7 @@ def draw_times(figure: Figure, view: FlightView) -> None:
             for when in (time, time + 0.5)
             for part in (truth.x, truth.y)
         )
-        if any(math.dist((x, y), other) < NEAR * size for other in labelled):
+        if any(math.dist((x, y), other) < LABEL_GAP * size for other in labelled):
             continue
         labelled.append((x, y))
         course = np.arctan2(ahead_y - y, ahead_x - x)
@@ -131,7 +135,7 @@ def draw_times(figure: Figure, view: FlightView) -> None:
 def select_per_period(time: Array, start: float, end: float) -> NDArray[np.intp]:
     """Return the first sample of each period between two times, if there is one."""
     inside = np.flatnonzero((time >= start) & (time < end))
-    _, first = np.unique(np.floor((time[inside] - start) / PERIOD), return_index=True)
+    _, first = np.unique(np.floor((time[inside] - start) / RAY_PERIOD), return_index=True)
     return inside[first]
 
 
@@ -187,8 +191,8 @@ def build_ray_line(x: Array, y: Array, course: Array, colour: str) -> Scatter:
     # A NaN after each ray interrupts the line; one trace draws faster than many
     gap = np.full(len(x), np.nan)
     return Scatter(
-        x=np.stack([x, x + LENGTH * np.cos(course), gap], axis=1).ravel().astype(np.float32),
-        y=np.stack([y, y + LENGTH * np.sin(course), gap], axis=1).ravel().astype(np.float32),
+        x=np.stack([x, x + RAY_LENGTH * np.cos(course), gap], axis=1).ravel().astype(np.float32),
+        y=np.stack([y, y + RAY_LENGTH * np.sin(course), gap], axis=1).ravel().astype(np.float32),
         mode='lines',
         line={'color': colour, 'width': 1.8},
         name='bearing',

@@ -30,9 +30,9 @@ if TYPE_CHECKING:  # a page of a recording does without the simulator
 AnyFlightView = Union['FlightView', 'LoopView']
 Flags = NDArray[np.bool_]
 
-CRUISING = 0.9  # share of the set speed at which the cruise begins
+CRUISE_SHARE = 0.9  # share of the set speed at which the cruise begins
 WARMING_STEP = 0.5  # s, far below the lag of the gas
-ENDS = 5  # blocks whose median is the SNR at the start or the end
+END_SAMPLES = 5  # blocks whose median is the SNR at the start or the end
 
 
 def result_field(unit: str, about: str, digits: int | None = None, display: str = '') -> Any:  # noqa: ANN401 - a field of any type
@@ -193,7 +193,7 @@ def find_cruise_start(view: 'AnyFlightView', search: float) -> float:
     truth = view.truth
     setpoint = hold_last(truth.time, view.speed_setpoint)
     # A setpoint of 0 would be reached by standing still
-    fast = (truth.time >= search) & (setpoint > 0.0) & (truth.speed >= CRUISING * setpoint)
+    fast = (truth.time >= search) & (setpoint > 0.0) & (truth.speed >= CRUISE_SHARE * setpoint)
     return find_first_time(truth.time, fast)
 
 
@@ -284,8 +284,8 @@ def compute_light_metrics(view: 'AnyFlightView', phases: FlightPhases) -> dict[s
         time, parts = view.peaks
         best = parts['snr'].max(axis=1)[is_in_interval(time, phases.search, phases.end)]
         if len(best):
-            metrics['snr_start'] = float(np.median(best[:ENDS]))
-            metrics['snr_end'] = float(np.median(best[-ENDS:]))
+            metrics['snr_start'] = float(np.median(best[:END_SAMPLES]))
+            metrics['snr_end'] = float(np.median(best[-END_SAMPLES:]))
     return metrics
 
 

@@ -12,8 +12,8 @@ from plotly.graph_objects import Contour, Figure, Scatter
 
 MOST_TICKS = 12
 CELL = 0.1  # m, grid of the shading
-MOST_CELLS = 160  # per side; a hall gets larger cells
-FAINTEST, BRIGHTEST = 3.0, 12.0  # log2 of lx: the shading covers 8 to 4096 lx
+MOST_CELLS_PER_SIDE = 160  # per side; a hall gets larger cells
+FAINTEST_LIGHT, BRIGHTEST = 3.0, 12.0  # log2 of lx: the shading covers 8 to 4096 lx
 
 
 def choose_tick_distance(side: float) -> float:
@@ -92,7 +92,7 @@ def build_light_contour(scenario: Scenario, height: float) -> Contour:
     """Return the direct light of all lamps at some height, with a shade per factor of two."""
     length, width, _ = scenario.room.size.vector
     x, y = (
-        np.linspace(-side / 2, side / 2, min(round(side / CELL), MOST_CELLS) + 1)
+        np.linspace(-side / 2, side / 2, min(round(side / CELL), MOST_CELLS_PER_SIDE) + 1)
         for side in (length, width)
     )
     points = np.stack([*np.meshgrid(x, y), np.full((len(y), len(x)), height)], axis=-1)
@@ -105,10 +105,10 @@ def build_light_contour(scenario: Scenario, height: float) -> Contour:
         name='light of the lamps',
         colorscale=build_color_scale(GLOW),
         showscale=False,
-        zmin=FAINTEST,
+        zmin=FAINTEST_LIGHT,
         zmax=BRIGHTEST,
         # One contour per factor of two
-        contours={'start': FAINTEST + 1, 'end': BRIGHTEST, 'size': 1, 'coloring': 'fill'},
+        contours={'start': FAINTEST_LIGHT + 1, 'end': BRIGHTEST, 'size': 1, 'coloring': 'fill'},
         line={'width': 0},
         hoverinfo='skip',
     )

@@ -21,14 +21,14 @@ from lta_report.flight_scene import (
 from lta_report.palette import ESTIMATE, GOOD, LAMP, TRUTH
 import numpy as np
 
-LONGEST: Final = 0.5  # s for which a bearing, a duty or a wind is shown
-CAPTION: Final = (
+LONGEST_HOLD: Final = 0.5  # s for which a bearing, a duty or a wind is shown
+SCENE_CAPTION: Final = (
     'The true motion. Orange arrows: thrust of the rotors (square root of its share). Yellow '
     'arrow and cone: direction of the lamp that the drone steers by, with its standard deviation. '
     'Green arrow: wind. The path ahead is pale.'
 )
 COMPANIONS: Final = (GOOD, LAMP)
-POSITION, ATTITUDE = 'pose.pose.position', 'pose.pose.orientation'
+POSITION_FIELD, ATTITUDE_FIELD = 'pose.pose.position', 'pose.pose.orientation'
 
 
 def render_flight_scene(view: FlightView) -> str:
@@ -44,8 +44,8 @@ def render_flight_scene(view: FlightView) -> str:
             'true motion',
             TRUTH,
             body,
-            interpolate_columns(time, truth.time, truth.vector(POSITION)),
-            interpolate_attitude(time, truth.time, truth.vector(ATTITUDE)),
+            interpolate_columns(time, truth.time, truth.vector(POSITION_FIELD)),
+            interpolate_attitude(time, truth.time, truth.vector(ATTITUDE_FIELD)),
             rotors,
             thrust,
             sample_bearing(view, time),
@@ -67,7 +67,7 @@ def render_flight_scene(view: FlightView) -> str:
     flights += list_companions(view, time)
     scenario = view.scene.scenario
     static_shapes = [] if scenario is None else draw_static_scene(scenario)
-    return render_scene([SceneSet(time, flights)], static_shapes, CAPTION, reach)
+    return render_scene([SceneSet(time, flights)], static_shapes, SCENE_CAPTION, reach)
 
 
 def list_companions(view: FlightView, time: Array) -> list[SceneFlight]:
@@ -83,8 +83,8 @@ def list_companions(view: FlightView, time: Array) -> list[SceneFlight]:
         truth = other.read_series('ground_truth/odom')
         # The time of each robot begins with its own first message
         own = truth.time + (other.flight.start - view.flight.start) * 1e-9
-        place = interpolate_columns(time, own, truth.vector(POSITION))
-        turn = interpolate_attitude(time, own, truth.vector(ATTITUDE))
+        place = interpolate_columns(time, own, truth.vector(POSITION_FIELD))
+        turn = interpolate_attitude(time, own, truth.vector(ATTITUDE_FIELD))
         colour = COMPANIONS[len(companions) % len(COMPANIONS)]
         companions.append(SceneFlight(robot, colour, body, place, turn, ghost=True))
     return companions
@@ -101,7 +101,7 @@ def sample_thrust(
     if not rotors:
         return [], None
     order = [duties.names.index(each.name) for each in rotors]
-    duty = np.nan_to_num(hold_columns(time, duties.time, duties.values[:, order], LONGEST))
+    duty = np.nan_to_num(hold_columns(time, duties.time, duties.values[:, order], LONGEST_HOLD))
     quadratic, linear, full = (
         np.array([getattr(each, name) for each in rotors]) for name in ('a', 'b', 'full_thrust')
     )
@@ -123,7 +123,7 @@ def sample_bearing(view: FlightView, time: Array) -> Array | None:
     ).transpose(2, 0, 1)
     seen = np.isfinite(view.sighting.angle)
     angles = np.where(seen[:, None], direction_with_deviation(place, covariance), np.nan)
-    return hold_columns(time, series.time + view.half_block_time, angles, LONGEST)
+    return hold_columns(time, series.time + view.half_block_time, angles, LONGEST_HOLD)
 
 
 def direction_with_deviation(place: Array, covariance: Array) -> Array:
@@ -158,5 +158,5 @@ def sample_wind(view: FlightView, time: Array) -> Array | None:
     if not view.has_topics('wind'):
         return None
     series = view.read_series('wind')
-    wind = hold_columns(time, series.time, series.vector('vector'), LONGEST)
+    wind = hold_columns(time, series.time, series.vector('vector'), LONGEST_HOLD)
     return wind if np.nanmax(np.abs(wind), initial=0.0) > 0.0 else None

@@ -7,8 +7,8 @@ from lta_report.curves import Array, interpolate
 from lta_report.flight_scene import to_json_numbers
 import numpy as np
 
-RATE = 20.0  # samples per second, enough for a slow blimp
-MOST = 3000  # samples, to limit the size of the page
+TRACK_RATE = 20.0  # samples per second, enough for a slow blimp
+MOST_SAMPLES = 3000  # samples, to limit the size of the page
 
 
 def build_track(view: FlightView) -> dict[str, list[float | None]]:
@@ -25,7 +25,9 @@ def build_track(view: FlightView) -> dict[str, list[float | None]]:
     if not view.has_topics('ground_truth/odom'):
         return {}
     first, last = view.span
-    time = np.linspace(first, last, min(MOST, int((last - first) * RATE) + 2))  # 2 points at least
+    time = np.linspace(
+        first, last, min(MOST_SAMPLES, int((last - first) * TRACK_RATE) + 2)
+    )  # 2 points at least
     truth = view.truth
     columns = {
         part: interpolate(time, truth.time, getattr(truth, part))

@@ -34,7 +34,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 # Topics of the page that are read together, in one pass over the bag
-TOGETHER: Final = (
+TOPICS_READ_TOGETHER: Final = (
     'ground_truth/odom',
     'odom',
     'airspeed',
@@ -97,7 +97,11 @@ class FlightView:
         """Return the fields of a topic; each is read once."""
         # Reading a bag is slow, so fetch all usual topics with the first one
         if topic not in self._read:
-            here = [each for each in TOGETHER if self.has_topics(each) and each not in self._read]
+            here = [
+                each
+                for each in TOPICS_READ_TOGETHER
+                if self.has_topics(each) and each not in self._read
+            ]
             self._read |= self.flight.read_topics({topic, *here})
         return self._read[topic]
 

@@ -10,8 +10,8 @@ from lta_flight.sweep.statistics import is_number, REACHED
 from lta_report.drawing import create_figure
 from plotly.graph_objects import Figure, Heatmap
 
-LEAST = 3  # values of a parameter; a map of fewer shows nothing
-MARGIN = {'l': 64, 'r': 24, 't': 12}
+LEAST_VALUES = 3  # values of a parameter; a map of fewer shows nothing
+MAP_MARGIN = {'l': 64, 'r': 24, 't': 12}
 
 
 def find_map_parameters(plan: SweepPlan) -> tuple[str, str] | None:
@@ -21,7 +21,7 @@ def find_map_parameters(plan: SweepPlan) -> tuple[str, str] | None:
     first, second = plan.lists
     # Names have no order and make no map
     fits = all(
-        len(values) >= LEAST and all(is_number(convert_to_si(value)) for value in values)
+        len(values) >= LEAST_VALUES and all(is_number(convert_to_si(value)) for value in values)
         for values in plan.lists.values()
     )
     return (first, second) if fits else None
@@ -53,7 +53,7 @@ def plot_heat_map(
         add_map(figure, xs, ys, grid, words, line)
         figure.update_yaxes(title_text=format_axis_title(up, units), row=line)
     figure.update_xaxes(title_text=format_axis_title(across, units), row=2)
-    return figure.update_layout(hovermode='closest', margin=MARGIN)
+    return figure.update_layout(hovermode='closest', margin=MAP_MARGIN)
 
 
 def add_map(

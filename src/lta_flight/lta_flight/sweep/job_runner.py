@@ -37,7 +37,7 @@ class SweepRow:
 
 
 # Each line is a row; the row of a failed flight has its values too
-STORE: Final[StoreFormat[SweepRow]] = StoreFormat(
+SWEEP_STORE: Final[StoreFormat[SweepRow]] = StoreFormat(
     'flights.jsonl',
     'sweep',
     'sweep',

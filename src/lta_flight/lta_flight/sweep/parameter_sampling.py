@@ -15,7 +15,7 @@ from lta_config.schema.sweep_file import Distribution, NormalDistribution, Unifo
 import numpy as np
 from numpy.random import Generator
 
-TRIES = 10_000  # draws of a bounded normal distribution before it is an error
+NORMAL_TRIES = 10_000  # draws of a bounded normal distribution before it is an error
 
 
 def sample_parameter(how: Distribution, path: str, seed: int, sample: int) -> Any:  # noqa: ANN401 - YAML's
@@ -53,7 +53,7 @@ def _draw_normal(how: NormalDistribution, path: str, chance: Generator) -> Any: 
             f'{path} has the standard deviation {format_value(how.deviation)}; it must be at '
             'least 0.'
         )
-    for _ in range(TRIES):
+    for _ in range(NORMAL_TRIES):
         sample = float(chance.normal(mean, deviation))
         if (low is None or sample >= low) and (high is None or sample <= high):
             return _build_quantity(sample, unit)

@@ -17,8 +17,8 @@ from lta_report.palette import ESTIMATE, GOOD, GRID, INK, TRUTH
 from plotly.graph_objects import Box, Figure, Histogram, Scatter
 
 FEWEST_BINS, MOST_BINS = 8, 40  # of a histogram
-FEW: Final = 20  # flights; up to here the axis has a tick for each
-CLEAR: Final = 'rgba(0,0,0,0)'
+FEW_FLIGHTS: Final = 20  # flights; up to here the axis has a tick for each
+TRANSPARENT: Final = 'rgba(0,0,0,0)'
 DOTS: Final = 1500  # flights shown as dots; more would overlap
 
 
@@ -52,7 +52,7 @@ def plot_histogram(rows: Sequence[SweepRow], measure: PlottedResult) -> Figure:
     figure.update_xaxes(title_text=f'{measure.title} [{measure.unit}]')
     # Ticks at whole numbers of flights only
     return figure.update_yaxes(
-        title_text='flights', rangemode='tozero', dtick=1 if len(values) <= FEW else None
+        title_text='flights', rangemode='tozero', dtick=1 if len(values) <= FEW_FLIGHTS else None
     )
 
 
@@ -135,7 +135,7 @@ def add_boxes(
                     x=[group.place] * len(values), y=values, name=group.name,
                     boxpoints='all' if len(values) <= 60 else 'outliers', jitter=0.5, pointpos=0,
                     marker={'color': measure.colour, 'size': 3, 'opacity': 0.6},
-                    line={'color': measure.colour, 'width': 1.2}, fillcolor=CLEAR,
+                    line={'color': measure.colour, 'width': 1.2}, fillcolor=TRANSPARENT,
                     hoverinfo='y',
                 ),
                 row=line, col=1,

@@ -18,10 +18,10 @@ from lta_config.parameter_override import format_value, parse_quantity, parse_va
 from lta_config.quantity import Quantity, UNITS
 from lta_config.schema.sweep_file import CASE_COLUMN, Distribution, SweepFile
 from lta_control.strategies.strategy_file import is_strategy_file
-from lta_flight.flight_spec import build_loop, FILES, FlightSpec, load_spec
+from lta_flight.flight_spec import build_loop, FlightSpec, load_spec, SPEC_FILES
 from lta_flight.sweep.parameter_sampling import sample_parameter
 
-MOST = 10_000_000  # flights; the table of more does not fit into memory
+MOST_FLIGHTS = 10_000_000  # flights; the table of more does not fit into memory
 
 
 @final
@@ -72,9 +72,10 @@ class SweepPlan:
         }
         self.lists = ({CASE_COLUMN: list(self.cases)} if named else {}) | lists
         # Grids multiply, so a few long lists are enough to exceed the limit
-        if self.count > MOST:
+        if self.count > MOST_FLIGHTS:
             raise BadInput(
-                f'The sweep has {self.count} flights, but at most {MOST} are allowed; vary fewer '
+                f'The sweep has {self.count} flights, but at most {MOST_FLIGHTS} are '
+                f'allowed; vary fewer '
                 'parameters, or give fewer values.'
             )
 
@@ -103,7 +104,7 @@ class SweepPlan:
         """Return the contents of files that are varied as a whole."""
         return {
             f'{path} {name}': self.base.with_values({path: name}).contents[path]
-            for path, name in sorted(self._list_names(FILES))
+            for path, name in sorted(self._list_names(SPEC_FILES))
         }
 
     def _read_strategy_files(self) -> dict[str, str]:

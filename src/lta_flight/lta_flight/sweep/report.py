@@ -19,10 +19,13 @@ from lta_report.formatting import format_count, format_number, Tile
 from lta_report.report import Block, Grid, Picture, Report, TextSection, TextTable
 import yaml
 
-SMALL: Final = 0.5  # kg; smaller masses are shown in grams
-LISTED: Final = 25  # most flights in the table of those that did not reach their goal
-WORDS: Final = {'search_time': 'Time from the first forward command', 'path_length': 'Path'}
-LOST: Final = 'Flights that did not reach their goal'
+SMALL_MASS: Final = 0.5  # kg; smaller masses are shown in grams
+LISTED_FLIGHTS: Final = 25  # most flights in the table of those that did not reach their goal
+MEASURE_HEADINGS: Final = {
+    'search_time': 'Time from the first forward command',
+    'path_length': 'Path',
+}
+LOST_HEADING: Final = 'Flights that did not reach their goal'
 BY_PARAMETER: Final = (
     'Share of flights that reached the goal with its 95 % Wilson interval, and their time and '
     'path. Flights that could not be flown do not count.'
@@ -124,7 +127,7 @@ def draw_overview(rows: Sequence[SweepRow]) -> list[Picture]:
     ordered = dict(sorted(counts.items(), key=lambda item: item[1]))
     spreads = [
         Picture(
-            f'spread-{measure.name}', WORDS[measure.name],
+            f'spread-{measure.name}', MEASURE_HEADINGS[measure.name],
             'Only flights that reached their goal.', plot_histogram(rows, measure), height=230,
         )
         for measure in MEASURES
@@ -153,7 +156,7 @@ def convert_to_grams(
 ) -> tuple[Sequence[SweepRow], str, str]:
     """Return rows, path and unit with small masses in grams."""
     values = [row.values[path] for row in rows]
-    small = all(isinstance(value, int | float) and abs(value) < SMALL for value in values)
+    small = all(isinstance(value, int | float) and abs(value) < SMALL_MASS for value in values)
     if unit != 'kg' or not small:
         return rows, path, unit
     converted = [replace(row, values={**row.values, path: 1e3 * row.values[path]}) for row in rows]
@@ -171,17 +174,17 @@ def build_lost_table(plan: SweepPlan, rows: Sequence[SweepRow]) -> Block:
     """Return a table of the flights that did not reach their goal."""
     lost = list_lost_flights(rows)
     if not lost:
-        return TextSection(LOST, ('None.',))
+        return TextSection(LOST_HEADING, ('None.',))
     lines = [
         [
             str(row.index), str(row.seed),
             *(format_value(row.values[path]) for path in plan.units), row.outcome, row.sentence,
         ]
-        for row in lost[:LISTED]
+        for row in lost[:LISTED_FLIGHTS]
     ]  # fmt: skip
     heads = ('flight', 'seed', *plan.units, 'outcome', 'why')
-    more = f' The first {LISTED} of {len(lost)}.' if len(lost) > LISTED else ''
-    return TextTable(LOST, heads, lines, f'Values in SI.{more}', printed=False)
+    more = f' The first {LISTED_FLIGHTS} of {len(lost)}.' if len(lost) > LISTED_FLIGHTS else ''
+    return TextTable(LOST_HEADING, heads, lines, f'Values in SI.{more}', printed=False)
 
 
 def format_repeat_command(plan: SweepPlan, index: int) -> str:

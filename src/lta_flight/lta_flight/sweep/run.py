@@ -16,7 +16,7 @@ from lta_config.schema.sweep_file import load_sweep
 from lta_flight.batch.fly import Device
 from lta_flight.sweep import table
 from lta_flight.sweep.batch_workers import BatchWorkers
-from lta_flight.sweep.job_runner import fly_job, STORE, store_row, SweepRow
+from lta_flight.sweep.job_runner import fly_job, store_row, SWEEP_STORE, SweepRow
 from lta_flight.sweep.plan import SweepJob, SweepPlan
 from lta_report.report import Report
 from lta_report.request import argument, option, StudyRequest, StudyRun
@@ -150,7 +150,7 @@ def sweep_once(order: SweepRequest, console: Console) -> SweepRun:
     folder = (order.out or Path('runs') / f'sweep-{file.name}-{identity[:8]}').absolute()
     # Before the folder is created: a batch or a cluster may not be usable
     workers = create_workers(order, plan)
-    with StudyStore(folder, STORE, identity, order.retry_failed) as store:
+    with StudyStore(folder, SWEEP_STORE, identity, order.retry_failed) as store:
         done = set(store.results)
         progress = StudyProgress(console, plan.count, len(done), 'flights')
         begun, failure = time.monotonic(), None
@@ -181,7 +181,7 @@ def write_sweep_table(
     plan: SweepPlan, rows: list[SweepRow], folder: Path, order: SweepRequest
 ) -> Path:
     """Write the table and return its path."""
-    path = folder / table.NAME
+    path = folder / table.TABLE_NAME
     about = {
         **describe_origin(plan, order),
         'identity': order.compute_sweep_hash(plan),

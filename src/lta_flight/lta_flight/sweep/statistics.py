@@ -10,8 +10,8 @@ from scipy.special import stdtrit
 
 NORMAL_95: Final = 1.959963984540054  # two-sided 95 % quantile of the normal distribution
 GROUPS: Final = 8  # of a randomly drawn parameter, with equal numbers of flights
-GRID: Final = 40  # up to so many values form a group each,
-EACH: Final = 5  # if they have at least so many flights on average
+MOST_GRID_GROUPS: Final = 40  # up to so many values form a group each,
+FLIGHTS_PER_GROUP: Final = 5  # if they have at least so many flights on average
 REACHED: Final = 'reached'
 
 
@@ -89,7 +89,7 @@ def group_by_parameter(rows: Sequence[SweepRow], path: str) -> list[ParameterGro
     values = [row.values[path] for row in rows]
     distinct = list(dict.fromkeys(map(format_value, values)))
     # Do not split the flights of a grid value, which are sorted by the other parameters
-    grid = len(distinct) <= GRID and EACH * len(distinct) <= len(rows)
+    grid = len(distinct) <= MOST_GRID_GROUPS and FLIGHTS_PER_GROUP * len(distinct) <= len(rows)
     # Up to GROUPS values each get their own group anyway
     few = grid or len(distinct) <= GROUPS
     if few or not all(map(is_number, values)):

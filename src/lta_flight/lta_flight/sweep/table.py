@@ -12,8 +12,8 @@ from lta_flight.sweep.job_runner import SweepRow
 import pyarrow as arrow
 from pyarrow import parquet
 
-NAME = 'flights.parquet'
-FIXED: Final = (
+TABLE_NAME = 'flights.parquet'
+FIXED_COLUMNS: Final = (
     ('index', arrow.int64(), '', 'number of the flight in the sweep, from 0'),
     ('seed', arrow.int64(), '', 'random seed of the flight'),
     ('outcome', arrow.string(), '', 'reached, timeout, escaped, or failed (could not be flown)'),
@@ -33,7 +33,7 @@ def write_table(
     written.
     """
     columns, declared = [], []
-    for name, kind, unit, meaning in FIXED:
+    for name, kind, unit, meaning in FIXED_COLUMNS:
         columns.append(arrow.array([getattr(row, name) for row in rows], kind))
         declared.append(_build_field(name, kind, unit, meaning))
     for varied, unit in units.items():

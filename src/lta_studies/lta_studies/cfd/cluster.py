@@ -95,7 +95,9 @@ class TunnelProgress(ProgressBar):
         self.update_bar(completed=sum(self._done.values()), description=words)
 
 
-REMEDY: Final = 'start its workers with fewer threads or more memory, or use a coarser --fidelity'
+MEMORY_REMEDY: Final = (
+    'start its workers with fewer threads or more memory, or use a coarser --fidelity'
+)
 
 CasePlace = tuple[Path | None, bool]  # cache of cases, and whether to repeat failed ones
 
@@ -174,7 +176,7 @@ def check_cluster(address: str, flows: Sequence[TunnelFlow]) -> str:
             )
         for worker in client.scheduler_info(n_workers=-1)['workers'].values():
             if worker['memory_limit']:
-                check_memory(flows, worker['nthreads'], worker['memory_limit'], REMEDY)
+                check_memory(flows, worker['nthreads'], worker['memory_limit'], MEMORY_REMEDY)
     return ', '.join(sorted(set(engines.values())))
 
 

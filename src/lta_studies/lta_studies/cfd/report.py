@@ -194,12 +194,12 @@ INTRODUCTION: Final = (
     'including its jet on the hull. A flow solver computes both from the shape, without '
     'flights.'
 )
-DRAWN: Final = (
+DRAG_CAPTION: Final = (
     'Points: drag from the flow solver, with its variation over the averaging window. '
     'Lines: the fit that flight simulations use. Dotted: analytic estimate, which should '
     'agree within a factor of two.'
 )
-METHOD: Final = (
+TUNNEL_METHOD: Final = (
     'Each direction has one mesh. The air always moves at 1 m/s; to get the Reynolds number '
     'of another speed, the viscosity is divided by that speed. Fidelity preview: steady '
     'k-omega SST with transition, on a half or a quarter of the domain where the vehicle is '
@@ -213,7 +213,7 @@ METHOD: Final = (
     'varies by more than 15 %, or if the momentum of the air differs from the force by more '
     'than 10 %. The results are not grid-converged.',
 )
-CAPTION: Final = 'Airspeed in the middle plane. Grey: solid parts.'
+SLICE_CAPTION: Final = 'Airspeed in the middle plane. Grey: solid parts.'
 
 
 def build_report(sweep: TunnelSweep, slices: Sequence[FlowSlice]) -> Report:
@@ -231,18 +231,19 @@ def build_report(sweep: TunnelSweep, slices: Sequence[FlowSlice]) -> Report:
         introduction=INTRODUCTION,
         tiles=build_tiles(sweep),
         blocks=(
-            Picture('along', 'Moving', DRAWN, draw_drag(sweep, turning=False)),
-            Picture('about', 'Turning', DRAWN, draw_drag(sweep, turning=True)),
+            Picture('along', 'Moving', DRAG_CAPTION, draw_drag(sweep, turning=False)),
+            Picture('about', 'Turning', DRAG_CAPTION, draw_drag(sweep, turning=True)),
             *(
                 Picture(
-                    f'slice-{each.about}', format_slice_heading(each), CAPTION, draw_slice(each)
+                    f'slice-{each.about}', format_slice_heading(each), SLICE_CAPTION,
+                    draw_slice(each)
                 )
                 for each in slices
             ),
             build_drag_table(sweep),
             *([build_incidence_table(sweep)] if sweep.inclined else []),
             *([build_rotor_table(sweep)] if sweep.blows else []),
-            TextSection('Meaning and method', (*warnings, *METHOD)),
+            TextSection('Meaning and method', (*warnings, *TUNNEL_METHOD)),
         ),
         data=json.loads(small),
         facts={

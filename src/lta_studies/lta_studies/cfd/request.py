@@ -37,7 +37,7 @@ from lta_windtunnel.validation import (
 )
 from rich.console import Console
 
-SHOWN = ('heave', 'surge', 'up_left', 'both_up', 'all', 'up_left_reversed', 'forward_left')
+SLICED_FLOWS = ('heave', 'surge', 'up_left', 'both_up', 'all', 'up_left_reversed', 'forward_left')
 
 
 class Fidelity(StrEnum):
@@ -226,10 +226,10 @@ def slice_flows(
     stages = CaseRunner(folder, FoamPrograms(), lambda *_: None)
     slices: list[FlowSlice] = []
     # False sorts before True: the flows of SHOWN come first, in their order
-    for flow in sorted(flows, key=lambda each: each.about not in SHOWN):
+    for flow in sorted(flows, key=lambda each: each.about not in SLICED_FLOWS):
         there = flow.about in sweep.blows or flow.about in sweep.axes
         # Flows that were solved, up to the number of pictures that a page can hold
-        if there and len(slices) < len(SHOWN) and flow.kind in ('wind', 'blow'):
+        if there and len(slices) < len(SLICED_FLOWS) and flow.kind in ('wind', 'blow'):
             piece = read_flow_slice(model, flow, stages.case_folder(flow.case))
             slices += [piece] if piece is not None else []
     return slices

@@ -20,7 +20,7 @@ from lta_windtunnel.validation import (
 import numpy as np
 from plotly.graph_objects import Figure
 
-SETTINGS: Final = (ESTIMATE, LAMP, GOOD, TRUTH, SETPOINT)
+SETTING_COLOURS: Final = (ESTIMATE, LAMP, GOOD, TRUTH, SETPOINT)
 
 
 def draw_sphere_drag(results: Sequence[SphereComparison]) -> Figure:
@@ -39,7 +39,7 @@ def draw_sphere_drag(results: Sequence[SphereComparison]) -> Figure:
         curves.append(
             Curve(
                 setting, [each.reynolds for each in those], [each.coefficient for each in those],
-                SETTINGS[k % len(SETTINGS)], mode='lines+markers', width=1.0,
+                SETTING_COLOURS[k % len(SETTING_COLOURS)], mode='lines+markers', width=1.0,
                 above=[each.error * each.coefficient for each in those],
             )
         )  # fmt: skip
@@ -47,7 +47,7 @@ def draw_sphere_drag(results: Sequence[SphereComparison]) -> Figure:
     return draw_curves(curves, numbers, ChartAxis('drag coefficient', range=(0.2, 0.54)))
 
 
-COLUMNS: Final[tuple[Column[SphereComparison], ...]] = (
+SPHERE_COLUMNS: Final[tuple[Column[SphereComparison], ...]] = (
     Column('setting', 'setting'),
     Column('', 'Re', of=lambda each: f'{each.reynolds:.2g}'),
     Column('coefficient', 'Cd', digits=3),
@@ -58,18 +58,18 @@ COLUMNS: Final[tuple[Column[SphereComparison], ...]] = (
     Column('', 'from scatter [%]', of=lambda each: f'{100 * each.off:+.0f}'),
     Column('seconds', 'CPU s', digits=0),
 )  # fmt: skip
-NOTE: Final = (
+SPHERE_NOTE: Final = (
     'Error: standard error of the mean of a transient flow, or standard deviation of a '
     'steady flow over its averaging window. From scatter: deviation from the measured '
     "range, which reaches from Morrison's value to the 0.50 of Achenbach."
 )
 
 
-CAPTION: Final = (
+SPHERE_CAPTION: Final = (
     'Line: correlation of Morrison (2013). Band: 0.45 to 0.50, measured by Achenbach (1972) '
     'at Reynolds numbers from 5e4 to 1.2e5. Points: simulated in this wind tunnel.'
 )
-METHOD: Final = (
+SPHERE_METHOD: Final = (
     'The steady model makes the boundary layer turbulent too early and sheds no vortices. '
     'Its drag is correct at 0.2 m/s and too low at 2 m/s, even more so on finer meshes. Use '
     'it to compare designs.',
@@ -90,9 +90,9 @@ def build_report(results: Sequence[SphereComparison], count: int) -> Report:
         ),
         tiles=build_tiles(results),
         blocks=(
-            Picture('sphere', 'Drag coefficient', CAPTION, draw_sphere_drag(results)),
-            build_table('Sphere', COLUMNS, results, NOTE),
-            TextSection('Meaning and method', METHOD),
+            Picture('sphere', 'Drag coefficient', SPHERE_CAPTION, draw_sphere_drag(results)),
+            build_table('Sphere', SPHERE_COLUMNS, results, SPHERE_NOTE),
+            TextSection('Meaning and method', SPHERE_METHOD),
         ),
         data=[asdict(each) for each in results],
         facts={'engine': find_openfoam_version()},

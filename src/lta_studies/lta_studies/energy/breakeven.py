@@ -25,14 +25,19 @@ from lta_studies.energy import paper
 import numpy as np
 from plotly.graph_objects import Figure
 
-OWN: Final = 'as it is'
+OWN_ARRAY: Final = 'as it is'
 PAPER_BUDGET: Final = 48.8  # g: the seed paper's array of two ANYSOLAR panels
-POINTS: Final = 61  # of a curve from 300 lx to 100 klx
-FLYING = 1.533  # W: seed paper, 1523 to 1544 mW for navigation
-LIGHTS: Final = ('steady white LED light', 'flickering white LED light', 'sunlight')  # of LAMPS
-TICKS: Final = {300: '300 lx', 1e3: '1 klx', 3e3: '3 klx', 1e4: '10 klx', 3e4: '30 klx',
+CURVE_POINTS: Final = 61  # of a curve from 300 lx to 100 klx
+PAPER_FLIGHT_POWER = 1.533  # W: seed paper, 1523 to 1544 mW for navigation
+LAMP_WORDS: Final = (
+    'steady white LED light',
+    'flickering white LED light',
+    'sunlight',
+)  # of LAMPS
+ILLUMINANCE_TICKS: Final = {300: '300 lx', 1e3: '1 klx', 3e3: '3 klx', 1e4: '10 klx',
+                            3e4: '30 klx',
                 1e5: '100 klx'}  # fmt: skip
-ABOUT: Final = (
+BREAK_EVEN_ABOUT: Final = (
     'Power of the solar array and its charger, from 300 lx in a warehouse to full sun, '
     'compared with the power that each task needs.'
 )
@@ -41,11 +46,11 @@ INCOME: Final = (
     'that each task needs. In weak light the charger is off, because it would use more '
     'power than it delivers.'
 )
-NOTE: Final = (
+BREAK_EVEN_NOTE: Final = (
     'Illuminance on the level panel at which the charger output equals the power of the '
     'task, in kilolux. For a beacon: illuminance while it is on.'
 )
-METHOD: Final = (
+BREAK_EVEN_METHOD: Final = (
     'Each panel is a single-diode model, with one string per panel and cells warmed by the '
     'light. The charger is that of the vehicle file. An array has as many panels as the '
     'mass budget allows, at least one.',
@@ -123,7 +128,7 @@ class BreakEvenMap:
         self, array: CandidateArray, lamp: str
     ) -> tuple[list[float], list[float]]:
         """Return illuminances [lx] and the charger output there [W]."""
-        lux = np.geomspace(LOWEST_ILLUMINANCE, HIGHEST_ILLUMINANCE, POINTS).tolist()
+        lux = np.geomspace(LOWEST_ILLUMINANCE, HIGHEST_ILLUMINANCE, CURVE_POINTS).tolist()
         return lux, [
             charging_power(array.harvest, self.charger, LAMPS[lamp], each) for each in lux
         ]
@@ -136,7 +141,7 @@ def list_task_loads(vehicle: Vehicle) -> dict[str, float]:
         'idle': loads.idle,
         'transmitting': loads.idle + loads.transmitting,
         'hovering (paper)': paper.HOVER,
-        'flying (paper)': FLYING,
+        'flying (paper)': PAPER_FLIGHT_POWER,
     }
 
 
@@ -156,7 +161,7 @@ def compute_break_even_map(vehicle: Vehicle, cells: Sequence[str], budget: float
     count = own.series * own.parallel
     mass = count * own.cell_file.mass.si
     harvest = HarvestCurve.of_energy(vehicle.file.energy)
-    arrays = [CandidateArray(f'{own.cell_file.name} ({OWN})', count, mass, harvest)]
+    arrays = [CandidateArray(f'{own.cell_file.name} ({OWN_ARRAY})', count, mass, harvest)]
     for name in cells:
         each = load_cell_file(name).mass.si
         # As many whole panels as the mass budget allows
@@ -196,7 +201,7 @@ def build_report(result: BreakEvenMap) -> Report:
     ]
     idle = [
         f'{format_klux(each)} klx of {name}'
-        for lamp, name in zip(LAMPS, LIGHTS, strict=True)
+        for lamp, name in zip(LAMPS, LAMP_WORDS, strict=True)
         if (each := lux(own, lamp)['idle']) is not None
     ]
     return Report(
@@ -204,7 +209,7 @@ def build_report(result: BreakEvenMap) -> Report:
         subject=result.vehicle,
         headline=f'{result.vehicle} can idle indefinitely at {", or at ".join(idle)}.' if idle
         else f'{result.vehicle} cannot idle indefinitely at any illuminance.',
-        introduction=ABOUT,
+        introduction=BREAK_EVEN_ABOUT,
         tiles=[
             Tile(task, format_klux(lux(own, 'sun')[task]), 'klx',
                  f'of sunlight give the {1e3 * load:.0f} mW that it needs')
@@ -212,8 +217,8 @@ def build_report(result: BreakEvenMap) -> Report:
         ],
         blocks=(
             Picture('income', 'Power from the light', INCOME, plot_charger_output(result)),
-            build_table('Break-even [klx]', columns, pairs, NOTE),
-            TextSection('Meaning and method', METHOD),
+            build_table('Break-even [klx]', columns, pairs, BREAK_EVEN_NOTE),
+            TextSection('Meaning and method', BREAK_EVEN_METHOD),
         ),
         data={
             'vehicle': result.vehicle,
@@ -239,8 +244,8 @@ def plot_charger_output(result: BreakEvenMap) -> Figure:
         Level(1e3 * load, task, right=True, below=task.startswith(('idle', 'hovering')))
         for task, load in result.loads.items()
     ]
-    ticks = ChartAxis('illuminance on the level panel', log=True, ticks=list(TICKS),
-                 words=list(TICKS.values()))  # fmt: skip
+    ticks = ChartAxis('illuminance on the level panel', log=True, ticks=list(ILLUMINANCE_TICKS),
+                 words=list(ILLUMINANCE_TICKS.values()))  # fmt: skip
     return draw_curves(curves, ticks, ChartAxis('charger output [mW]', log=True), levels=levels)
 
 

@@ -8,7 +8,7 @@ from typing import Final, final
 from lta_energy.irradiance import IrradianceSeries
 from lta_energy.mission import ASLEEP, MissionLog
 
-FAILED: Final = {
+FAILURE_WORDS: Final = {
     'empty': 'empty in flight',
     'away': 'landed away at half the reserve',
     'lost': 'did not find the perch',
@@ -57,7 +57,7 @@ def summarize_mission(diary: MissionLog, beacons: int) -> MissionFigures:
     flight_time = sum(each.duration for each in flights)
     spent = sum(each.spent.consumed for each in flights)
     # Failed flights by ending, then the counts of the log.
-    failures = Counter(FAILED[each.ending] for each in flights if each.ending != 'home')
+    failures = Counter(FAILURE_WORDS[each.ending] for each in flights if each.ending != 'home')
     failures.update({'came home in the dark': diary.dark, 'empty on the perch': diary.outages})
     apart = [abs(a - b) for a, b in zip(diary.charge, diary.told, strict=True)]
     return MissionFigures(

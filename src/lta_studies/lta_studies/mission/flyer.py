@@ -40,7 +40,7 @@ from lta_studies.mission.legs import LegPilot
 from lta_studies.mission.scene import MissionScene
 import numpy as np
 
-CRUISE: Final = 2.2  # W, assumed flight power before the first flight
+ASSUMED_FLIGHT_POWER: Final = 2.2  # W, assumed flight power before the first flight
 AWARE, NAIVE, DOZING = 'by light', 'duty cycle', 'duty cycle, asleep'
 
 
@@ -82,7 +82,7 @@ def initial_flight_estimate(mission: MissionFile, scenes: MissionScene) -> tuple
     speed = scenes.policy.mission.speed
     # Assumed: 20 s for start and landing, and 30 % detours. The first flight replaces the guess.
     lasts = 20.0 + 1.3 * way / speed + len(mission.round) * mission.dwell.si
-    return CRUISE * lasts, lasts
+    return ASSUMED_FLIGHT_POWER * lasts, lasts
 
 
 def build_simulation(
@@ -102,10 +102,16 @@ def build_simulation(
     return simulation, light
 
 
-SEARCH = 60.0  # s allowed for a leg, plus three times the direct flight at cruise speed
+SEARCH_TIME = 60.0  # s allowed for a leg, plus three times the direct flight at cruise speed
 HOMEWARD = 900.0  # s allowed for the way back
-ENDINGS = {EMPTY: 'empty', ESCAPED: 'escaped', STOPPED: 'stopped', RESERVE: 'away', LATE: 'lost'}
-BESIDE = 0.3  # m from the lantern of the perch, so that it is in view at the start
+FLIGHT_ENDINGS = {
+    EMPTY: 'empty',
+    ESCAPED: 'escaped',
+    STOPPED: 'stopped',
+    RESERVE: 'away',
+    LATE: 'lost',
+}
+BEACON_CLEARANCE = 0.3  # m from the lantern of the perch, so that it is in view at the start
 
 
 @final
@@ -163,7 +169,7 @@ class MissionFlyer:
             departure.time, memory.flight.step * self._pilot.period, going.visits, memory.path,
             EnergyTotals(supply.harvested, 0.0, supply.consumed, supply.lost),
             departure.store.charge, supply.flow.charge, memory.charge, memory.lowest,
-            ENDINGS.get(outcome, 'home'),
+            FLIGHT_ENDINGS.get(outcome, 'home'),
         )  # fmt: skip
         return Landing(supply.flow, flight)
 
@@ -175,7 +181,7 @@ class MissionFlyer:
         x, y, _ = self._scenes.lamp(self._mission.perch).position
         z = self._scenes.vehicle.hull_height_on_floor
         memory = self._pilot.ground_state(
-            (x + BESIDE, y, z), heading, departure.store, departure.told, seed
+            (x + BEACON_CLEARANCE, y, z), heading, departure.store, departure.told, seed
         )
         light = departure.light
         sun, lamps, _ = self._light.efficacies
@@ -227,7 +233,7 @@ class MissionFlyer:
     def _leg_time_limit(self, going: OngoingFlight, name: str) -> float:
         """Return the time limit of a leg. [s]"""
         x, y, _ = self._scenes.lamp(name).position
-        return SEARCH + 3.0 * going.distance_to(x, y) / self._speed
+        return SEARCH_TIME + 3.0 * going.distance_to(x, y) / self._speed
 
     def _fly_leg(self, going: OngoingFlight, name: str, leg: LegPlan) -> int:
         """Fly one leg and return its outcome."""

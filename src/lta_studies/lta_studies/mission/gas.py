@@ -22,7 +22,7 @@ from lta_model.vehicle import Vehicle
 from lta_vehicle.figures.wrench_limit import solve_wrench_limit
 import numpy as np
 
-SWING: Final = 10.0  # K, a change of the air over a day
+DAILY_AIR_SWING: Final = 10.0  # K, a change of the air over a day
 SLACK_STREAM: Final = 0x51AC  # tag of the random stream, apart from others of the same seed
 
 
@@ -57,7 +57,7 @@ class GasOverDay:
     irradiance: float  # strongest light on level ground [W/m2]
     warmer: float  # temperature of the gas above that of the air there [K]
     slack_gain: float  # lift that a slack envelope gains there, as mass [kg]
-    # Lift that a taut envelope loses in air that is warmer by `SWING`, as mass [kg]
+    # Lift that a taut envelope loses in air that is warmer by `DAILY_AIR_SWING`, as mass [kg]
     taut_loss: float
     held: float  # additional lift that weight and rotors can counter, as mass [kg]
 
@@ -74,7 +74,10 @@ def estimate_gas_over_day(vehicle: Vehicle, light: IrradianceSeries) -> GasOverD
         irradiance,
         IN_SUN['warming'] * irradiance,
         slack_gain(vehicle, irradiance),
-        vehicle.air_density * vehicle.volume * SWING / (AIR_TEMPERATURE + SWING),
+        vehicle.air_density
+        * vehicle.volume
+        * DAILY_AIR_SWING
+        / (AIR_TEMPERATURE + DAILY_AIR_SWING),
         countered_lift(vehicle),
     )
 
@@ -86,7 +89,8 @@ def describe_gas(gas: GasOverDay) -> str:
         f'In the strongest light of this day, {gas.irradiance:.0f} W/m², the gas is '
         f'{gas.warmer:.1f} K warmer than the air (heat balance of the effect superheat, '
         f'unverified): a slack envelope lifts {grams * gas.slack_gain:.1f} g more. In air that is '
-        f'{SWING:.0f} K warmer, a taut one lifts {grams * gas.taut_loss:.1f} g less, and in '
+        f'{DAILY_AIR_SWING:.0f} K warmer, a taut one lifts {grams * gas.taut_loss:.1f} g '
+        f'less, and in '
         f'colder air more. Weight and rotors can counter {grams * gas.held:.1f} g of lift. Each '
         'seed draws how slack the envelope is, from 0 (taut) to 1; while it lifts too much, the '
         'drone stays on its perch. A fully slack one would need '

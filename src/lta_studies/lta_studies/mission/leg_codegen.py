@@ -16,7 +16,7 @@ from lta_control.laws import cascade
 from lta_control.strategies.homing import STRATEGY
 from lta_flight.batch.codegen import build_kernel, write_flight_source
 from lta_flight.batch.control_period import WorkArrays
-from lta_flight.batch.targets import BatchSchedule, CPU, SCRATCH, STEP
+from lta_flight.batch.targets import BatchSchedule, CPU, SCRATCH, SENSOR_STEP
 from lta_model.light.ray_integration import LAMP_ROWS, scratch_size
 from lta_studies.mission.leg_state import fly_leg
 
@@ -31,7 +31,7 @@ def coarse_schedule(schedule: BatchSchedule) -> BatchSchedule:
     """
     if schedule.control % COARSE or schedule.range % COARSE:
         raise BadInput(
-            f'Missions are simulated in steps of {1e3 * COARSE * STEP:g} ms, so '
+            f'Missions are simulated in steps of {1e3 * COARSE * SENSOR_STEP:g} ms, so '
             'control_period and the period of the topic range must be whole multiples of that; '
             'change them in config/topics.yaml.'
         )
@@ -40,7 +40,7 @@ def coarse_schedule(schedule: BatchSchedule) -> BatchSchedule:
         schedule.range // COARSE,
         schedule.pressure,
         schedule.light,
-        dt=COARSE * STEP,
+        dt=COARSE * SENSOR_STEP,
         reuse_reflections=True,
     )
 

@@ -13,11 +13,11 @@ from lta_studies.mission.run import MissionResult
 import numpy as np
 from plotly.graph_objects import Bar, Figure, Scatter
 
-STATES = {
+STATE_LOOKS = {
     PERCHED: ('perched, awake', LAMP), ASLEEP: ('asleep', SOFT), ALOFT: ('in flight', TRUTH),
     AWAY: ('waiting to be fetched', ESTIMATE), EMPTY: ('empty', ESTIMATE),
 }  # fmt: skip
-EVERY = 5  # minutes per plotted point of the light
+LIGHT_MINUTES = 5  # minutes per plotted point of the light
 
 
 def draw_charge(
@@ -29,7 +29,8 @@ def draw_charge(
     # Each value is the mean of one minute, plotted at its middle.
     hours = (np.arange(len(lux)) + 0.5) * MINUTE / 3600.0
     steps = {'line_shape': 'hv', 'showlegend': True}
-    above = Curve('light', hours[::EVERY], lux[::EVERY] / 1e3, LAMP, '%{y:.1f} klx', width=1.2,
+    above = Curve('light', hours[::LIGHT_MINUTES], lux[::LIGHT_MINUTES] / 1e3, LAMP,
+                  '%{y:.1f} klx', width=1.2,
                   more=steps)  # fmt: skip
     figure.add_trace(above.to_trace(), row=1, col=1)
     for k, result in enumerate(results):
@@ -46,7 +47,7 @@ def draw_charge(
 def draw_timeline(results: Sequence[MissionResult], light: IrradianceSeries) -> Figure:
     """Plot the state of the drone over time, one row per schedule."""
     figure = create_figure()
-    for state, (name, colour) in STATES.items():
+    for state, (name, colour) in STATE_LOOKS.items():
         x: list[float | None] = []
         y: list[str | None] = []
         for result in results:

@@ -33,7 +33,7 @@ from lta_studies.mission.run import (
     ratio_to_rival,
 )
 
-DAY: Final = (
+LIGHT_AND_CHARGE_CAPTION: Final = (
     'Top: light on the level panel, averaged over the flicker of a beacon. Bottom: true state of '
     'charge of the cell.'
 )
@@ -46,7 +46,7 @@ BOOKS: Final = (
     'Where the energy of the light went: used in flight, used on the perch, lost as heat in '
     'the cell, or stored. The last part could not be harvested because the cell was full.'
 )
-METHOD: Final = (
+MISSION_METHOD: Final = (
     'On the perch, panel, charger, cell and loads are simulated in steps of half a minute. '
     'In flight, the compiled 6-DoF model is used with estimator, controller and homing, and '
     'the power of the rotors drains the cell every 10 ms. The light link is computed from '
@@ -75,7 +75,7 @@ def build_report(request: MissionRequest, results: Sequence[MissionResult]) -> R
         tiles=build_tiles(request, results),
         blocks=(
             Picture(
-                'day', f'Light and state of charge, seed {seed}', DAY,
+                'day', f'Light and state of charge, seed {seed}', LIGHT_AND_CHARGE_CAPTION,
                 draw_charge(selected, light, mission.reserve.si),
             ),
             Picture('when', 'Timeline', WHEN, draw_timeline(selected, light), height=250),
@@ -83,7 +83,7 @@ def build_report(request: MissionRequest, results: Sequence[MissionResult]) -> R
             Picture('books', 'Energy', BOOKS, draw_energy_use(selected)),
             build_schedule_table(request, results),
             TextSection('Gas over the day', (describe_gas(gas),)),
-            TextSection('Meaning and method', METHOD),
+            TextSection('Meaning and method', MISSION_METHOD),
         ),
         data=to_json(request, results),
         facts={

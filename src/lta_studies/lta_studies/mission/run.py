@@ -22,7 +22,7 @@ from lta_studies.mission.scene import MissionScene
 from pydantic import TypeAdapter
 
 SCHEDULES: Final = (AWARE, NAIVE, DOZING)
-STORE: Final = StoreFormat('missions.jsonl', 'mission', 'mission', TypeAdapter(MissionLog))
+MISSION_STORE: Final = StoreFormat('missions.jsonl', 'mission', 'mission', TypeAdapter(MissionLog))
 
 
 class MissionJob(NamedTuple):
@@ -144,7 +144,7 @@ def run_missions(request: MissionRequest, run: StudyRun) -> list[MissionResult]:
     or a simulation failed.
     """
     jobs = [MissionJob(schedule, seed) for seed in request.seeds for schedule in request.schedules]
-    study = Study(request.simulate, attrgetter('key'), STORE, 'missions')
+    study = Study(request.simulate, attrgetter('key'), MISSION_STORE, 'missions')
     logs = run.run_study(study, request.digest, jobs)
     beacons = len(request.mission.round)
     return [

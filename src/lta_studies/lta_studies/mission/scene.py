@@ -33,9 +33,11 @@ from lta_model.scenario import Scenario
 from lta_model.scenario_light import NO_SHARE
 from lta_sim.light_link import build_light_link, LightLink
 
-OFF_AXIS = math.radians(75.0)  # emission angle from a lantern on the floor to the diodes
-STEPS = 2  # light levels per doubling; limits the number of cached links
-CLEARANCE = 0.02  # m between hull parts and payload
+LARGEST_EMISSION_ANGLE = math.radians(
+    75.0
+)  # emission angle from a lantern on the floor to the diodes
+LIGHT_LEVELS_PER_DOUBLING = 2  # light levels per doubling; limits the number of cached links
+BODY_CLEARANCE = 0.02  # m between hull parts and payload
 
 
 def build_flight_spec(mission: MissionFile) -> FlightSpec:
@@ -129,10 +131,10 @@ class MissionScene:
     def build_beacon_flight(self, beacon: str, light: PanelIrradiance, lux: float) -> BatchFlight:
         """Return the flight to a beacon in panel light and ambient light [lx]; cached."""
         # Half-octave steps: within a step the link hardly changes, so it is built once.
-        level = round(STEPS * math.log2(max(lux, 1.0)))
+        level = round(LIGHT_LEVELS_PER_DOUBLING * math.log2(max(lux, 1.0)))
         flight = self._flights.get((beacon, level))
         if flight is None:
-            listening = self._build_link(beacon, 2.0 ** (level / STEPS))
+            listening = self._build_link(beacon, 2.0 ** (level / LIGHT_LEVELS_PER_DOUBLING))
             flight = flight_from_constants(
                 self._model,
                 self._build_constants(listening, self.lamp(beacon)),
@@ -183,6 +185,6 @@ def lamp_brightness(listening: LightLink, lamp: BeaconLamp) -> float:
     """Return the signal strength of a lantern at one metre, as homing expects it. [counts]"""
     order = lamp.order
     # Generalised Lambertian source: I = flux (m + 1) / (2 pi) cos^m; at 1 m lux equals candela.
-    lux = lamp.flux * (order + 1.0) / (2.0 * math.pi) * math.cos(OFF_AXIS) ** order
+    lux = lamp.flux * (order + 1.0) / (2.0 * math.pi) * math.cos(LARGEST_EMISSION_ANGLE) ** order
     (signal,) = listening.signals
     return float(signal.gain * signal.counts * lux)

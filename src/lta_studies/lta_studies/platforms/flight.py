@@ -38,7 +38,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-END = 0.75  # share of the interval after which its last quarter begins
+LAST_QUARTER = 0.75  # share of the interval after which its last quarter begins
 
 
 class TrackingMetrics(NamedTuple):
@@ -64,7 +64,7 @@ def compute_tracking_metrics(
     """
     error = setpoint - response
     begin, end = float(time[0]), float(time[-1])
-    last = time >= begin + END * (end - begin)
+    last = time >= begin + LAST_QUARTER * (end - begin)
     outside = np.flatnonzero(~(np.abs(error) <= band))  # NaN counts as outside
     if not len(outside):
         settling = 0.0
@@ -84,16 +84,16 @@ def compute_tracking_metrics(
         math.sqrt(float(np.mean(error**2))),
         float(error[last].std()),
         # A NaN settling time compares as False: not held.
-        bool(settling <= END * (end - begin)),
+        bool(settling <= LAST_QUARTER * (end - begin)),
     )
 
 
 # Columns of the recorded tables; column 0 is the time
-ALTITUDE, HEADING, SPEED = 1, 2, 3
-COLUMN = {'altitude': ALTITUDE, 'heading': HEADING, 'speed': SPEED}
+ALTITUDE_COLUMN, HEADING_COLUMN, SPEED_COLUMN = 1, 2, 3
+COLUMN_OF_SIGNAL = {'altitude': ALTITUDE_COLUMN, 'heading': HEADING_COLUMN, 'speed': SPEED_COLUMN}
 # Yaw rate as a speed is first commanded [rad/s]. Without it, a flight in still air from an
 # unstable equilibrium would stay there.
-NUDGE = 1e-4
+YAW_NUDGE = 1e-4
 YAW_RATE = 12  # in the state
 HEIGHT_BAND = 0.2  # m of height error allowed in heading and speed manoeuvres (assumed)
 
@@ -170,7 +170,7 @@ def fly_maneuver(
     # Record the state between decision and command, when both refer to the same time.
     for _ in loop.iterate_until(lambda: world.elapsed > manoeuvre.until.si):
         if not nudged and course(world.elapsed).speed > 0.0:
-            world.state[YAW_RATE] += NUDGE
+            world.state[YAW_RATE] += YAW_NUDGE
             nudged = True
         state = world.state.tolist()
         states.append((world.elapsed, *_read_truth(state, course(world.elapsed).heading)))
@@ -206,12 +206,12 @@ def _evaluate_flight(
 ) -> ManeuverFlight:
     """Compute the metrics of a flight."""
     setpoints = np.array([(time, *course(time)) for time in response[:, 0].tolist()])
-    setpoints[:, HEADING] = np.unwrap(setpoints[:, HEADING])
-    response[:, HEADING] = np.unwrap(response[:, HEADING])
+    setpoints[:, HEADING_COLUMN] = np.unwrap(setpoints[:, HEADING_COLUMN])
+    response[:, HEADING_COLUMN] = np.unwrap(response[:, HEADING_COLUMN])
     begin = manoeuvre.judged_from.si
     # 1e-9 s absorbs rounding of the recorded times.
     part = response[:, 0] >= begin - 1e-9
-    column = COLUMN[manoeuvre.judge]
+    column = COLUMN_OF_SIGNAL[manoeuvre.judge]
     # The setpoint just before the rated interval: the step starts from there.
     before = course(begin - 1e-6)
     first = Setpoint(before.altitude, wrap_angle(before.heading), before.speed)[column - 1]
@@ -222,7 +222,8 @@ def _evaluate_flight(
     rising = manoeuvre.judge == 'altitude'
     # An altitude manoeuvre is rated by its height already.
     height = metrics if rising else compute_tracking_metrics(
-        time, setpoints[part, ALTITUDE], response[part, ALTITUDE], HEIGHT_BAND, before.altitude
+        time, setpoints[part, ALTITUDE_COLUMN], response[part, ALTITUDE_COLUMN], HEIGHT_BAND,
+        before.altitude
     )  # fmt: skip
     lost = 'turned over' if stopped else ''
     return ManeuverFlight(
@@ -230,7 +231,7 @@ def _evaluate_flight(
     )
 
 
-ROOTS = ('vehicle', 'gains')
+CHANGE_ROOTS = ('vehicle', 'gains')
 
 
 def build_entrant(
@@ -290,8 +291,8 @@ def _apply_changes(content: Any, changes: Mapping[str, Any], root: str) -> Any: 
     for path, value in changes.items():
         begin, _, below = path.partition('.')
         # Checked for every path, also one that belongs to the other root.
-        if begin not in ROOTS or not below:
-            raise unknown_name_error('parameter', path, [f'{name}. ...' for name in ROOTS])
+        if begin not in CHANGE_ROOTS or not below:
+            raise unknown_name_error('parameter', path, [f'{name}. ...' for name in CHANGE_ROOTS])
         if begin == root:
             content = replace_parameter(content, below, parse_value(value, path), root)
     return content

@@ -20,19 +20,20 @@ from lta_studies.platforms.summary import (
     find_top_speed,
     format_entry_name,
     select_flights,
-    UNIT,
+    SIGNAL_UNITS,
 )
 import yaml
 
-HEADS = ('platform', 'manoeuvre', 'held', 'overshoot', 'settles', 'steady error', 'rms', 'ripple',
+RESULT_HEADS = ('platform', 'manoeuvre', 'held', 'overshoot', 'settles', 'steady error', 'rms',
+                'ripple',
          'height error', 'tilt')  # fmt: skip
-DASHED = 'Dashed: setpoint. Flights with seed 1.'
-LISTED = 'The changes are listed below, under "What causes the differences".'
-LIMITED = (
+SETPOINT_NOTE = 'Dashed: setpoint. Flights with seed 1.'
+CHANGES_NOTE = 'The changes are listed below, under "What causes the differences".'
+LIMIT_CAPTION = (
     'One flight for each commanded speed. Dashed: the speed reached equals the speed '
-    f'commanded. {LISTED}'
+    f'commanded. {CHANGES_NOTE}'
 )
-METHOD = (
+PLATFORM_METHOD = (
     'Held: the platform settles before the last quarter, keeps its height within 0.2 m and '
     'does not turn over. Steady error (setpoint minus flown) and ripple: over the last '
     'quarter. Rms: over the whole rated interval. Values are means over the seeds with '
@@ -43,7 +44,9 @@ MARGINS = (
     'Vertical lift of all lifting rotors at full thrust. Laws with tracker feedback get pose and '
     'velocity from motion capture, as their authors did.'
 )
-REVERSED = 'Flights held before and after the change; bold where the change reverses the majority.'
+ABLATION_NOTE = (
+    'Flights held before and after the change; bold where the change reverses the majority.'
+)
 
 
 def build_report(
@@ -61,8 +64,10 @@ def build_report(
         tiles=build_tiles(comparison, rows),
         blocks=[
             *build_pictures(comparison, rows),
-            TextTable('All platforms and manoeuvres', HEADS, build_result_rows(comparison, rows),
-                      METHOD, printed=False),
+            TextTable(
+                'All platforms and manoeuvres', RESULT_HEADS, build_result_rows(comparison, rows),
+                PLATFORM_METHOD, printed=False,
+            ),
             *explain_differences(comparison, rows),
             build_platform_table(comparison),
         ],
@@ -127,13 +132,15 @@ def build_pictures(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -
     def draw_maneuver(name: str) -> Picture:
         manoeuvre = load_maneuver_file(name)
         figure = draw_tracking(rows, titles, manoeuvre)
-        caption = f'{manoeuvre.about} {DASHED}'
+        caption = f'{manoeuvre.about} {SETPOINT_NOTE}'
         return Picture(f'flown-{name}', name.capitalize(), caption, figure, height=320)
 
     def draw_changed(name: str) -> Picture:
         figure = draw_ablations(rows, comparison, load_maneuver_file(name))
         heading = f'{name.capitalize()}, with one part changed'
-        return Picture(f'changed-{name}', heading, f'{LISTED} {DASHED}', figure, height=320)
+        return Picture(
+            f'changed-{name}', heading, f'{CHANGES_NOTE} {SETPOINT_NOTE}', figure, height=320
+        )
 
     yield Grid([draw_maneuver(name) for name in common])
     others = [draw_maneuver(name) for name in dict.fromkeys(own) if name not in common]
@@ -142,7 +149,7 @@ def build_pictures(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -
         yield Grid(others)
     if comparison.limits:
         figure = draw_limits(rows, comparison)
-        yield Picture('limits', 'Speed limits', LIMITED, figure, height=420)
+        yield Picture('limits', 'Speed limits', LIMIT_CAPTION, figure, height=420)
 
 
 def build_result_rows(
@@ -168,7 +175,7 @@ def format_row_cells(part: ComparisonCell, name: str) -> list[str]:
     """Return the cells of one row."""
     manoeuvre = load_maneuver_file(name)
     held = sum(row.held for row in part.rows)
-    unit, factor = UNIT[manoeuvre.judge], find_unit_factor(manoeuvre)
+    unit, factor = SIGNAL_UNITS[manoeuvre.judge], find_unit_factor(manoeuvre)
     # The tilt is always shown in degrees.
     degrees = 180.0 / math.pi
     return [
@@ -180,7 +187,7 @@ def format_row_cells(part: ComparisonCell, name: str) -> list[str]:
           for each in ('steady_error', 'rms', 'ripple')),
         format_mean(part.mean_metric('steady_error', 'height'), 'm', 1.0, 3),
         format_number(max((row.tilt for row in part.rows), default=0.0), 1, degrees)
-        + UNIT['heading'],
+        + SIGNAL_UNITS['heading'],
     ]  # fmt: skip
 
 
@@ -199,7 +206,7 @@ def format_mean(value: MeanInterval, unit: str, factor: float, digits: int) -> s
     # Without an interval if it rounds to zero, so as not to claim an exact mean.
     spread = f' \N{PLUS-MINUS SIGN} {half:.{digits}f}' if round(half, digits) else ''
     # No space before the degree sign
-    return f'{text}{spread}{"" if unit == UNIT["heading"] else " "}{unit}'
+    return f'{text}{spread}{"" if unit == SIGNAL_UNITS["heading"] else " "}{unit}'
 
 
 def explain_differences(
@@ -242,7 +249,7 @@ def build_ablation_table(comparison: ComparisonFile, rows: Sequence[PlatformResu
         for name, ablation in comparison.ablations.items()
     ]  # fmt: skip
     heads = ('entry', 'based on', 'change', *names)
-    return TextTable('What causes the differences', heads, lines, REVERSED, printed=False)
+    return TextTable('What causes the differences', heads, lines, ABLATION_NOTE, printed=False)
 
 
 def format_before_after(base: ComparisonCell, changed: ComparisonCell) -> str:

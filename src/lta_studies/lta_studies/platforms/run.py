@@ -38,7 +38,7 @@ import numpy as np
 from pydantic import TypeAdapter
 
 CONTESTANT, ABLATION, LIMIT = 'contestant', 'ablation', 'limit'
-SHOWN = 10  # decimation of the traces for plots
+TRACE_DECIMATION = 10  # decimation of the traces for plots
 
 
 @final
@@ -76,7 +76,7 @@ class PlatformResult:
     asked: StoredArray = None
 
 
-STORE: Final = StoreFormat(
+PLATFORM_STORE: Final = StoreFormat(
     'flights.jsonl', 'comparison', 'comparison', TypeAdapter(PlatformResult)
 )
 
@@ -248,7 +248,7 @@ def summarize_flight(job: PlatformJob, flight: ManeuverFlight) -> PlatformResult
     if job.seed == 1:
         for name in ('flown', 'asked'):
             # Decimated and in single precision: results travel between processes.
-            traces[name] = getattr(flight, name)[::SHOWN].astype(np.float32)
+            traces[name] = getattr(flight, name)[::TRACE_DECIMATION].astype(np.float32)
     return PlatformResult(
         job, flight.is_successful, flight.metrics, flight.height, flight.tilt, flight.lost,
         float(last.mean()), **traces,
@@ -260,7 +260,7 @@ def fly_jobs(
 ) -> list[PlatformResult]:
     """Fly the jobs that are not stored in the folder, and return the results of all."""
     return run.run_study(
-        Study(entries.fly, attrgetter('key'), STORE, 'flights'), entries.identity, jobs
+        Study(entries.fly, attrgetter('key'), PLATFORM_STORE, 'flights'), entries.identity, jobs
     )
 
 

@@ -18,7 +18,7 @@ from lta_model.vehicle import Vehicle
 from lta_report.charts import ChartAxis, Curve, DASHED, draw_curves
 from lta_report.drawing import create_figure, decimate_line, EndLabel, label_ends
 from lta_report.palette import ESTIMATE, GOOD, LAMP, RAW, SETPOINT, SOFT, STRENGTH, TIME, TRUTH
-from lta_studies.platforms.flight import COLUMN
+from lta_studies.platforms.flight import COLUMN_OF_SIGNAL
 from lta_studies.platforms.run import ABLATION, CONTESTANT, LIMIT, PlatformResult
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
@@ -88,11 +88,11 @@ def compute_lift_margin(vehicle: Vehicle) -> tuple[float, float]:
     return full * per_newton, vehicle.heaviness * STANDARD_GRAVITY
 
 
-COLOURS: Final = (
+PLATFORM_COLOURS: Final = (
     TRUTH, ESTIMATE, GOOD, LAMP, TIME[0], TIME[2], SOFT, STRENGTH[1], STRENGTH[3], TIME[3], RAW,
 )  # fmt: skip
-UNIT: Final = {'altitude': 'm', 'heading': '\N{DEGREE SIGN}', 'speed': 'm/s'}
-WORDS: Final = {'altitude': 'rise', 'heading': 'heading', 'speed': 'speed along the course'}
+SIGNAL_UNITS: Final = {'altitude': 'm', 'heading': '\N{DEGREE SIGN}', 'speed': 'm/s'}
+SIGNAL_WORDS: Final = {'altitude': 'rise', 'heading': 'heading', 'speed': 'speed along the course'}
 
 
 def draw_tracking(
@@ -102,7 +102,7 @@ def draw_tracking(
     kind: str = CONTESTANT,
 ) -> Figure:
     """Plot setpoint and response of each entry in a manoeuvre, for seed 1."""
-    column, unit = COLUMN[manoeuvre.judge], UNIT[manoeuvre.judge]
+    column, unit = COLUMN_OF_SIGNAL[manoeuvre.judge], SIGNAL_UNITS[manoeuvre.judge]
     selected = [
         row for row in rows
         if row.job.kind == kind and row.job.name in titles and row.flown is not None
@@ -120,10 +120,10 @@ def draw_tracking(
     curves = [plot('setpoint', selected[0].asked, SETPOINT, dash=DASHED, more=shape)]
     for row in selected:
         # Index into all titles, so that an entry has the same colour in every plot.
-        colour = COLOURS[list(titles).index(row.job.name) % len(COLOURS)]
+        colour = PLATFORM_COLOURS[list(titles).index(row.job.name) % len(PLATFORM_COLOURS)]
         title = titles[row.job.name]
         curves.append(plot(title, row.flown, colour, label=title))
-    axis = ChartAxis(f'{WORDS[manoeuvre.judge]} [{unit}]')
+    axis = ChartAxis(f'{SIGNAL_WORDS[manoeuvre.judge]} [{unit}]')
     return draw_curves(curves, ChartAxis('time [s]'), axis).update_layout(margin={'r': 150})
 
 
@@ -159,7 +159,7 @@ def draw_limits(rows: Sequence[PlatformResult], comparison: ComparisonFile) -> F
     top = most = 0.0
     labels = []
     for index, (name, limit) in enumerate(comparison.limits.items()):
-        colour = COLOURS[index % len(COLOURS)]
+        colour = PLATFORM_COLOURS[index % len(PLATFORM_COLOURS)]
         commanded = list(limit.speeds.vector)
         most = max(most, commanded[-1])
         cells = [select_flights(rows, LIMIT, name, limit.manoeuvre, speed) for speed in commanded]

@@ -18,7 +18,7 @@ from lta_studies.light.evaluation.flights import (
     build_standalone_job,
     build_sweep_plan,
     fly_standalone_job,
-    STRATEGY,
+    STRATEGY_PATH,
 )
 from lta_studies.reproduce.study_result import MeasuredValue, RowStudyRequest
 from plotly.graph_objects import Figure
@@ -79,7 +79,7 @@ def fly_group(
             update={
                 'seeds': SweepSeeds(first=file.seeds.first, count=seeds),
                 'cases': {k: v for k, v in file.cases.items() if not cases or k in cases},
-                'vary': {**file.vary, **(vary or {}), STRATEGY: list(strategies)},
+                'vary': {**file.vary, **(vary or {}), STRATEGY_PATH: list(strategies)},
                 'settings': {**file.settings, **(change or {})},
             }
         )
@@ -105,12 +105,16 @@ def fly_draws(
     are flown one after the other.
     """
     file = build_sweep_plan(part).file
-    cut = {'seeds': SweepSeeds(first=1, count=1), 'cases': {}, 'vary': {STRATEGY: [*strategies]}}
+    cut = {
+        'seeds': SweepSeeds(first=1, count=1),
+        'cases': {},
+        'vary': {STRATEGY_PATH: [*strategies]},
+    }
     settings = {**file.settings, **(change or {})}
     plan = SweepPlan(file.model_copy(update={**cut, 'settings': settings}))
     changes = {seed: request.draw_changes(seed) for seed in request.draw_seeds}
     jobs = [
-        SweepJob(index, seed + again * SEEDS_APART, {STRATEGY: name, **changes[seed]})
+        SweepJob(index, seed + again * SEEDS_APART, {STRATEGY_PATH: name, **changes[seed]})
         for index, (name, seed, again) in enumerate(product(strategies, changes, range(flights)))
     ]
     if len(changes) < BATCHED:
@@ -170,7 +174,7 @@ def format_command(group: FlightGroup, cell: EvaluationCell, seed: int) -> str:
     base, row = group.plan.base, cell.rows[seed]
     # The changes of the flight override those of the plan.
     changes = {**base.replaced, **group.plan.build_job(row.index).changes}
-    strategy = str(changes.pop(STRATEGY))
+    strategy = str(changes.pop(STRATEGY_PATH))
     sets = [word for each in to_set_args(changes) for word in ('--set', each)]
     return format_lta_command(
         'simulate', '--scenario', base.names['scenario'], '--strategy', strategy, '--seed',

@@ -25,7 +25,7 @@ from lta_studies.platforms.summary import (
 from lta_studies.reproduce.study_result import MeasuredValue, RowStudyRequest
 from plotly.graph_objects import Figure
 
-FILE = 'platforms'  # the comparison file
+COMPARISON_FILE = 'platforms'  # the comparison file
 
 
 @final
@@ -76,9 +76,11 @@ class ComparisonFlights:
 
 def fly_entries(pairs: Iterable[tuple[str, str]], seeds: int) -> ComparisonFlights:
     """Fly pairs of entry and manoeuvre, each with the same seeds."""
-    comparison = load_comparison(FILE)
+    comparison = load_comparison(COMPARISON_FILE)
     rows = [
-        fly_cached(PlatformJob(FILE, entry_kind(comparison, name), name, manoeuvre, seed))
+        fly_cached(
+            PlatformJob(COMPARISON_FILE, entry_kind(comparison, name), name, manoeuvre, seed)
+        )
         for name, manoeuvre in pairs
         for seed in range(1, seeds + 1)
     ]
@@ -87,7 +89,7 @@ def fly_entries(pairs: Iterable[tuple[str, str]], seeds: int) -> ComparisonFligh
 
 def sample_gtmab(request: RowStudyRequest, seed: int) -> Entrant:
     """Return GT-MAB with a draw of what is assumed."""
-    comparison = load_comparison(FILE)
+    comparison = load_comparison(COMPARISON_FILE)
     changed = comparison.contestants['gtmab'].model_copy(
         update={'changes': request.draw_changes(seed)}
     )
@@ -98,7 +100,7 @@ def fly_gtmab_draws(
     request: RowStudyRequest, manoeuvres: Sequence[str]
 ) -> dict[str, list[ManeuverFlight]]:
     """Fly GT-MAB once in every draw of what is assumed; return its flights by manoeuvre."""
-    scenario = load_scenario(load_comparison(FILE).scenario)
+    scenario = load_scenario(load_comparison(COMPARISON_FILE).scenario)
     samples = {seed: sample_gtmab(request, seed) for seed in request.draw_seeds}
     return {
         name: [
@@ -121,10 +123,10 @@ def draw_gtmab(
 
 def find_speed_limit(name: str, seeds: int) -> MeasuredValue:
     """Return the highest speed up to which an entry held all commanded speeds. [m/s]"""
-    comparison = load_comparison(FILE)
+    comparison = load_comparison(COMPARISON_FILE)
     limit = comparison.limits[name]
     rows = [
-        fly_cached(PlatformJob(FILE, LIMIT, name, limit.manoeuvre, seed, speed))
+        fly_cached(PlatformJob(COMPARISON_FILE, LIMIT, name, limit.manoeuvre, seed, speed))
         for speed in limit.speeds.vector
         for seed in range(1, seeds + 1)
     ]

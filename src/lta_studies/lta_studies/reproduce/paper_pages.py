@@ -12,8 +12,8 @@ from lta_studies.reproduce.report import (
     format_headline,
     format_title,
     IMAGES,
+    JUDGING_METHOD,
     KNOWN_BEFORE,
-    METHOD,
     OPEN,
     StoredRows,
 )
@@ -100,7 +100,7 @@ def build_pages(rows: Sequence[PaperRow], stored_rows: StoredRows) -> dict[str, 
             headline=format_headline(rows, stored_rows),
         ),
         'paper_rows.md': ROWS_PAGE.format(
-            method=METHOD,
+            method=JUDGING_METHOD,
             known=KNOWN_BEFORE,
             rows='\n\n'.join(
                 part for row in rows for part in iterate_row_parts(row, stored_rows[row.name])

@@ -47,11 +47,11 @@ SOURCES: Final = {
 }  # fmt: skip
 OPEN: Final = (ClaimVerdict.READING, ClaimVerdict.CHANCE, ClaimVerdict.NUMBERS)
 IMAGES: Final = 'images/paper'  # written by --pictures docs/images/paper
-ABOUT: Final = (
+REPRODUCTION_ABOUT: Final = (
     'Every experiment of the paper (Huang et al. 2025), repeated in this system: what the '
     'paper says, what we get, and why they differ.'
 )
-METHOD: Final = (
+JUDGING_METHOD: Final = (
     'The measures are those of the files as they are, with 95 % intervals over the seeds in '
     'brackets (Student for means, Wilson for shares). Then every number that is assumed, in the '
     'vehicle, in the cells, in the lights and in what the paper does not print of its scenes, is '
@@ -79,7 +79,7 @@ UNDRAWN: Final = (
     '**These measures are of a run without draws, and in part of older code: the verdicts of this '
     'row are preliminary. `./lta reproduce` measures it again.**'
 )
-DISCOVERY: Final = (
+DISCOVERY_ABOUT: Final = (
     'Discovery (`lta discover`) finds a missing effect from the commands and the motion of '
     'recorded flights. The paper shows its curves only as pictures and does not publish '
     'their data, so only the printed numbers remain. A cause is fitted to some of these '
@@ -94,16 +94,16 @@ def build_report(rows: Sequence[PaperRow], stored_rows: StoredRows) -> Report:
         command='reproduce',
         subject='the paper',
         headline=format_headline(rows, stored_rows),
-        introduction=ABOUT,
+        introduction=REPRODUCTION_ABOUT,
         tiles=build_tiles(rows, stored_rows),
         blocks=(
             build_summary_table(rows, stored_rows),
-            TextSection('How claims are judged', (METHOD, KNOWN_BEFORE)),
+            TextSection('How claims are judged', (JUDGING_METHOD, KNOWN_BEFORE)),
             *(block for row in rows for block in iterate_row_blocks(row, stored_rows[row.name])),
             ReportSection(
                 "What discovery concludes from the paper's figures",
                 (
-                    TextSection('', (DISCOVERY,), marked=True),
+                    TextSection('', (DISCOVERY_ABOUT,), marked=True),
                     build_paper_figure_table(rows, stored_rows),
                 ),
             ),

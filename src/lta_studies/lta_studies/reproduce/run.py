@@ -54,8 +54,8 @@ STUDIES: Final[dict[str, RowStudy]] = {
 }
 
 
-PARTS: Final = 'parts'  # folder of what the studies of rows store
-STORE: Final = StoreFormat('rows.jsonl', 'paper', 'reproduction', TypeAdapter(StoredRow))
+PARTS_FOLDER: Final = 'parts'  # folder of what the studies of rows store
+ROW_STORE: Final = StoreFormat('rows.jsonl', 'paper', 'reproduction', TypeAdapter(StoredRow))
 
 
 @final
@@ -162,7 +162,7 @@ def study_row(quick: bool, folder: Path, draws: int | None, name: str) -> Stored
     row = load_row(name, draws)
     begun = time.monotonic()
     seeds = seed_count(row, quick)
-    parts = folder / PARTS / name
+    parts = folder / PARTS_FOLDER / name
     shutil.rmtree(parts, ignore_errors=True)  # stored by an older version of the code
     count = row.draws.quick if quick else row.draws.full
     result = STUDIES[name](RowStudyRequest(seeds, quick, parts, count, row.ranges))
@@ -192,7 +192,7 @@ def reproduce_rows(
     }
     names = list(keys)
     study = Study(
-        partial(study_row, order.quick, run.folder, order.draws), keys.__getitem__, STORE,
+        partial(study_row, order.quick, run.folder, order.draws), keys.__getitem__, ROW_STORE,
         'rows', lambda name, row: f'{name}: {row.seconds:.0f} s',
     )  # fmt: skip
     # The keys contain the hash of everything that determines a row.

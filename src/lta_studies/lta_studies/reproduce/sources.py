@@ -17,9 +17,9 @@ from typing import Final
 from lta_config.files import share_folder
 
 CORES: Final = ('lta_config', 'lta_control', 'lta_energy', 'lta_model', 'lta_sim', 'lta_vlc')
-DATA: Final = ('*.yaml', '*.json')
-ROWS: Final = 'paper'  # folder with one file per row
-KEPT: Final = 'lta_studies.reproduce.study_result'  # defines the stored format
+DATA_PATTERNS: Final = ('*.yaml', '*.json')
+ROW_FOLDER: Final = 'paper'  # folder with one file per row
+STORED_FORMAT_MODULE: Final = 'lta_studies.reproduce.study_result'  # defines the stored format
 
 
 def hash_sources(name: str) -> str:
@@ -34,14 +34,14 @@ def hash_sources(name: str) -> str:
 
 def iterate_sources(name: str) -> Iterator[Path]:
     """Yield the files that a row depends on, in a reproducible order."""
-    for pattern in DATA:
+    for pattern in DATA_PATTERNS:
         for path in sorted(share_folder().rglob(pattern)):
-            if path.parent.name != ROWS or path.stem == name:
+            if path.parent.name != ROW_FOLDER or path.stem == name:
                 yield path
     for package in CORES:
         yield from sorted(package_folder(package).rglob('*.py'))
     study = f'lta_studies.reproduce.studies.{name}'
-    yield from sorted(trace_imports(study) | trace_imports(KEPT))
+    yield from sorted(trace_imports(study) | trace_imports(STORED_FORMAT_MODULE))
 
 
 def trace_imports(module: str) -> set[Path]:

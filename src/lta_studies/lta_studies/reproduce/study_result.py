@@ -19,8 +19,8 @@ from lta_report.report import TextTable
 import numpy as np
 from plotly.graph_objects import Figure
 
-ROUNDING: Final = 1e-9  # relative tolerance for rounding differences between machines
-SURE: Final = 0.95  # share of the draws that makes a verdict
+RULE_TOLERANCE: Final = 1e-9  # relative tolerance for rounding differences between machines
+SURE_SHARE: Final = 0.95  # share of the draws that makes a verdict
 
 
 class DrawSummary(NamedTuple):
@@ -56,7 +56,7 @@ def is_satisfied(rule: AgreementRule, printed: Quantity | None, value: float | s
         return value == rule.word
     low, high = agreement_bounds(rule, printed)
     # An open bound is infinite and gives no scale.
-    slack = ROUNDING * max(abs(bound) for bound in (low, high, 0.0) if math.isfinite(bound))
+    slack = RULE_TOLERANCE * max(abs(bound) for bound in (low, high, 0.0) if math.isfinite(bound))
     return low - slack <= value <= high + slack
 
 

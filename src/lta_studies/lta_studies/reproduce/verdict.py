@@ -33,10 +33,10 @@ from lta_studies.reproduce.study_result import (
     is_satisfied,
     MeasuredValue,
     StoredRow,
-    SURE,
+    SURE_SHARE,
 )
 
-SIGNS: Final = {
+TYPESET_UNITS: Final = {
     'deg': '°',
     'm2': 'm²',
     'cm2': 'cm²',
@@ -115,7 +115,7 @@ def tolerated_shares(rule: AgreementRule, *, rate: bool) -> tuple[float, float]:
 
     `rate`: whether each draw shows a single outcome, and the rule bounds the rate of them.
     """
-    doubt = 1.0 - SURE
+    doubt = 1.0 - SURE_SHARE
     if not rate:
         return doubt, doubt
     low, high = agreement_bounds(rule, None)
@@ -244,7 +244,7 @@ def format_shares(name: str, claim: PaperClaim, stored: StoredRow) -> str:
 
 def append_unit(text: str, unit: str) -> str:
     """Append the typeset unit to a number."""
-    return f'{text}°' if unit == 'deg' else format_with_unit(text, SIGNS.get(unit, unit))
+    return f'{text}°' if unit == 'deg' else format_with_unit(text, TYPESET_UNITS.get(unit, unit))
 
 
 def format_rounded(measure: PaperMeasure, value: float) -> str:

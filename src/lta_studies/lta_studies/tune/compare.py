@@ -3,13 +3,13 @@ Rate flights by a cost, and compare old and new gains on the same draws of loss 
 
 The cost of a step of size h that lasts T is
 
-    (1 / (h T)) integral |r - y| dt  +  OVERSHOOT o / h  +  steady error / h
+    (1 / (h T)) integral |r - y| dt  +  OVERSHOOT_WEIGHT o / h  +  steady error / h
 
 with the setpoint r, the true value y and the overshoot o. The total is the mean over the steps
 plus terms for the altitude error during the other steps, the swing of the hull at the end, an
-unstable swing in cruise, the duration of the mission (plus `ASTRAY` if it misses its goal), and
-the activity of the rotors. A flight that loses its altitude costs `LOST` more, which outweighs all
-other terms.
+unstable swing in cruise, the duration of the mission (plus `MISSED_GOAL_COST` if it misses its
+goal), and the activity of the rotors. A flight that loses its altitude costs `LOST_ALTITUDE_COST`
+more, which outweighs all other terms.
 """
 
 from collections.abc import Sequence
@@ -37,20 +37,20 @@ from lta_report.workers import ItemFailure, Workers
 from lta_sim.readings import FlightOutcome
 from lta_sim.world import World
 from lta_studies.tune.loop_cut import linearize_loop, LoopCut
-from lta_studies.tune.margins import ALTITUDE, CRUISE
+from lta_studies.tune.margins import STEADY_ALTITUDE, TUNING_CRUISE_SPEED
 from lta_studies.tune.step_response import (
     Array,
     fly_steps,
+    SETPOINT_STEPS,
     SetpointStep,
     StepResponse,
-    STEPS,
     TuningCase,
     TuningScene,
 )
 import numpy as np
 from pydantic import TypeAdapter
 
-STRATEGY = 'bag'
+TUNING_STRATEGY = 'bag'
 
 
 class LampFlightResult(NamedTuple):
@@ -68,7 +68,7 @@ def fly_to_lamp(scene: TuningScene, gains: CascadeGains, case: TuningCase) -> La
         # The drone assumes the nominal vehicle; only the world has lost lift.
         world,
         table,
-        FlightStack(find_navigation_strategy(STRATEGY), gains),
+        FlightStack(find_navigation_strategy(TUNING_STRATEGY), gains),
         scene.nominal_vehicle,
     )
     while world.outcome is FlightOutcome.FLYING:
@@ -80,18 +80,18 @@ def fly_to_lamp(scene: TuningScene, gains: CascadeGains, case: TuningCase) -> La
     )
 
 
-BAND: Final = 0.1  # share of a step within which it counts as settled
-TAIL: Final = 0.25  # last share of a step, over which the steady error is taken
-OVERSHOOT: Final = 0.5  # weight in the cost of a step
-GROWTH: Final = 10.0  # s; a swing that grows by 1 % per second costs 0.1
-SEARCH: Final = 0.5  # cost of a mission that uses the whole time limit
-ASTRAY: Final = 2.0  # cost of a mission that misses its goal
-EFFORT: Final = 0.1  # s; cost of a mean duty change of 1 per second and rotor
+SETTLED_SHARE: Final = 0.1  # share of a step within which it counts as settled
+TAIL_SHARE: Final = 0.25  # last share of a step, over which the steady error is taken
+OVERSHOOT_WEIGHT: Final = 0.5  # weight in the cost of a step
+GROWTH_COST_TIME: Final = 10.0  # s; a swing that grows by 1 % per second costs 0.1
+MISSION_COST: Final = 0.5  # cost of a mission that uses the whole time limit
+MISSED_GOAL_COST: Final = 2.0  # cost of a mission that misses its goal
+EFFORT_COST_TIME: Final = 0.1  # s; cost of a mean duty change of 1 per second and rotor
 ALTITUDE_SCALE: Final = 0.4  # m of rms altitude error that cost 1
 SWING_SCALE: Final = 0.2  # rad of swing that cost 1
-SWINGING: Final = 6.0  # s at the end of the flight over which the swing is taken
-ADRIFT: Final = 0.3  # m; a larger altitude error at the end counts as lost
-LOST: Final = 10.0
+SWING_TIME: Final = 6.0  # s at the end of the flight over which the swing is taken
+LARGEST_ALTITUDE_ERROR: Final = 0.3  # m; a larger altitude error at the end counts as lost
+LOST_ALTITUDE_COST: Final = 10.0
 
 
 @final
@@ -108,7 +108,7 @@ class StepMetrics:
     @property
     def cost(self) -> float:
         """Cost of the step."""
-        return self.error + OVERSHOOT * self.overshoot + self.steady
+        return self.error + OVERSHOOT_WEIGHT * self.overshoot + self.steady
 
 
 @final
@@ -132,10 +132,14 @@ class ResponseMetrics:
         """Total cost of the flight; lower is better."""
         mean = sum(mark.cost for mark in self.marks) / len(self.marks)
         # The altitude error, capped, ranks lost flights, so that a search can improve on them.
-        missing = LOST + min(self.adrift, LOST) if self.lost else 0.0
-        rest = self.altitude / ALTITUDE_SCALE + self.swing / SWING_SCALE + EFFORT * self.effort
-        rest += GROWTH * max(0.0, self.growth)
-        rest += SEARCH * self.search + (0.0 if self.reached else ASTRAY)
+        missing = LOST_ALTITUDE_COST + min(self.adrift, LOST_ALTITUDE_COST) if self.lost else 0.0
+        rest = (
+            self.altitude / ALTITUDE_SCALE
+            + self.swing / SWING_SCALE
+            + EFFORT_COST_TIME * self.effort
+        )
+        rest += GROWTH_COST_TIME * max(0.0, self.growth)
+        rest += MISSION_COST * self.search + (0.0 if self.reached else MISSED_GOAL_COST)
         return mean + rest + missing
 
 
@@ -143,13 +147,13 @@ def compute_step_metrics(time: Array, value: Array, step: SetpointStep) -> StepM
     """Compute the metrics of a step from the true values of its channel over time [s]."""
     size = abs(step.after - step.before)
     off = (value - step.after) / (step.after - step.before)  # negative on the way, 0 there
-    outside = np.flatnonzero(np.abs(off) > BAND)
+    outside = np.flatnonzero(np.abs(off) > SETTLED_SHARE)
     settle = 0.0
     if len(outside):
         last = int(outside[-1])
         # Outside the band at the last sample: the step never settled.
         settle = math.inf if last == len(time) - 1 else float(time[last + 1] - step.start)
-    tail = off[-max(1, int(TAIL * len(off))) :]
+    tail = off[-max(1, int(TAIL_SHARE * len(off))) :]
     assert size > 0.0
     return StepMetrics(
         settle,
@@ -160,7 +164,7 @@ def compute_step_metrics(time: Array, value: Array, step: SetpointStep) -> StepM
 
 
 def compute_response_metrics(
-    trace: StepResponse, steps: Sequence[SetpointStep] = STEPS
+    trace: StepResponse, steps: Sequence[SetpointStep] = SETPOINT_STEPS
 ) -> ResponseMetrics:
     """Compute the metrics of a test flight."""
     marks, others, ends = [], [], []
@@ -184,18 +188,18 @@ def compute_response_metrics(
     flying = trace.time >= steps[0].start
     adrift = max(ends)
     # The standard deviation ignores a constant lean.
-    swing = float(trace.tilt[trace.time >= steps[-1].end - SWINGING].std())
-    lost = trace.stopped or not adrift <= ADRIFT  # NaN counts as lost
+    swing = float(trace.tilt[trace.time >= steps[-1].end - SWING_TIME].std())
+    lost = trace.stopped or not adrift <= LARGEST_ALTITUDE_ERROR  # NaN counts as lost
     return ResponseMetrics(
         tuple(marks), held, swing, float(trace.work[flying].mean()), lost, adrift
     )
 
 
 Result = TypeVar('Result')
-CRUISING = Setpoint(ALTITUDE, 0.0, CRUISE)
+CRUISE_SETPOINT = Setpoint(STEADY_ALTITUDE, 0.0, TUNING_CRUISE_SPEED)
 WORST = StepMetrics(math.inf, 1.0, 1.0, 1.0)
-BROKEN = ResponseMetrics(
-    (WORST,) * len(STEPS), 1.0, 1.0, 0.0, True, LOST
+DIVERGED_METRICS = ResponseMetrics(
+    (WORST,) * len(SETPOINT_STEPS), 1.0, 1.0, 0.0, True, LOST_ALTITUDE_COST
 )  # metrics of a flight whose simulation diverged
 
 
@@ -214,7 +218,8 @@ def evaluate_gains(task: EvaluationJob) -> ResponseMetrics:
         report = compute_response_metrics(fly_steps(scene, gains, case))
         # A slow instability may not show in one minute of flight, but its eigenvalue does.
         linear = linearize_loop(
-            LoopCut(scene.build_true_vehicle(case.loss), scene.nominal_vehicle, gains), CRUISING
+            LoopCut(scene.build_true_vehicle(case.loss), scene.nominal_vehicle, gains),
+            CRUISE_SETPOINT,
         )
         sought = fly_to_lamp(scene, gains, case)
         return replace(
@@ -224,7 +229,7 @@ def evaluate_gains(task: EvaluationJob) -> ResponseMetrics:
     except BadInput:
         raise
     except (ValueError, ArithmeticError):
-        return BROKEN
+        return DIVERGED_METRICS
 
 
 def evaluate_jobs(
@@ -260,7 +265,7 @@ class CandidateCosts:
 
 
 # Exact floats as keys are right: JSON restores them, and the same seed draws the same candidates.
-STORE: Final = StoreFormat(
+SEARCH_STORE: Final = StoreFormat(
     'search.jsonl',
     'tune',
     'search',
@@ -277,7 +282,7 @@ def hash_search(content: Any) -> str:  # noqa: ANN401 - what JSON holds
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
-FRESH = 1000  # first seed of the comparison; the search uses smaller ones
+FIRST_COMPARISON_SEED = 1000  # first seed of the comparison; the search uses smaller ones
 
 
 @final
@@ -347,7 +352,7 @@ def draw_cases(least: float, most: float, count: int, seed: int) -> list[TuningC
     """Draw cases with uniform losses [kg] and seeds that the search did not use."""
     chance = np.random.default_rng(seed)
     losses = chance.uniform(least, most, count).tolist()
-    return [TuningCase(loss, FRESH + k) for k, loss in enumerate(losses)]
+    return [TuningCase(loss, FIRST_COMPARISON_SEED + k) for k, loss in enumerate(losses)]
 
 
 def fly_comparison(
@@ -375,4 +380,4 @@ def format_step(step: SetpointStep) -> str:
     return f'{step.channel} {change:+.1f} {"m" if step.channel == "altitude" else "m/s"}'
 
 
-NAMES = tuple(format_step(step) for step in STEPS)
+STEP_NAMES = tuple(format_step(step) for step in SETPOINT_STEPS)

@@ -29,8 +29,13 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 import yaml
 
-GAINS = ('kp', 'ki', 'kd', 'gain')  # how names of gains end; limits and angles are not gains
-REACH = 6.0  # a search covers value / 6 to value * 6
+GAIN_ENDINGS = (
+    'kp',
+    'ki',
+    'kd',
+    'gain',
+)  # how names of gains end; limits and angles are not gains
+SEARCH_REACH = 6.0  # a search covers value / 6 to value * 6
 
 Model = TypeVar('Model', bound=BaseModel)
 
@@ -49,7 +54,7 @@ class TunableParameter:
     about: str = ''
     unit: str = ''
 
-    def search_bounds(self, reach: float = REACH) -> tuple[float, float]:
+    def search_bounds(self, reach: float = SEARCH_REACH) -> tuple[float, float]:
         """Return the bounds of the search."""
         return max(self.low, self.value / reach), min(self.high, self.value * reach)
 
@@ -89,7 +94,7 @@ def select_parameters(settings: BaseModel, names: Sequence[str] = ()) -> list[Tu
     """
     by_path = {number.path: number for number in iterate_parameters(settings)}
     if not names:
-        return [n for n in by_path.values() if n.value > 0.0 and n.path.endswith(GAINS)]
+        return [n for n in by_path.values() if n.value > 0.0 and n.path.endswith(GAIN_ENDINGS)]
     for name in names:
         if name not in by_path:
             raise unknown_name_error('number', name, list(by_path))
@@ -147,7 +152,9 @@ def write_gains(gains: BaseModel, about: Sequence[str], path: Path) -> None:
         ) from None
 
 
-STEP = 0.35  # of log(gain): the first generation changes gains by a factor of about 1.4
+FIRST_SEARCH_STEP = (
+    0.35  # of log(gain): the first generation changes gains by a factor of about 1.4
+)
 OUTSIDE = 0.1  # penalty per squared unit of log(gain) beyond a bound
 
 Numbers = Mapping[str, float]
@@ -204,7 +211,7 @@ def search_gains(
         start = np.log([number.value for number in numbers])
         # The start gains count as the first candidate, so the result is never worse than them.
         judge.evaluate_costs([start])
-        search = CMA(start, STEP, seed=seed)
+        search = CMA(start, FIRST_SEARCH_STEP, seed=seed)
         while len(judge.history) < budget:
             # The budget may cut the last generation short
             count = min(search.population_size, budget - len(judge.history))

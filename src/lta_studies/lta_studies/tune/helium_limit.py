@@ -22,12 +22,12 @@ from lta_control.cascade import CascadeGains
 from lta_model.propulsion import select_lifting_rotors
 from lta_model.vehicle import Vehicle
 from lta_studies.tune.compare import compute_response_metrics
-from lta_studies.tune.step_response import fly_steps, STEPS, TuningCase, TuningScene
+from lta_studies.tune.step_response import fly_steps, SETPOINT_STEPS, TuningCase, TuningScene
 from lta_vehicle.figures.helium_leak import daily_lift_loss
 
-TRIED = 6  # equal steps from no loss to what the rotors carry
+TRIED_LOSSES = 6  # equal steps from no loss to what the rotors carry
 HALVINGS = 4  # bisections of the bracket
-CLIMB_AND_SINK = STEPS[:2]
+CLIMB_AND_SINK = SETPOINT_STEPS[:2]
 
 
 @final
@@ -104,8 +104,8 @@ def bracket_limit(holds: Callable[[float], bool], most: float) -> tuple[float | 
     low: float | None = None
     high = float('inf')
     # Coarse steps first: the smallest failing loss counts, even if a larger one held again.
-    for step in range(TRIED + 1):
-        at = most * step / TRIED
+    for step in range(TRIED_LOSSES + 1):
+        at = most * step / TRIED_LOSSES
         if not holds(at):
             high = at
             break

@@ -50,7 +50,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 SETTLING = 80.0  # s from take-off until the flight counts as steady
 FLICKER = 1e-12  # m of the range finder, from one period to the next
-REST = 0.5  # s of bias calibration; short because the sensors have no bias here
+REST_TIME = 0.5  # s of bias calibration; short because the sensors have no bias here
 
 
 @final
@@ -78,7 +78,7 @@ class LoopCut:
                 for name, topic in (('range_noise', 'range'), ('pressure_noise', 'pressure'))
             }
         )
-        settings = own.model_copy(update={'rest_time': REST, 'altitude': less})
+        settings = own.model_copy(update={'rest_time': REST_TIME, 'altitude': less})
         self._still = _build_damped_model(true)
         self.drone: DroneConstants = build_drone_constants(nominal, settings, gains, self.period)
         delay = (
@@ -179,9 +179,9 @@ class LoopCut:
         autopilot = Autopilot(self.drone)
         state = pack_state((0.0, 0.0, self._true.hull_height_on_floor), memory=initial_memory())
         past = np.zeros((self.ages, SLOTS))
-        for tick in np.arange(round((REST + SETTLING) / self.period)):
+        for tick in np.arange(round((REST_TIME + SETTLING) / self.period)):
             # No setpoint before the bias calibration on the ground has ended.
-            if tick * self.period > REST:
+            if tick * self.period > REST_TIME:
                 autopilot.set_setpoint(setpoint)
             sensed = self.simulate_sensors(state, past, self._still)
             # A range finder that repeats its reading to the bit would count as stuck
@@ -224,7 +224,7 @@ def _build_damped_model(vehicle: Vehicle) -> VehicleModel:
     )
 
 
-DIFFERENCE = 1e-6  # step of the central differences, relative above 1
+LINEARIZATION_STEP = 1e-6  # step of the central differences, relative above 1
 NEUTRAL = 1e-5  # rounding tolerance for the integrators (position, bias), eigenvalue 1
 
 
@@ -318,7 +318,7 @@ def _compute_jacobians(
     tables = [np.zeros((len(row), len(at))) for row in function(at)]
     for place in turned:
         step = np.zeros(len(at))
-        step[place] = DIFFERENCE * max(1.0, abs(at[place]))
+        step[place] = LINEARIZATION_STEP * max(1.0, abs(at[place]))
         for table, high, low in zip(tables, function(at + step), function(at - step), strict=True):
             # Central difference: the error is of second order in the step.
             table[:, place] = (high - low) / (2.0 * step[place])

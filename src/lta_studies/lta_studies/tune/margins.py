@@ -140,12 +140,12 @@ def to_decibels(factor: float) -> float:
 
 
 Loop = Literal['altitude', 'heading', 'speed']
-PLACES: Final[dict[Loop, int]] = {'speed': 0, 'altitude': 1, 'heading': 2}  # in a demand
-ALTITUDE = 1.0  # m, of the steady flights
-CRUISE = 0.4  # m/s, the speed of the speed step
-POINTS = 1200  # frequencies, logarithmically spaced
-LOWEST = 0.02  # rad/s
-IDLE = 1e-6  # N; a rotor with less thrust counts as stopped
+DEMAND_INDEX: Final[dict[Loop, int]] = {'speed': 0, 'altitude': 1, 'heading': 2}  # in a demand
+STEADY_ALTITUDE = 1.0  # m, of the steady flights
+TUNING_CRUISE_SPEED = 0.4  # m/s, the speed of the speed step
+FREQUENCY_COUNT = 1200  # frequencies, logarithmically spaced
+LOWEST_FREQUENCY = 0.02  # rad/s
+STOPPED_THRUST = 1e-6  # N; a rotor with less thrust counts as stopped
 
 
 @final
@@ -168,8 +168,8 @@ class LoopMargins:
 def frequency_response(linear: LinearLoop, loop: Loop, frequency: Array) -> Complex:
     """Return L(jw) of one loop with the others closed."""
     z = np.exp(1j * frequency * linear.period)
-    own = PLACES[loop]
-    others = [place for place in PLACES.values() if place != own]
+    own = DEMAND_INDEX[loop]
+    others = [place for place in DEMAND_INDEX.values() if place != own]
     # Close the other loops first: A + B_q C_q.
     a = linear.a + linear.b[:, others] @ linear.c[others]
     b, c = linear.b[:, [own]], linear.c[[own]]
@@ -194,9 +194,9 @@ def compute_loop_margins(
     for loss in losses:
         cut = LoopCut(scene.build_true_vehicle(loss), scene.nominal_vehicle, gains)
         for speed in speeds:
-            linear = linearize_loop(cut, Setpoint(ALTITUDE, 0.0, speed))
+            linear = linearize_loop(cut, Setpoint(STEADY_ALTITUDE, 0.0, speed))
             loop_margins += [
-                compute_margins_or_reason(linear, loop, loss, speed) for loop in PLACES
+                compute_margins_or_reason(linear, loop, loss, speed) for loop in DEMAND_INDEX
             ]
     return loop_margins
 
@@ -207,7 +207,7 @@ def compute_margins_or_reason(
     """Compute the margins of one loop, or the reason why it has none."""
     why = ''
     # Rotors 0 and 1 are the vertical ones.
-    idle = max(linear.thrusts[:2]) < IDLE
+    idle = max(linear.thrusts[:2]) < STOPPED_THRUST
     if loop == 'speed' and speed == 0.0:
         why = 'the forward rotors are stopped'
     elif loop == 'altitude' and idle:
@@ -215,7 +215,7 @@ def compute_margins_or_reason(
     margins = None
     if not why:
         # Just below the Nyquist frequency, where z = -1 can be a pole [rad/s]
-        w = np.geomspace(LOWEST, 0.999 * math.pi / linear.period, POINTS)
+        w = np.geomspace(LOWEST_FREQUENCY, 0.999 * math.pi / linear.period, FREQUENCY_COUNT)
         margins = compute_margins(w, frequency_response(linear, loop, w))
     return LoopMargins(
         loop, speed, loss, linear.is_stable, linear.growth_rate, linear.swing, margins, why

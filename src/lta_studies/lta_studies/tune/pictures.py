@@ -7,7 +7,13 @@ from lta_report.charts import ChartAxis, Curve, draw_curves, Level
 from lta_report.drawing import decimate_line, padded_range
 from lta_report.palette import ESTIMATE, SETPOINT, TRUTH
 from lta_studies.tune.compare import GainEvaluation
-from lta_studies.tune.step_response import Array, Channel, SetpointStep, StepResponse, STEPS
+from lta_studies.tune.step_response import (
+    Array,
+    Channel,
+    SETPOINT_STEPS,
+    SetpointStep,
+    StepResponse,
+)
 import numpy as np
 from plotly.graph_objects import Figure
 
@@ -18,7 +24,7 @@ TITLES: dict[Channel, str] = {
     'speed': 'speed [m/s]',
     'course': 'course [\N{DEGREE SIGN}]',
 }
-MARGIN = 1.0  # s shown before a step
+TIME_BEFORE_STEP = 1.0  # s shown before a step
 
 
 def plot_responses(
@@ -27,9 +33,9 @@ def plot_responses(
     new: Sequence[tuple[float, StepResponse]],
 ) -> Figure:
     """Plot the step responses of one channel with old and new gains at each loss [kg]."""
-    steps = [step for step in STEPS if step.channel == channel]
+    steps = [step for step in SETPOINT_STEPS if step.channel == channel]
     factor = 180.0 / math.pi if channel in ('heading', 'course') else 1.0
-    begin, end = steps[0].start - MARGIN, steps[-1].end
+    begin, end = steps[0].start - TIME_BEFORE_STEP, steps[-1].end
     curves, limits = [], []
     for name, colour, traces in (('old', OLD, old), ('new', NEW, new)):
         for k, (loss, trace) in enumerate(traces):

@@ -11,12 +11,12 @@ from lta_report.json_value import replace_nonfinite
 from lta_report.report import Grid, Picture, Report
 from lta_report.result_table import format_share
 from lta_studies.tune import pictures, report_tables
-from lta_studies.tune.compare import compare_costs, NAMES
+from lta_studies.tune.compare import compare_costs, STEP_NAMES
 from lta_studies.tune.margins import to_decibels
 from lta_studies.tune.run import GainSetResult, TuningResult, vehicle_name
 from lta_studies.tune.step_response import Channel, StepResponse
 
-UNITS = {
+TUNING_UNITS = {
     'loss': 'kg',
     'helium': 'g',
     'days': 'd',
@@ -47,7 +47,7 @@ def tuning_to_json(tuned: TuningResult) -> Any:  # noqa: ANN401 - what JSON hold
             'old': gain_set_to_json(tuned.old),
             'new': gain_set_to_json(tuned.new),
             'file': str(tuned.file),
-            'units': UNITS,
+            'units': TUNING_UNITS,
         }
     )
 
@@ -59,7 +59,7 @@ def gain_set_to_json(side: GainSetResult) -> dict[str, object]:
             figure: asdict(side.flights.summarize_step(k, figure))
             for figure in ('settle', 'overshoot', 'steady')
         }
-        for k, name in enumerate(NAMES)
+        for k, name in enumerate(STEP_NAMES)
     }
     # A margin is None if the loop never reaches the critical gain or phase
     margins = []
@@ -92,7 +92,7 @@ def gain_set_to_json(side: GainSetResult) -> dict[str, object]:
     }
 
 
-CHANNELS: Final[tuple[tuple[Channel, str, str], ...]] = (
+RESPONSE_PANELS: Final[tuple[tuple[Channel, str, str], ...]] = (
     (
         'altitude',
         'Climb and descent',
@@ -106,11 +106,11 @@ CHANNELS: Final[tuple[tuple[Channel, str, str], ...]] = (
         'Course: direction of motion through the air; the nose points against the drift.',
     ),
 )
-SEARCH: Final = (
+SEARCH_CAPTION: Final = (
     'Lowest cost so far: average of the mean and the worst cost of the test flights. '
     'Dotted: the old gains.'
 )
-LINES: Final = (
+STEP_CAPTION: Final = (
     'True values, one line for each loss of lift; the paler, the larger the loss. '
     'Dotted: setpoint.'
 )
@@ -199,16 +199,16 @@ def build_tiles(tuned: TuningResult) -> list[Tile]:
 
 def draw_pictures(tuned: TuningResult, old: Traces, new: Traces) -> Iterator[Picture]:
     """Yield step responses, costs and search."""
-    for channel, heading, caption in CHANNELS:
+    for channel, heading, caption in RESPONSE_PANELS:
         figure = pictures.plot_responses(channel, old, new)
-        yield Picture(channel, heading, f'{caption} {LINES}', figure, height=300)
+        yield Picture(channel, heading, f'{caption} {STEP_CAPTION}', figure, height=300)
     yield Picture(
         'costs', 'Cost of each new random flight',
         'Each random flight is flown with both sets of gains.',
         pictures.plot_costs(tuned.old.flights, tuned.new.flights), height=270,
     )  # fmt: skip
     history = pictures.plot_search(tuned.search.history, len(tuned.losses))
-    yield Picture('search', 'The search', SEARCH, history, height=270)
+    yield Picture('search', 'The search', SEARCH_CAPTION, history, height=270)
 
 
 def build_provenance_table(tuned: TuningResult) -> dict[str, str]:

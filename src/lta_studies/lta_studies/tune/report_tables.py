@@ -8,7 +8,7 @@ from typing import Final
 from lta_report.formatting import format_number
 from lta_report.report import TextTable
 from lta_report.result_table import format_share
-from lta_studies.tune.compare import compare_costs, NAMES, QuartileSpread
+from lta_studies.tune.compare import compare_costs, QuartileSpread, STEP_NAMES
 from lta_studies.tune.helium_limit import HeliumLimit
 from lta_studies.tune.margins import LoopMargins, StabilityMargins, to_decibels
 from lta_studies.tune.run import TuningResult
@@ -82,7 +82,7 @@ def build_comparison_table(tuned: TuningResult) -> TextTable:
         ['mission reached its goal', *(format_share(side.reached_share) for side in sides)],
         ['altitude lost', *(format_share(side.lost_share) for side in sides)],
     ]
-    for k, name in enumerate(NAMES):
+    for k, name in enumerate(STEP_NAMES):
         rows.append(
             [f'{name}: settled', *(format_share(side.settling_share(k)) for side in sides)]
         )

@@ -28,7 +28,7 @@ from lta_studies.tune.compare import (
     GainEvaluation,
     hash_search,
     ResponseMetrics,
-    STORE,
+    SEARCH_STORE,
 )
 from lta_studies.tune.gain_search import (
     GainSearchResult,
@@ -44,11 +44,11 @@ from lta_studies.tune.helium_limit import (
     HeliumLimit,
     rotor_lift_loss_limit,
 )
-from lta_studies.tune.margins import compute_loop_margins, CRUISE, LoopMargins
+from lta_studies.tune.margins import compute_loop_margins, LoopMargins, TUNING_CRUISE_SPEED
 from lta_studies.tune.step_response import TuningCase, TuningScene
 from rich.console import Console
 
-LAW = 'cascade'  # the only control law that can be tuned
+TUNABLE_LAW = 'cascade'  # the only control law that can be tuned
 GAINS_NAME = 'gains.yaml'
 
 
@@ -155,10 +155,10 @@ def select_start_gains(vehicle: str, named: str | None) -> str:
     """Return the name of the start gains; raise `BadInput` for another control law."""
     control = load_vehicle_file(vehicle).control
     law = control.law if control else 'none'
-    if law != LAW:
+    if law != TUNABLE_LAW:
         raise BadInput(
-            f'{vehicle} uses the control law {law}, but only {LAW} can be tuned; choose a '
-            f'vehicle whose control block names {LAW}.'
+            f'{vehicle} uses the control law {law}, but only {TUNABLE_LAW} can be tuned; choose a '
+            f'vehicle whose control block names {TUNABLE_LAW}.'
         )
     if named is None and (control is None or control.gains is None):
         raise BadInput(
@@ -219,7 +219,7 @@ def tune_once(order: TuningRequest, console: Console) -> TuningResult:
         highlight=False,
     )
     with (
-        StudyStore(folder, STORE, hash_search(about), order.options.retry_failed) as store,
+        StudyStore(folder, SEARCH_STORE, hash_search(about), order.options.retry_failed) as store,
         StudyProgress(console, order.budget, unit='candidates') as progress,
         order.options.open_workers(evaluate_gains) as workers,
     ):
@@ -278,7 +278,7 @@ def evaluate_gain_set(
     # A set, because the three coincide where the range is a point.
     losses = sorted({order.least, middle, order.most})
     # Margins in hover and in cruise
-    margins = compute_loop_margins(scene, gains, losses, (0.0, CRUISE))
+    margins = compute_loop_margins(scene, gains, losses, (0.0, TUNING_CRUISE_SPEED))
     return GainSetResult(
         gains, flights, tuple(margins), find_tolerable_helium_loss(scene.vehicle, gains)
     )
@@ -299,7 +299,7 @@ def describe_search(
         'gains': gains.model_dump(),
         'numbers': [asdict(number) for number in numbers],
         'cases': [asdict(case) for case in build_cases(order)],
-        'steps': [list(step) for step in step_response.STEPS],
+        'steps': [list(step) for step in step_response.SETPOINT_STEPS],
         'seed': order.seed,
     }
 

@@ -29,9 +29,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Channel = Literal['altitude', 'heading', 'speed', 'course']
 
-SCENARIO = 'lamp_room'  # only its air matters
-LIFT = 'effects.net_lift.force'
-EVERY = 5  # control periods per recorded sample
+TUNING_SCENARIO = 'lamp_room'  # only its air matters
+NET_LIFT_PATH = 'effects.net_lift.force'
+SAMPLING_PERIODS = 5  # control periods per recorded sample
 
 
 class SetpointStep(NamedTuple):
@@ -47,14 +47,14 @@ class SetpointStep(NamedTuple):
 # A turn at speed is rated by the course: the nose points against the drift on purpose.
 # The first 12 s are rest and take-off. Steps are small enough to stay in a room, and long enough
 # for a well-tuned vehicle to settle before the next.
-STEPS = (
+SETPOINT_STEPS = (
     SetpointStep(12.0, 20.0, 'altitude', 1.0, 1.4),
     SetpointStep(20.0, 30.0, 'altitude', 1.4, 1.0),
     SetpointStep(30.0, 38.0, 'heading', 0.0, 0.5 * math.pi),
     SetpointStep(38.0, 48.0, 'speed', 0.0, 0.4),
     SetpointStep(48.0, 60.0, 'course', 0.5 * math.pi, 0.0),
 )
-TAKE_OFF = 2.1  # s; the bias calibration has ended by then
+TAKE_OFF_TIME = 2.1  # s; the bias calibration has ended by then
 FLYING_ALTITUDE = 1.0  # m
 
 
@@ -82,7 +82,7 @@ class TuningScene:
             before = (parse_quantity(own) or {'value': 0.0})['value']
             # The net lift points up, so a loss lowers it.
             force = {'value': before - loss * STANDARD_GRAVITY, 'unit': 'N'}
-            content = replace_parameter(content, LIFT, force, 'vehicle')
+            content = replace_parameter(content, NET_LIFT_PATH, force, 'vehicle')
         file = validate_content(VehicleFile, content, str(find_file('vehicle', self.vehicle)))
         return Vehicle(file, self.scenario.air.density)
 
@@ -95,7 +95,7 @@ class TuningScene:
     @property
     def scenario(self) -> Scenario:
         """Scenario of the test flights."""
-        return load_scenario(SCENARIO)
+        return load_scenario(TUNING_SCENARIO)
 
 
 @final
@@ -130,7 +130,7 @@ def fly_steps(
     scene: TuningScene,
     gains: CascadeGains,
     case: TuningCase,
-    steps: Sequence[SetpointStep] = STEPS,
+    steps: Sequence[SetpointStep] = SETPOINT_STEPS,
 ) -> StepResponse:
     """Fly one test flight; the same case gives all gains the same noise."""
     table = load_topic_table()
@@ -147,7 +147,7 @@ def fly_steps(
         # Mean change of duty per rotor, summed over the EVERY periods of a sample
         work += sum(abs(a - b) for a, b in zip(loop.duties, last, strict=True)) / len(last)
         last = loop.duties
-        if world.steps % EVERY == 0:
+        if world.steps % SAMPLING_PERIODS == 0:
             samples.append((world.steps * dt, *_measure_state(world.state), work))
             work = 0.0
     time, altitude, yaw, speed, drift, tilt, spent = np.array(samples).T
@@ -156,7 +156,7 @@ def fly_steps(
     heading -= heading[0]
     course, stopped = heading + drift, loop.autopilot.stopped
     return StepResponse(
-        time, altitude, heading, speed, course, tilt, spent / (EVERY * dt), stopped
+        time, altitude, heading, speed, course, tilt, spent / (SAMPLING_PERIODS * dt), stopped
     )
 
 
@@ -169,7 +169,7 @@ def list_setpoints(steps: Sequence[SetpointStep], dt: float) -> list[Setpoint | 
         if step := changes.get(tick):
             channel = 'heading' if step.channel == 'course' else step.channel
             setpoint = setpoint._replace(**{channel: step.after})
-        setpoints.append(setpoint if tick * dt >= TAKE_OFF else None)
+        setpoints.append(setpoint if tick * dt >= TAKE_OFF_TIME else None)
     return setpoints
 
 

@@ -15,7 +15,7 @@ from typing import Any, final
 from lta_flight.flight_spec import build_loop, build_vehicle_scenario_stack, FlightSpec
 from lta_sim.readings import FlightOutcome
 
-LATE = 20.0  # s at the end of a flight in which the distance must shrink
+APPROACH_TIME = 20.0  # s at the end of a flight in which the distance must shrink
 DEFAULT = 'mission.speed'  # path of the commanded airspeed
 SHARES = (0.4, 0.55, 0.65, 0.8)  # airspeeds to try, as shares of the top speed
 
@@ -88,7 +88,7 @@ def makes_headway(spec: FlightSpec, seed: int) -> bool:
         return world.outcome is FlightOutcome.REACHED
     # After a timeout, compare the last distance with that of LATE seconds before.
     end, last = distances[-1]
-    return last < next(at for time, at in distances if time >= end - LATE)
+    return last < next(at for time, at in distances if time >= end - APPROACH_TIME)
 
 
 def find_flyable_wind(

@@ -25,12 +25,16 @@ from lta_studies.wind.flyable_wind import find_flyable_wind, FlyableWind, Ground
 import numpy as np
 from pydantic import TypeAdapter
 
-STRATEGY = 'bag'
-FASTEST = 3.0  # m/s; upper limit of the parameter mission.speed
-ROUGHNESS = (0.03, 0.1, 0.3)  # m: grass, crops, bushes and low houses (unverified, from memory)
-CLEARANCE = 0.05  # m between a large vehicle in flight and its position on the floor
-DRAWS = 100  # of a vehicle with ranges
-HELD = 0.5  # m; half a hull: how exactly the height is held, with room to spare
+WIND_STRATEGY = 'bag'
+LARGEST_AIRSPEED = 3.0  # m/s; upper limit of the parameter mission.speed
+GROUND_ROUGHNESS = (
+    0.03,
+    0.1,
+    0.3,
+)  # m: grass, crops, bushes and low houses (unverified, from memory)
+FLOOR_CLEARANCE = 0.05  # m between a large vehicle in flight and its position on the floor
+LIMIT_DRAWS = 100  # of a vehicle with ranges
+HEIGHT_TOLERANCE = 0.5  # m; half a hull: how exactly the height is held, with room to spare
 
 
 @final
@@ -61,7 +65,7 @@ class WindStudyRequest(
     )
     roughness: tuple[float, ...] = option(
         'Roughness length of the ground in metres; repeat to compare several.',
-        default=ROUGHNESS, low=1e-5, high=5.0,
+        default=GROUND_ROUGHNESS, low=1e-5, high=5.0,
     )  # fmt: skip
     height: float = option(
         'Height of the hull centre above ground in metres.', default=0.5, low=0.1, high=100.0
@@ -138,7 +142,7 @@ def _find_gains_name(vehicle: str) -> str | None:
     return vehicle if vehicle in list_shipped_names('control') else None
 
 
-STORE: Final = StoreFormat(
+LIMIT_STORE: Final = StoreFormat(
     'limits.jsonl',
     'wind',
     'study of wind limits',
@@ -164,7 +168,7 @@ def find_limits(request: WindStudyRequest, run: StudyRun) -> list[PlatformWindLi
         name: f'{name} {hash_inputs(vehicle.file.model_dump_json())}'
         for name, vehicle in zip(request.vehicles, vehicles, strict=True)
     }
-    study = Study(partial(measure_limits, request), keys.__getitem__, STORE, 'platforms')
+    study = Study(partial(measure_limits, request), keys.__getitem__, LIMIT_STORE, 'platforms')
     # Which vehicles are compared does not change the limits of one
     identity = hash_inputs(request.identify('vehicles'), scene.model_dump_json())
     outcome = study.run(list(keys), run.folder, identity, run.options, run.console)
@@ -206,7 +210,7 @@ def measure_limits(request: WindStudyRequest, name: str) -> PlatformWindLimits:
             return None
         # 10 % above the static limit, so that the bisection can end above it.
         return find_flyable_wind(
-            flight, ground, 1.1 * min(thrust, FASTEST) / share,
+            flight, ground, 1.1 * min(thrust, LARGEST_AIRSPEED) / share,
             _list_airspeeds(request, flight, thrust), range(1, request.seeds + 1),
             _bisection_steps(request), lambda part: report_progress((place + part) / grounds),
         )  # fmt: skip
@@ -237,7 +241,7 @@ def draw_static_limit(name: str, density: float) -> tuple[float, float] | None:
     if not list_ranges(content):
         return None
     speeds = []
-    for seed in range(1, DRAWS + 1):
+    for seed in range(1, LIMIT_DRAWS + 1):
         variant = draw_content(content, seed, 'vehicle')
         file = validate_content(VehicleFile, variant, f'a draw of {name}')
         speeds.append(wind_limits.static_wind_limit(Vehicle(file, density)))
@@ -247,7 +251,7 @@ def draw_static_limit(name: str, density: float) -> tuple[float, float] | None:
 
 def _flight_height(request: WindStudyRequest, vehicle: Vehicle) -> float:
     """Return the height of the hull centre in flight; a large hull flies higher. [m]"""
-    return max(request.height, vehicle.hull_height_on_floor + CLEARANCE)
+    return max(request.height, vehicle.hull_height_on_floor + FLOOR_CLEARANCE)
 
 
 def _hull_wind_share(
@@ -273,11 +277,11 @@ def _build_flight_spec(request: WindStudyRequest, name: str, height: float) -> F
     gains = _find_gains_name(name)
     if gains is None:
         return None
-    made_of = load_spec(name, request.scenario, STRATEGY, gains)
+    made_of = load_spec(name, request.scenario, WIND_STRATEGY, gains)
     lamp = load_scenario(request.scenario).target_lamps[0].position.vector[2]
     scene = made_of.contents['scenario']
     # The study flies at a given height, wherever the lamp stands
-    tolerance = f'{max(VERTICAL_TOLERANCE.si, abs(height - lamp) + HELD):.2f} m'
+    tolerance = f'{max(VERTICAL_TOLERANCE.si, abs(height - lamp) + HEIGHT_TOLERANCE):.2f} m'
     goal = {**scene['goal'], 'vertical_tolerance': tolerance}
     made_of = replace(made_of, contents={**made_of.contents, 'scenario': {**scene, 'goal': goal}})
     return made_of.with_values({'mission.altitude': height})
@@ -288,7 +292,7 @@ def _list_airspeeds(
 ) -> Sequence[float]:
     """Return the airspeeds to try: that of the mission, then shares of the top speed."""
     # Rounded to cm/s, as the value appears on the page and in commands.
-    fast = [round(min(share * thrust, FASTEST), 2) for share in SHARES]
+    fast = [round(min(share * thrust, LARGEST_AIRSPEED), 2) for share in SHARES]
     return [flight.read_value('mission.speed'), *(fast[1:3] if request.quick else fast)]
 
 

@@ -12,22 +12,22 @@ from lta_report.report import Picture, Report, STOPPED, TextSection, TextTable
 from lta_report.result_table import build_table, Column
 from lta_sim import wind_limits
 from lta_studies.wind.flyable_wind import FlyableWind
-from lta_studies.wind.limits import DRAWS, PlatformWindLimits, to_json, WindStudyRequest
+from lta_studies.wind.limits import LIMIT_DRAWS, PlatformWindLimits, to_json, WindStudyRequest
 import numpy as np
 from numpy.typing import NDArray
 from plotly.graph_objects import Figure
 
 TOP_WIND: Final = 20.0  # m/s, of the axis
 PAPER_WINDS: Final = ((8.0, 'paper: BAG converges'), (14.0, 'paper: all fail'))
-ROUGHNESS: Final = np.geomspace(1e-3, 0.45, 60)  # m
-TICKS: Final = (1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3)  # m
-CAPTION: Final = (
+PLOTTED_ROUGHNESS: Final = np.geomspace(1e-3, 0.45, 60)  # m
+ROUGHNESS_TICKS: Final = (1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3)  # m
+WIND_CAPTION: Final = (
     'Lines: static limit, as wind at the reference height; the log law, averaged over the '
     'hull, gives the wind at the hull. Dots: flown in the closed loop. Towards the right, '
     'the hull flies between the obstacles that make the ground rough, where the log law is '
     'only an approximation: compare several values.'
 )
-METHOD: Final = (
+WIND_METHOD: Final = (
     'Static limit: the lowest of three airspeeds: the highest that the rotors can hold at '
     'constant height and heading, the one above which the hull tumbles, and the one above '
     'which it rises because rotors below the hull lift its nose and then push it up. Flown '
@@ -50,11 +50,11 @@ def build_report(results: Sequence[PlatformWindLimits], request: WindStudyReques
         tiles=build_tiles(results),
         blocks=(
             Picture(
-                'wind', 'Flyable wind against the roughness of the ground', CAPTION,
+                'wind', 'Flyable wind against the roughness of the ground', WIND_CAPTION,
                 draw_limits(results, request), height=460,
             ),
             build_limit_table(results, request),
-            TextSection('Remarks', (METHOD, *format_platform_notes(results))),
+            TextSection('Remarks', (WIND_METHOD, *format_platform_notes(results))),
         ),
         data=to_json(results, request),
         facts=build_provenance_table(request),
@@ -139,7 +139,7 @@ def _format_interval(limit: PlatformWindLimits) -> str:
     return (
         f'{limit.name}: with the numbers of its file drawn from their ranges, the static limit in '
         f'uniform wind, which is its top speed in level flight, is {low:.2f} to {high:.2f} m/s '
-        f'({DRAWS} draws, 5 to 95 %).{ideal}'
+        f'({LIMIT_DRAWS} draws, 5 to 95 %).{ideal}'
     )
 
 
@@ -219,7 +219,7 @@ def draw_limits(results: Sequence[PlatformWindLimits], request: WindStudyRequest
         if not 0.0 < limit.static < math.inf:
             continue
         wind = limit_curve(limit, request)
-        curves.append(Curve(limit.name, ROUGHNESS, wind, item_colour(k), '%{y:.1f} m/s',
+        curves.append(Curve(limit.name, PLOTTED_ROUGHNESS, wind, item_colour(k), '%{y:.1f} m/s',
                             label=limit.name))  # fmt: skip
         points = [(over.roughness, over.flown.wind) for over in limit.over if over.flown]
         if points:
@@ -232,7 +232,7 @@ def draw_limits(results: Sequence[PlatformWindLimits], request: WindStudyRequest
             )  # fmt: skip
     return draw_curves(
         curves,
-        ChartAxis('roughness of the ground [m]', log=True, ticks=TICKS),
+        ChartAxis('roughness of the ground [m]', log=True, ticks=ROUGHNESS_TICKS),
         ChartAxis(
             f'wind at {request.reference:g} m above the ground [m/s]', range=(0.0, TOP_WIND)
         ),
@@ -245,7 +245,7 @@ def limit_curve(limit: PlatformWindLimits, request: WindStudyRequest) -> NDArray
     vehicle = load_vehicle(limit.name)
     shares = [
         wind_limits.wind_share_at_hull(vehicle, limit.height, request.reference, float(z))
-        for z in ROUGHNESS
+        for z in PLOTTED_ROUGHNESS
     ]
     # Where the roughness elements are taller than the hull, the log law gives no wind.
     return np.array([limit.static / share if share > 0.0 else math.nan for share in shares])

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 import math
 from typing import final
 
-MISSING = '\N{EN DASH}'
+MISSING_FIGURE = '\N{EN DASH}'
 NEVER = 'none'
 LARGE = 1000.0  # from this value on, the next larger unit is shown
 LARGER = {'g': 'kg', 'mN': 'N', 'mN m': 'N m', 'g m²': 'kg m²'}
@@ -29,7 +29,7 @@ class DerivedFigure:
     def value_with_unit(self) -> str:
         """Value and unit as text."""
         if self.value is None:
-            return MISSING
+            return MISSING_FIGURE
         # An infinite limit, such as a tumbling speed, means that there is none
         if math.isinf(self.value):
             return NEVER

@@ -17,11 +17,11 @@ from lta_config.schema.vehicle_body import HullBlock
 from lta_model import mass_properties as hulls
 from lta_model.vehicle import Vehicle
 from lta_vehicle.figures.figure import DerivedFigure
-from lta_vehicle.figures.mass_budget import GRAMS, HULL
-from lta_vehicle.figures.thrust_envelope import CARRIED
+from lta_vehicle.figures.mass_budget import GRAMS, HULL_BLOCKS
+from lta_vehicle.figures.thrust_envelope import CARRIED_BLOCKS
 from lta_vehicle.figures.wrench_limit import solve_wrench_limit
 
-BAND = (0.2e-3, 0.9e-3)  # m3/(m2 day)
+LEAK_RANGE = (0.2e-3, 0.9e-3)  # m3/(m2 day)
 SOURCE = (
     'assumed: permeability of airship laminates, 0.2 to 0.9 L/(m² day) (Frontiers Mater. '
     '2022, 992984)'
@@ -61,7 +61,7 @@ def daily_lift_loss(hull: HullBlock, air_density: float) -> tuple[float, float]:
     """Return the lowest and highest expected loss of lift. [kg/day]"""
     # Lift per volume: each lost cubic metre of helium no longer displaces air
     density = air_density * (1.0 - HELIUM_TO_AIR)
-    low, high = (flow * film_area(hull) * density for flow in BAND)
+    low, high = (flow * film_area(hull) * density for flow in LEAK_RANGE)
     return low, high
 
 
@@ -92,7 +92,7 @@ def derive_helium_figures(vehicle: Vehicle, held: float | None = None) -> Iterat
         ('leak_low', 'lift lost by helium leakage, at least', low),
         ('leak_high', 'lift lost by helium leakage, at most', high),
     ):
-        yield DerivedFigure(key, HELIUM, words, GRAMS * rate, 'g/day', SOURCE, HULL, 2)
+        yield DerivedFigure(key, HELIUM, words, GRAMS * rate, 'g/day', SOURCE, HULL_BLOCKS, 2)
     spare = tolerable_lift_loss(vehicle)
     note = 'it cannot hover now' if spare is None else format_leak_days(spare, low, high)
     yield DerivedFigure(
@@ -102,7 +102,7 @@ def derive_helium_figures(vehicle: Vehicle, held: float | None = None) -> Iterat
         None if spare is None else GRAMS * spare,
         'g',
         'upward thrust minus the carried weight',
-        CARRIED,
+        CARRIED_BLOCKS,
         1,
         note,
     )

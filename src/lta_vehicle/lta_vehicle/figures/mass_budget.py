@@ -7,11 +7,11 @@ from typing import final, NamedTuple
 from lta_model.vehicle import Vehicle
 from lta_vehicle.figures.figure import DerivedFigure
 
-WEIGHT, BALANCE = 'Weight and lift', 'Balance'
+WEIGHT, BALANCE_GROUP = 'Weight and lift', 'Balance'
 GRAMS, CENTIMETRES, DEGREES = 1e3, 1e2, 180.0 / math.pi
-PARTS = ('layers', 'measured', 'moving_mass')
-HULL = ('hull',)
-ALL = (*PARTS, *HULL, 'trim')
+PART_BLOCKS = ('layers', 'measured', 'moving_mass')
+HULL_BLOCKS = ('hull',)
+ALL_BLOCKS = (*PART_BLOCKS, *HULL_BLOCKS, 'trim')
 
 
 @final
@@ -76,7 +76,7 @@ def derive_weight_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
     hull = file.hull.shape != 'none'
     rule = 'weighed' if weighed else 'sum of parts, ballast and gas'
     words = 'mass, gas included' if hull else 'mass'
-    yield DerivedFigure('mass', WEIGHT, words, GRAMS * vehicle.mass, 'g', rule, ALL)
+    yield DerivedFigure('mass', WEIGHT, words, GRAMS * vehicle.mass, 'g', rule, ALL_BLOCKS)
     if hull:
         yield _derive_displaced_air(vehicle)
     if hull and not weighed:
@@ -84,7 +84,7 @@ def derive_weight_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
             'volume, purity and the densities of air and helium',
             GRAMS * vehicle.gross_lift,
         )
-        yield DerivedFigure('lift', WEIGHT, 'gross lift of the gas', lift, 'g', rule, HULL)
+        yield DerivedFigure('lift', WEIGHT, 'gross lift of the gas', lift, 'g', rule, HULL_BLOCKS)
     rule, heavy = 'mass minus displaced air', GRAMS * vehicle.heaviness
     if file.trim.heaviness:
         rule = 'trim.heaviness'
@@ -99,14 +99,14 @@ def derive_weight_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
         )
         note = 'weigh the finished vehicle in flight with lta vehicle trim'
         yield DerivedFigure(
-            'ballast', WEIGHT, 'ballast to add', ballast, 'g', rule, ALL, note=note
+            'ballast', WEIGHT, 'ballast to add', ballast, 'g', rule, ALL_BLOCKS, note=note
         )
 
 
 def _derive_displaced_air(vehicle: Vehicle) -> DerivedFigure:
     """Return the mass of the displaced air."""
     weighed = vehicle.file.measured is not None
-    rests = ALL if weighed else HULL
+    rests = ALL_BLOCKS if weighed else HULL_BLOCKS
     rule = f'volume times air density ({vehicle.air_density:.4g} kg/m³)'
     if weighed:
         rule = 'mass minus heaviness'
@@ -121,26 +121,36 @@ def derive_balance_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
     words, note = 'CG below CB', 'CG: centre of gravity, CB: centre of buoyancy (hull centre)'
     if vehicle.file.hull.shape == 'none':
         words, note = 'CG below the origin', 'no hull, so no righting moment'
-    yield DerivedFigure('cg_depth', BALANCE, words, -z, 'cm', rule, ALL, 2, note)
-    yield DerivedFigure('cg_x', BALANCE, 'CG ahead of the hull centre', x, 'cm', rule, ALL, 2)
-    yield DerivedFigure('cg_y', BALANCE, 'CG left of the hull centre', y, 'cm', rule, ALL, 2)
+    yield DerivedFigure('cg_depth', BALANCE_GROUP, words, -z, 'cm', rule, ALL_BLOCKS, 2, note)
+    yield DerivedFigure(
+        'cg_x', BALANCE_GROUP, 'CG ahead of the hull centre', x, 'cm', rule, ALL_BLOCKS, 2
+    )
+    yield DerivedFigure(
+        'cg_y', BALANCE_GROUP, 'CG left of the hull centre', y, 'cm', rule, ALL_BLOCKS, 2
+    )
     if vehicle.file.hull.shape != 'none':
         # With the CG above the CB there is no stable attitude, hence no lean
         if z < 0.0:
             # At rest, the line from CB to CG is vertical
             lean = math.atan2(math.hypot(x, y), -z) * DEGREES
             rule_of = 'the centre of gravity is vertically below the centre of buoyancy'
-            yield DerivedFigure('lean', BALANCE, 'tilt at rest', lean, '°', rule_of, ALL)
+            yield DerivedFigure(
+                'lean', BALANCE_GROUP, 'tilt at rest', lean, '°', rule_of, ALL_BLOCKS
+            )
         yield derive_pressure_center(vehicle)
     for i, axis in enumerate(('roll', 'pitch', 'yaw')):
         own = 1e3 * float(vehicle.inertia[i, i])
         words = f'moment of inertia in {axis}, about the CG'
-        yield DerivedFigure(f'inertia_{axis}', BALANCE, words, own, 'g m²', rule, ALL, 3)
+        yield DerivedFigure(
+            f'inertia_{axis}', BALANCE_GROUP, words, own, 'g m²', rule, ALL_BLOCKS, 3
+        )
     if any(vehicle.added_mass):
         rule = 'as published' if vehicle.file.hull.added_mass else 'Lamb 1932, spheroid'
         for i, axis in enumerate('xyz'):
             air, words = GRAMS * vehicle.added_mass[i], f'added mass of air along {axis}'
-            yield DerivedFigure(f'added_mass_{axis}', BALANCE, words, air, 'g', rule, HULL)
+            yield DerivedFigure(
+                f'added_mass_{axis}', BALANCE_GROUP, words, air, 'g', rule, HULL_BLOCKS
+            )
 
 
 def derive_pressure_center(vehicle: Vehicle) -> DerivedFigure:
@@ -163,7 +173,7 @@ def derive_pressure_center(vehicle: Vehicle) -> DerivedFigure:
     note = 'at the hull centre' if ahead == 0.0 else ''
     return DerivedFigure(
         'cp_x',
-        BALANCE,
+        BALANCE_GROUP,
         'centre of pressure ahead of hull centre',
         CENTIMETRES * ahead,
         'cm',

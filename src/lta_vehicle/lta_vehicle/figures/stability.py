@@ -26,12 +26,12 @@ from lta_model.effects.drag import STRIP_DAMPING
 from lta_model.effects.protocol import AXES, VehicleMotion
 from lta_model.vehicle import Vehicle
 from lta_vehicle.figures.figure import DerivedFigure
-from lta_vehicle.figures.mass_budget import ALL, DEGREES
-from lta_vehicle.figures.thrust_envelope import CARRIED, compute_or_explain, find_push_limit
+from lta_vehicle.figures.mass_budget import ALL_BLOCKS, DEGREES
+from lta_vehicle.figures.thrust_envelope import CARRIED_BLOCKS, compute_or_explain, find_push_limit
 import numpy as np
 
 AMPLITUDE = math.radians(5.0)  # quadratic drag is linearised at this amplitude
-ABOUT = {'roll': (0, 1), 'pitch': (1, 0)}  # axis of rotation, coupled axis of translation
+SWING_AXES = {'roll': (0, 1), 'pitch': (1, 0)}  # axis of rotation, coupled axis of translation
 
 
 @final
@@ -68,7 +68,7 @@ class PendulumMode:
 
 def compute_pendulum_mode(vehicle: Vehicle, about: Literal['roll', 'pitch']) -> PendulumMode:
     """Compute the pendulum mode about body x or y."""
-    turn, along = ABOUT[about]
+    turn, along = SWING_AXES[about]
     mass, added, cg = vehicle.mass, vehicle.added_mass, vehicle.cg
     stiffness = -mass * STANDARD_GRAVITY * float(cg[2])
     moving = mass + added[along]
@@ -108,7 +108,7 @@ def _strip_damping_moment(parameters: Mapping[str, float], turn: int) -> float:
 
 
 STABILITY = 'Stability'
-SWINGS: tuple[Literal['pitch', 'roll'], ...] = ('pitch', 'roll')
+SWING_NAMES: tuple[Literal['pitch', 'roll'], ...] = ('pitch', 'roll')
 
 
 def derive_stability_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
@@ -124,14 +124,14 @@ def derive_stability_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
         per_degree,
         'mN m',
         'weight times distance of the CG below the CB',
-        ALL,
+        ALL_BLOCKS,
         2,
         '' if rights else 'no righting moment; a controller must stabilise it',
     )
     # Periods and lean exist only with a positive righting moment
     if not rights:
         return
-    for about in SWINGS:
+    for about in SWING_NAMES:
         yield from _derive_swing_figures(vehicle, about)
     yield from _derive_lean_figure(vehicle, pitch.stiffness)
     yield from _derive_tumble_figure(vehicle)
@@ -143,7 +143,7 @@ def _derive_swing_figures(
     mode = compute_pendulum_mode(vehicle, about)
     rule = 'righting moment, inertia and added mass of the free vehicle'
     words = f'period of the {about} oscillation'
-    yield DerivedFigure(f'swing_{about}', STABILITY, words, mode.period, 's', rule, ALL, 2)
+    yield DerivedFigure(f'swing_{about}', STABILITY, words, mode.period, 's', rule, ALL_BLOCKS, 2)
     damping, note = mode.damping_ratio, 'no drag is given in the vehicle file'
     if mode.half_amplitude_time is not None:
         note = (
@@ -153,7 +153,7 @@ def _derive_swing_figures(
     share = None if damping is None else 100.0 * damping
     rule, words = 'rotational drag, linearised at 5°', f'damping ratio in {about}'
     yield DerivedFigure(
-        f'damping_{about}', STABILITY, words, share, '%', rule, (*ALL, 'aero'), 1, note
+        f'damping_{about}', STABILITY, words, share, '%', rule, (*ALL_BLOCKS, 'aero'), 1, note
     )
 
 
@@ -171,7 +171,7 @@ def _derive_lean_figure(vehicle: Vehicle, stiffness: float) -> Iterator[DerivedF
         lean,
         '°',
         'pitching moment of the rotors against the righting moment',
-        (*ALL, *CARRIED),
+        (*ALL_BLOCKS, *CARRIED_BLOCKS),
         note=''
         if lean is not None
         else f'the moment of the rotors is {share:.1f} times the largest righting moment',
@@ -200,7 +200,7 @@ def _derive_tumble_figure(vehicle: Vehicle) -> Iterator[DerivedFigure]:
         tumble,
         'm/s',
         'Munk moment against the righting moment, without drag',
-        ALL,
+        ALL_BLOCKS,
         2,
         note,
     )

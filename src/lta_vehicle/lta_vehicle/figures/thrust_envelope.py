@@ -18,12 +18,12 @@ from lta_vehicle.figures.wrench_limit import (
     WrenchLimit,
 )
 
-ROTORS, SPEED = 'Rotors', 'Speed'
-THRUST = ('rotors', 'thrust_curve', 'aero.thrust_allocation', 'aero.coupling')
-CARRIED = (*THRUST, 'trim')
+ROTOR_GROUP, SPEED_GROUP = 'Rotors', 'Speed'
+THRUST_BLOCKS = ('rotors', 'thrust_curve', 'aero.thrust_allocation', 'aero.coupling')
+CARRIED_BLOCKS = (*THRUST_BLOCKS, 'trim')
 DRAG = ('aero.linear_drag', 'aero.quadratic_drag')
 RULE = 'largest force or moment while the other axes are held (linear programme)'
-AXES = {
+AXIS_TITLES = {
     'up': 'up, beyond hover',
     'down': 'down',
     'forward': 'forward',
@@ -31,7 +31,7 @@ AXES = {
     'left': 'to the left',
     'right': 'to the right',
 }
-CLIMB = 1.0  # m
+CLIMB_DISTANCE = 1.0  # m
 
 
 def compute_or_explain(compute: Callable[[], float]) -> tuple[float | None, str]:
@@ -58,26 +58,26 @@ def derive_rotor_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
     duty, why = compute_or_explain(lambda: vehicle.hover_duty)
     yield DerivedFigure(
         'hover_duty',
-        ROTORS,
+        ROTOR_GROUP,
         'hover duty',
         None if duty is None else 100.0 * duty,
         '%',
         'thrust curve and thrust allocation of the lifting rotors',
-        CARRIED,
+        CARRIED_BLOCKS,
         note=why,
     )
     if duty is not None:
         yield from _derive_hover_figures(vehicle)
-    for direction, words in AXES.items():
+    for direction, words in AXIS_TITLES.items():
         most, note = _force_margin(vehicle, direction)
         yield DerivedFigure(
             f'push_{direction}',
-            ROTORS,
+            ROTOR_GROUP,
             f'largest thrust {words}',
             None if most is None else 1e3 * most,
             'mN',
             RULE,
-            CARRIED,
+            CARRIED_BLOCKS,
             0,
             note,
         )
@@ -85,12 +85,12 @@ def derive_rotor_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
         most, note = _turn_margin(vehicle, direction)
         yield DerivedFigure(
             f'push_{direction}',
-            ROTORS,
+            ROTOR_GROUP,
             direction.replace('turn_', 'largest yaw moment to the '),
             None if most is None else 1e3 * most,
             'mN m',
             RULE,
-            CARRIED,
+            CARRIED_BLOCKS,
             1,
             note,
         )
@@ -99,10 +99,10 @@ def derive_rotor_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
 def _derive_hover_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
     thrust, count = hover_thrust(vehicle)
     power = power_demand(vehicle.loads, [thrust] * count, transmitting=False)
-    cell = ('energy', *CARRIED)
+    cell = ('energy', *CARRIED_BLOCKS)
     yield DerivedFigure(
         'hover_power',
-        ROTORS,
+        ROTOR_GROUP,
         'power in hover',
         power,
         'W',
@@ -114,7 +114,7 @@ def _derive_hover_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
     energy = vehicle.file.energy.battery.capacity.si * NOMINAL
     yield DerivedFigure(
         'hover_time',
-        ROTORS,
+        ROTOR_GROUP,
         'hover time on a full battery',
         energy / power / 60.0,
         'min',
@@ -190,12 +190,12 @@ def derive_speed_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
         )
     yield DerivedFigure(
         'level_speed',
-        SPEED,
+        SPEED_GROUP,
         'top speed in level flight',
         level,
         'm/s',
         'forward thrust against drag, or where the hull rises',
-        (*CARRIED, *DRAG),
+        (*CARRIED_BLOCKS, *DRAG),
         2,
         why,
     )
@@ -208,12 +208,12 @@ def derive_speed_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
     rate = terminal_speed(most.most, rotational['yaw'], rotational['yaw_2']) if most else None
     yield DerivedFigure(
         'yaw_rate',
-        SPEED,
+        SPEED_GROUP,
         'top yaw rate',
         None if rate is None else DEGREES * rate,
         '°/s',
         'yaw moment against damping',
-        (*THRUST, *DRAG),
+        (*THRUST_BLOCKS, *DRAG),
         0,
         'no damping in yaw is given in the vehicle file' if rate is None else note,
     )
@@ -230,18 +230,18 @@ def _derive_climb_figures(
         lost = 'no drag along z is given in the aero block' if linear + quadratic <= 0.0 else ''
         yield DerivedFigure(
             'climb_speed',
-            SPEED,
+            SPEED_GROUP,
             'top climb rate',
             terminal_speed(spare, linear, quadratic),
             'm/s',
             'upward thrust against drag',
-            (*CARRIED, *DRAG),
+            (*CARRIED_BLOCKS, *DRAG),
             2,
             lost,
         )
         yield DerivedFigure(
             'sink_speed',
-            SPEED,
+            SPEED_GROUP,
             'sink rate with the rotors off',
             terminal_speed(weight, linear, quadratic),
             'm/s',
@@ -252,11 +252,13 @@ def _derive_climb_figures(
         )
     yield DerivedFigure(
         'climb_time',
-        SPEED,
-        f'time to climb {CLIMB:g} m from rest',
-        time_to_climb(CLIMB, spare, vehicle.mass + vehicle.added_mass[2], linear, quadratic),
+        SPEED_GROUP,
+        f'time to climb {CLIMB_DISTANCE:g} m from rest',
+        time_to_climb(
+            CLIMB_DISTANCE, spare, vehicle.mass + vehicle.added_mass[2], linear, quadratic
+        ),
         's',
         'upward thrust, drag, mass and added mass',
-        (*CARRIED, *DRAG, 'layers'),
+        (*CARRIED_BLOCKS, *DRAG, 'layers'),
         note='' if spare > 0.0 else 'it cannot climb',
     )

@@ -27,8 +27,8 @@ from numpy.typing import NDArray
 from scipy.optimize import linprog
 
 Array = NDArray[np.float64]
-HELD = (0, 1, 2, 5)  # surge, sway, heave and yaw
-DIRECTIONS = {
+HELD_AXES = (0, 1, 2, 5)  # surge, sway, heave and yaw
+WRENCH_DIRECTIONS = {
     'up': (2, 1.0),
     'down': (2, -1.0),
     'forward': (0, 1.0),
@@ -56,16 +56,16 @@ def solve_wrench_limit(
     """
     Return the limit in one direction; None if no thrusts hold the other axes.
 
-    `direction`: a key of `DIRECTIONS`. `hold`: whether altitude must be held (unless the direction
-    is up or down). `stay`: whether surge and sway must be zero.
+    `direction`: a key of `WRENCH_DIRECTIONS`. `hold`: whether altitude must be held (unless the
+    direction is up or down). `stay`: whether surge and sway must be zero.
     """
-    axis, sign = DIRECTIONS[direction]
+    axis, sign = WRENCH_DIRECTIONS[direction]
     wrench, tops = _wrench_columns(vehicle)
     below = _coupling_constraints(vehicle, len(tops))
     weight = vehicle.heaviness * STANDARD_GRAVITY
     # Axes without an equality constraint
     free = (axis, *(() if hold else (2,)), *(() if stay else (0, 1)))
-    rows = [k for k in HELD if k not in free]
+    rows = [k for k in HELD_AXES if k not in free]
     solution = linprog(
         # `linprog` minimises, hence the minus
         -sign * wrench[axis],
@@ -114,8 +114,8 @@ def _coupling_constraints(vehicle: Vehicle, count: int) -> Array:
     return np.array(rows)
 
 
-STEP = 0.005  # s; the shortest of these climbs last about 1 s
-LONGEST = 600.0  # s; a slower climb is reported as none
+CLIMB_STEP = 0.005  # s; the shortest of these climbs last about 1 s
+LONGEST_CLIMB = 600.0  # s; a slower climb is reported as none
 
 
 def time_to_climb(
@@ -143,17 +143,17 @@ def time_to_climb(
         return (force - (linear + quadratic * abs(speed)) * speed) / mass
 
     z, v, t = 0.0, 0.0, 0.0
-    while t < LONGEST:
+    while t < LONGEST_CLIMB:
         a = acceleration(v)
-        b = acceleration(v + 0.5 * STEP * a)
-        c = acceleration(v + 0.5 * STEP * b)
-        d = acceleration(v + STEP * c)
+        b = acceleration(v + 0.5 * CLIMB_STEP * a)
+        c = acceleration(v + 0.5 * CLIMB_STEP * b)
+        d = acceleration(v + CLIMB_STEP * c)
         # Position update of RK4 for a second-order equation whose force depends on the speed only
-        rise = STEP * (v + STEP * (a + b + c) / 6.0)
+        rise = CLIMB_STEP * (v + CLIMB_STEP * (a + b + c) / 6.0)
         if z + rise >= height:
             # Interpolate linearly within the last step
-            return t + STEP * (height - z) / rise
-        z, v, t = z + rise, v + STEP * (a + 2.0 * b + 2.0 * c + d) / 6.0, t + STEP
+            return t + CLIMB_STEP * (height - z) / rise
+        z, v, t = z + rise, v + CLIMB_STEP * (a + 2.0 * b + 2.0 * c + d) / 6.0, t + CLIMB_STEP
     return None
 
 

@@ -11,13 +11,13 @@ from lta_vehicle.views.projection import RotorArrow, Two, VIEWS
 from lta_vehicle.views.three_views import draw_rotor
 
 FRONT: Final = VIEWS[1]
-WIDTH: Final = 660.0  # px; of the whole drawing
-WIDE, TALL = 400.0, 260.0  # px; limits of the enlarged part
-LEFT, TOP, BELOW = 40.0, 64.0, 26.0  # px; margins
-HEAD: Final = 28.0  # px for the title
-LINE: Final = 19.0  # px from one label to the next
-LARGEST: Final = 0.75  # of the hull's width; wider parts are large enough in the three views
-COLOURS: Final = len(TIME)
+GONDOLA_WIDTH: Final = 660.0  # px; of the whole drawing
+MOST_WIDTH, MOST_HEIGHT = 400.0, 260.0  # px; limits of the enlarged part
+LEFT_MARGIN, TOP_MARGIN, LOWER_MARGIN = 40.0, 64.0, 26.0  # px; margins
+TITLE_HEIGHT: Final = 28.0  # px for the title
+LABEL_DISTANCE: Final = 19.0  # px from one label to the next
+LARGEST_WIDTH: Final = 0.75  # of the hull's width; wider parts are large enough in the three views
+LAYER_COLOUR_COUNT: Final = len(TIME)
 
 
 @final
@@ -58,28 +58,31 @@ def draw_gondola(vehicle: Vehicle) -> str:
     ]
     low, high = _bounding_box(boxes, [rotor.at for rotor in rotors])
     # Parts nearly as wide as the hull are legible in the three views already
-    if high[0] - low[0] > 2.0 * LARGEST * half[1]:
+    if high[0] - low[0] > 2.0 * LARGEST_WIDTH * half[1]:
         return ''
-    scale = min(WIDE / (high[0] - low[0]), TALL / max(high[1] - low[1], 1e-3))
-    height = max((high[1] - low[1]) * scale, LINE * len(layers)) + TOP + BELOW
+    scale = min(MOST_WIDTH / (high[0] - low[0]), MOST_HEIGHT / max(high[1] - low[1], 1e-3))
+    height = (
+        max((high[1] - low[1]) * scale, LABEL_DISTANCE * len(layers)) + TOP_MARGIN + LOWER_MARGIN
+    )
 
     def to_pixels(place: Sequence[float]) -> Two:
-        return LEFT + (place[0] - low[0]) * scale, TOP + (high[1] - place[1]) * scale
+        return LEFT_MARGIN + (place[0] - low[0]) * scale, TOP_MARGIN + (high[1] - place[1]) * scale
 
     edge = to_pixels(high)[0]
     body = [
         # A nested SVG clips the hull, which is larger than the picture
-        f'<svg x="0" y="{HEAD}" width="{edge + LEFT:.0f}" height="{height - HEAD:.0f}">',
+        f'<svg x="0" y="{TITLE_HEIGHT}" width="{edge + LEFT_MARGIN:.0f}" '
+        f'height="{height - TITLE_HEIGHT:.0f}">',
         _draw_hull(to_pixels((0.0, 0.0)), half[1] * scale, half[2] * scale),
         '</svg>',
         # Large parts first, so that they do not hide small ones
         *(_draw_part(box, to_pixels, scale) for box in sorted(boxes, key=_box_area, reverse=True)),
         *(line for rotor in rotors for line in draw_rotor(rotor, *to_pixels(rotor.at))),
-        *_draw_labels(layers, to_pixels, edge + LEFT),
+        *_draw_labels(layers, to_pixels, edge + LEFT_MARGIN),
         '<text class="of" x="4" y="16">Below the hull, from ahead, enlarged</text>',
     ]
     return (
-        f'<svg class="views detail" viewBox="0 0 {WIDTH:.0f} {height:.0f}" role="img" '
+        f'<svg class="views detail" viewBox="0 0 {GONDOLA_WIDTH:.0f} {height:.0f}" role="img" '
         f'aria-label="Layers below the hull, enlarged.">{"".join(body)}</svg>'
     )
 
@@ -96,7 +99,7 @@ def _collect_parts(vehicle: Vehicle) -> tuple[list[GondolaPart], list[GondolaLab
         ]
         if not own:
             continue
-        colour = len(layers) % COLOURS
+        colour = len(layers) % LAYER_COLOUR_COUNT
         mass = sum(part.mass.si for _, part, _, _ in own)
         for label, part, middle, size in own:
             half = (0.5 * size[0], 0.5 * size[1])
@@ -110,7 +113,7 @@ def _collect_parts(vehicle: Vehicle) -> tuple[list[GondolaPart], list[GondolaLab
         layers.append(GondolaLabel(words, (end, depth), colour))
     place = vehicle.file.trim.ballast_position
     if place is not None and place.vector[2] < 0.0 and boxes:
-        middle, colour = FRONT.project(place.vector), len(layers) % COLOURS
+        middle, colour = FRONT.project(place.vector), len(layers) % LAYER_COLOUR_COUNT
         # Ballast has no size in the file; draw 2 cm by 6 mm
         boxes.append(GondolaPart(middle, (0.01, 0.003), colour, 'ballast'))
         words = f'ballast  {1e3 * vehicle.ballast_mass:.1f} g'
@@ -131,7 +134,7 @@ def _box_area(box: GondolaPart) -> float:
 
 
 def _draw_hull(middle: Two, wide: float, tall: float) -> str:
-    x, y = middle[0], middle[1] - HEAD
+    x, y = middle[0], middle[1] - TITLE_HEIGHT
     return f'<ellipse class="hull" cx="{x:.1f}" cy="{y:.1f}" rx="{wide:.1f}" ry="{tall:.1f}"/>'
 
 
@@ -151,9 +154,9 @@ def _draw_labels(layers: Sequence[GondolaLabel], at: object, x: float) -> Iterat
     ends = [at(layer.at) for layer in ordered]  # type: ignore[operator]
     middle = sum(end[1] for end in ends) / len(ends)
     # Centre the block of labels on the parts, but keep it below the title
-    first = max(middle - 0.5 * LINE * (len(ends) - 1), 30.0)
+    first = max(middle - 0.5 * LABEL_DISTANCE * (len(ends) - 1), 30.0)
     for k, (layer, (p, q)) in enumerate(zip(ordered, ends, strict=True)):
-        y = first + LINE * k
+        y = first + LABEL_DISTANCE * k
         yield f'<path class="leader layer{layer.colour}" d="M{p:.1f} {q:.1f}'
         yield f'L{x - 14:.1f} {y:.1f}H{x - 2:.1f}"/>'
         yield f'<text x="{x + 3:.1f}" y="{y + 4:.1f}">{escape(layer.words)}</text>'

@@ -23,8 +23,8 @@ from lta_vehicle.views.gondola import draw_gondola
 from lta_vehicle.views.sheet_summary import describe_vehicle, encode_sheet, format_headline
 from lta_vehicle.views.three_views import draw_three_views
 
-COLOURS: Final = {'cg': ESTIMATE, 'lift': TRUTH, 'push': GOOD, 'film': FILL}
-TILES: Final = (
+DRAWING_COLOURS: Final = {'cg': ESTIMATE, 'lift': TRUTH, 'push': GOOD, 'film': FILL}
+SHEET_TILES: Final = (
     ('heaviness', 'Heavier than air'), ('ballast', 'Ballast to add'),
     ('hover_duty', 'Hover duty'),
     ('push_up', 'Spare thrust up'), ('level_speed', 'Top speed in level flight'),
@@ -81,7 +81,7 @@ def build_report(
 
 def render_drawing(sheet: VehicleSheet) -> str:
     """Return the figure with the views, and the colours of its parts in both themes."""
-    colours = COLOURS | {f'l{k}': colour for k, colour in enumerate(TIME)}
+    colours = DRAWING_COLOURS | {f'l{k}': colour for k, colour in enumerate(TIME)}
     views = draw_three_views(sheet.vehicle, pressure_center_offset(sheet))
     return (
         f'{render_colors(colours)}<figure class="panel" id="views" aria-labelledby="title-views">'
@@ -112,7 +112,7 @@ def pressure_center_offset(sheet: VehicleSheet) -> float:
 def build_tiles(figures: Mapping[str, DerivedFigure]) -> list[Tile]:
     """Return the tiles of the most important figures."""
     tiles = []
-    for key, words in TILES:
+    for key, words in SHEET_TILES:
         figure = figures.get(key)
         if figure is None:
             continue

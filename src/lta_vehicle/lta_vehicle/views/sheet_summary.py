@@ -6,7 +6,7 @@ import math
 from lta_report.report import Report, TextTable
 from lta_report.report_terminal import print_report, print_table
 from lta_vehicle.difference import FigureChange, VehicleDifference
-from lta_vehicle.figures.figure import DerivedFigure, MISSING
+from lta_vehicle.figures.figure import DerivedFigure, MISSING_FIGURE
 from lta_vehicle.figures.sheet import VehicleFileEntry, VehicleSheet
 from lta_vehicle.views.side_view import draw_side_view
 from rich.console import Console
@@ -14,7 +14,7 @@ from rich.table import Table
 from rich.text import Text
 
 MINUS = '\N{MINUS SIGN}'
-MANY = ('no', 'one', 'two', 'three', 'four', 'five', 'six', 'seven', 'eight')
+NUMBER_WORDS = ('no', 'one', 'two', 'three', 'four', 'five', 'six', 'seven', 'eight')
 
 
 def format_headline(sheet: VehicleSheet) -> str:
@@ -78,7 +78,7 @@ def _format_side(figure: DerivedFigure, positive: str, negative: str) -> str:
 def _describe_push(sheet: VehicleSheet) -> Iterator[str]:
     f = sheet.by_key
     up, rotors = f['push_up'], len(sheet.vehicle.rotors)
-    count = MANY[rotors] if rotors < len(MANY) else str(rotors)
+    count = NUMBER_WORDS[rotors] if rotors < len(NUMBER_WORDS) else str(rotors)
     if up.value is not None and up.note:
         able = up.note if up.note.startswith('could') else f'is {up.note}'
         yield f'With its {count} rotor{"s" if rotors != 1 else ""} it {able}.'
@@ -127,17 +127,17 @@ def _describe_helium(sheet: VehicleSheet) -> Iterator[str]:
 
 
 GUESS = 'yellow'
-PICTURE = 46  # characters
+PICTURE_WIDTH = 46  # characters
 
 
 def show_sheet(sheet: VehicleSheet, report: Report, console: Console) -> None:
     """Print a drawing of a vehicle beside its description, then the tables of its report."""
-    picture = draw_side_view(sheet, PICTURE)
+    picture = draw_side_view(sheet, PICTURE_WIDTH)
     words = Text('\n'.join(f'• {line}' for line in describe_vehicle(sheet)))
     # The sentences need about 44 characters beside the picture; otherwise put them below
-    if console.width >= PICTURE + 44:
+    if console.width >= PICTURE_WIDTH + 44:
         table = Table.grid(padding=(0, 3))
-        table.add_column(no_wrap=True, width=PICTURE)
+        table.add_column(no_wrap=True, width=PICTURE_WIDTH)
         table.add_column()
         table.add_row(picture, words)
         console.print(table)
@@ -166,7 +166,8 @@ def show_difference(
         before, after = change.before, change.after
         source = after.source if after else 'removed'
         rows.append((
-            change.place, before.value if before else MISSING, after.value if after else MISSING,
+            change.place, before.value if before else MISSING_FIGURE, after.value if after else
+            MISSING_FIGURE,
             source,
         ))  # fmt: skip
         sources += [source] if after is not None and after.is_assumed else []
@@ -192,7 +193,10 @@ def show_difference(
 
 def format_figure_change(item: FigureChange) -> tuple[str, str, str, str]:
     """Return label, value before and after, and change of a figure."""
-    texts = [figure.value_with_unit if figure else MISSING for figure in (item.before, item.after)]
+    texts = [
+        figure.value_with_unit if figure else MISSING_FIGURE
+        for figure in (item.before, item.after)
+    ]
     return item.figure.words, texts[0], texts[1], format_change(item)
 
 

@@ -12,7 +12,7 @@ import plotext
 from rich.text import Text
 
 ARROWS: Final = '→↗↑↖←↙↓↘'
-COLOURS: Final = {'G': 'red', 'B': 'blue'}
+MARK_COLOURS: Final = {'G': 'red', 'B': 'blue'}
 TALLEST: Final = 24  # characters
 
 Array = NDArray[np.float64]
@@ -63,14 +63,14 @@ def draw_side_view(sheet: VehicleSheet, width: int) -> Text:
             draw_letter(across + 4 * math.cos(turn), up + 5 * math.sin(turn), arrow, 'green')
     for mark in reversed(projection.marks):  # the first stays on top
         # The second letter of CG and CB
-        if (letter := mark.letters[1:2].upper()) in COLOURS:
-            draw_letter(*to_dots(mark.at), letter, COLOURS[letter])
+        if (letter := mark.letters[1:2].upper()) in MARK_COLOURS:
+            draw_letter(*to_dots(mark.at), letter, MARK_COLOURS[letter])
     picture = Text.from_ansi(str(figure.build()))
     picture.append('side view, nose right: ', 'dim')
-    picture.append('G', f'bold {COLOURS["G"]}')
+    picture.append('G', f'bold {MARK_COLOURS["G"]}')
     picture.append(' gravity, ', 'dim')
     if sheet.vehicle.file.hull.shape != 'none':
-        picture.append('B', f'bold {COLOURS["B"]}')
+        picture.append('B', f'bold {MARK_COLOURS["B"]}')
         picture.append(' buoyancy', 'dim')
     return picture
 

@@ -15,9 +15,13 @@ from lta_vehicle.views.projection import (
     ViewShapes,
 )
 
-WIDTH: Final = 640.0  # px; of side and front view together
-GAP, TITLE, MARGIN = 64.0, 26.0, 34.0  # px
-ARROW, DISC, HEAD = 34.0, 11.0, 7.0  # px: thrust at full length, half a rotor, its arrow head
+VIEWS_WIDTH: Final = 640.0  # px; of side and front view together
+VIEW_GAP, VIEW_TITLE, VIEW_MARGIN = 64.0, 26.0, 34.0  # px
+ARROW, DISC_RADIUS, ARROW_HEAD = (
+    34.0,
+    11.0,
+    7.0,
+)  # px: thrust at full length, half a rotor, its arrow head
 CLOSE: Final = (60.0, 15.0)  # px, horizontal and vertical; letters of closer marks would touch
 LETTERS: Final = (  # px; offset of the letters, by the number of marks already close by
     (-11.0, 4.0, 'end'),
@@ -25,8 +29,8 @@ LETTERS: Final = (  # px; offset of the letters, by the number of marks already 
     (0.0, 19.0, 'middle'),
     (0.0, 34.0, 'middle'),
 )
-LEGEND, KEYS = 214.0, 260.0  # px; height and width of the legend
-NICE: Final = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)  # m; lengths of the scale bar
+LEGEND_HEIGHT, LEGEND_WIDTH = 214.0, 260.0  # px; height and width of the legend
+BAR_LENGTHS: Final = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)  # m; lengths of the scale bar
 
 
 def draw_three_views(vehicle: Vehicle, pressure: float) -> str:
@@ -39,16 +43,16 @@ def draw_three_views(vehicle: Vehicle, pressure: float) -> str:
     wide, deep, high = _view_span(side, 0), _view_span(front, 0), _view_span(side, 1)
     tall = _view_span(top, 1)
     # One scale for all views: side and front view share the first row
-    scale = (WIDTH - 4.0 * MARGIN) / (wide + deep)
-    x2 = wide * scale + 2.0 * MARGIN + GAP
-    y2 = TITLE + high * scale + 2.0 * MARGIN + GAP / 2
-    height = y2 + TITLE + max(tall * scale + 2.0 * MARGIN, LEGEND)
-    width = x2 + max(deep * scale + 2.0 * MARGIN, MARGIN + KEYS)
+    scale = (VIEWS_WIDTH - 4.0 * VIEW_MARGIN) / (wide + deep)
+    x2 = wide * scale + 2.0 * VIEW_MARGIN + VIEW_GAP
+    y2 = VIEW_TITLE + high * scale + 2.0 * VIEW_MARGIN + VIEW_GAP / 2
+    height = y2 + VIEW_TITLE + max(tall * scale + 2.0 * VIEW_MARGIN, LEGEND_HEIGHT)
+    width = x2 + max(deep * scale + 2.0 * VIEW_MARGIN, VIEW_MARGIN + LEGEND_WIDTH)
     body = [
-        *_draw_view(side, MARGIN, TITLE + MARGIN, scale),
-        *_draw_view(front, x2 + MARGIN, TITLE + MARGIN, scale),
-        *_draw_view(top, MARGIN, y2 + TITLE + MARGIN, scale),
-        *_draw_legend(x2 + MARGIN, y2 + TITLE + 10.0, scale, bool(side.hull)),
+        *_draw_view(side, VIEW_MARGIN, VIEW_TITLE + VIEW_MARGIN, scale),
+        *_draw_view(front, x2 + VIEW_MARGIN, VIEW_TITLE + VIEW_MARGIN, scale),
+        *_draw_view(top, VIEW_MARGIN, y2 + VIEW_TITLE + VIEW_MARGIN, scale),
+        *_draw_legend(x2 + VIEW_MARGIN, y2 + VIEW_TITLE + 10.0, scale, bool(side.hull)),
     ]
     words = escape(f'Side, front and top view of {vehicle.file.name}.')
     return (
@@ -69,7 +73,7 @@ def _draw_view(shapes: ViewShapes, left: float, top: float, scale: float) -> Ite
     def to_pixels(place: Sequence[float]) -> tuple[float, float]:
         return left + (place[0] - low[0]) * scale, top + (high[1] - place[1]) * scale
 
-    yield f'<g><text class="of" x="{left - MARGIN + 4:.1f}" y="{top - MARGIN - 6:.1f}">'
+    yield f'<g><text class="of" x="{left - VIEW_MARGIN + 4:.1f}" y="{top - VIEW_MARGIN - 6:.1f}">'
     yield f'{escape(shapes.view.title)}</text>'
     if shapes.hull:
         yield _draw_outline(shapes.hull, to_pixels, scale, 'hull')
@@ -115,11 +119,11 @@ def draw_rotor(rotor: RotorArrow, x: float, y: float) -> Iterator[str]:
     seen = math.hypot(p, q)
     kind = ' both' if rotor.reversible else ''
     yield f'<g class="rotor{kind}"><title>{escape(rotor.name.replace("_", " "))}</title>'
-    flat = DISC * abs(rotor.towards)  # a disc seen at an angle is an ellipse
+    flat = DISC_RADIUS * abs(rotor.towards)  # a disc seen at an angle is an ellipse
     turn = math.degrees(math.atan2(q, p)) if seen > 1e-6 else 0.0
     yield (
         f'<ellipse class="disc" cx="{x:.1f}" cy="{y:.1f}" rx="{max(flat, 1.3):.1f}" '
-        f'ry="{DISC:.1f}" transform="rotate({turn:.1f} {x:.1f} {y:.1f})"/>'
+        f'ry="{DISC_RADIUS:.1f}" transform="rotate({turn:.1f} {x:.1f} {y:.1f})"/>'
     )
     # A shorter projected axis has no visible arrow; it is drawn as a ring or a cross
     if seen > 0.15:
@@ -130,7 +134,7 @@ def draw_rotor(rotor: RotorArrow, x: float, y: float) -> Iterator[str]:
     elif rotor.towards > 0.0:
         yield f'<circle class="tip" cx="{x:.1f}" cy="{y:.1f}" r="2.6"/>'
     else:
-        r = 0.6 * DISC
+        r = 0.6 * DISC_RADIUS
         yield (
             f'<path class="shaft" d="M{x - r:.1f} {y - r:.1f}L{x + r:.1f} {y + r:.1f}'
             f'M{x - r:.1f} {y + r:.1f}L{x + r:.1f} {y - r:.1f}"/>'
@@ -142,8 +146,8 @@ def _draw_arrow(x: float, y: float, p: float, q: float) -> str:
     length = math.hypot(p, q)
     p, q = p / length, q / length
     tip = (x + p * length, y + q * length)
-    neck = (tip[0] - p * HEAD, tip[1] - q * HEAD)
-    half = 0.45 * HEAD
+    neck = (tip[0] - p * ARROW_HEAD, tip[1] - q * ARROW_HEAD)
+    half = 0.45 * ARROW_HEAD
     return (
         f'<path class="shaft" d="M{x:.1f} {y:.1f}L{neck[0]:.1f} {neck[1]:.1f}"/>'
         f'<path class="tip" d="M{tip[0]:.1f} {tip[1]:.1f}L{neck[0] - q * half:.1f} '
@@ -196,7 +200,7 @@ def _draw_legend(x: float, y: float, scale: float, hull: bool) -> Iterator[str]:
     yield f'<circle class="tip" cx="{x + 8}" cy="{z + 24}" r="2.4"/></g>'
     yield f'<text class="key" x="{x + 26:.1f}" y="{z + 28:.1f}">towards you; crossed: away</text>'
     # The longest round length that fits 160 px
-    bar = max(step for step in NICE if step * scale <= 160.0 or step == NICE[0])
+    bar = max(step for step in BAR_LENGTHS if step * scale <= 160.0 or step == BAR_LENGTHS[0])
     end = x + bar * scale
     name = f'{bar:g} m' if bar >= 1.0 else f'{100 * bar:g} cm'
     yield f'<path class="bar-line" d="M{x:.1f} {z + 52}v8H{end:.1f}v-8"/>'

@@ -13,12 +13,16 @@ from lta_vehicle.views.projection import Two
 
 # Inputs of the light board in the order of the diodes (firmware/light_board/teensy41)
 PINS: Final = tuple(f'A{i}' for i in range(8))
-WIDTH, HEIGHT = 940.0, 600.0  # px
+WIRING_WIDTH, WIRING_HEIGHT = 940.0, 600.0  # px
 RING: Final = (195.0, 186.0, 95.0)  # px: centre of the diode ring and its radius
-MOTORS: Final = (195.0, 478.0, 80.0)  # px: centre of the motors, and how far off they are drawn
-BOX: Final = (134.0, 48.0)  # px: size of a part
-COLUMNS: Final = (470.0, 664.0, 858.0)  # px: centres of the parts
-STYLE: Final = (
+MOTOR_CIRCLE: Final = (
+    195.0,
+    478.0,
+    80.0,
+)  # px: centre of the motors, and how far off they are drawn
+PART_SIZE: Final = (134.0, 48.0)  # px: size of a part
+PART_COLUMNS: Final = (470.0, 664.0, 858.0)  # px: centres of the parts
+WIRING_STYLE: Final = (
     f'svg{{background:{PAPER}}}text{{font:12px system-ui,sans-serif;fill:{INK}}}'
     f'.head{{font-weight:600;font-size:14px}}.note{{fill:{SOFT};font-size:11px}}'
     f'.part{{fill:{GRID};stroke:{INK}}}path{{fill:none;stroke-width:2}}'
@@ -61,18 +65,19 @@ def draw_wiring(vehicle: Vehicle, crazyflie: CrazyflieFile) -> str:
         _text((390.0, 26.0), 'Supply and signals', 'head'),
         *(line for lead in leads for line in _draw_lead(lead, parts)),
         *(line for part in parts.values() for line in _draw_part(part)),
-        f'<path class="power" d="M407 {HEIGHT - 24}h24"/>',
-        _text((438.0, HEIGHT - 20.0), 'supply, with its ground'),
-        f'<path class="signal" d="M592 {HEIGHT - 24}h24"/>',
-        _text((623.0, HEIGHT - 20.0), 'signal'),
+        f'<path class="power" d="M407 {WIRING_HEIGHT - 24}h24"/>',
+        _text((438.0, WIRING_HEIGHT - 20.0), 'supply, with its ground'),
+        f'<path class="signal" d="M592 {WIRING_HEIGHT - 24}h24"/>',
+        _text((623.0, WIRING_HEIGHT - 20.0), 'signal'),
     ]
-    dark = STYLE
+    dark = WIRING_STYLE
     for light in (PAPER, INK, SOFT, GRID, ESTIMATE, TRUTH):
         dark = dark.replace(light, DARK[light])
     return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH:.0f} {HEIGHT:.0f}" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIRING_WIDTH:.0f} '
+        f'{WIRING_HEIGHT:.0f}" '
         f'role="img" aria-label="{escape(f"Wiring of {vehicle.file.name}")}">'
-        f'<style>{STYLE}@media(prefers-color-scheme:dark){{{dark}}}</style>'
+        f'<style>{WIRING_STYLE}@media(prefers-color-scheme:dark){{{dark}}}</style>'
         + '\n'.join(body)
         + '</svg>\n'
     )
@@ -80,7 +85,7 @@ def draw_wiring(vehicle: Vehicle, crazyflie: CrazyflieFile) -> str:
 
 def _list_parts(vehicle: Vehicle, has_board: bool) -> dict[str, WiringPart]:
     """Return the boxes by name, in rows from the panels down to the lamp."""
-    left, middle, right = COLUMNS
+    left, middle, right = PART_COLUMNS
     capacity = 1e3 * vehicle.file.energy.battery.capacity.si / 3600.0
     solar = {
         'panels': WiringPart('Solar panels', 'to the charger only', (left, 70.0)),
@@ -147,7 +152,7 @@ def _draw_ring() -> Iterator[str]:
 
 def _draw_motors(vehicle: Vehicle, motors: Mapping[str, str]) -> Iterator[str]:
     """Yield the motors seen from above: connector, rotor and direction of thrust."""
-    x, y, reach = MOTORS
+    x, y, reach = MOTOR_CIRCLE
     yield _text((20.0, y - reach - 50.0), 'Motors from above, nose up', 'head')
     farthest = max(math.hypot(*rotor.place[:2]) for rotor in vehicle.rotors) or 1.0
     taken: list[Two] = []
@@ -179,7 +184,7 @@ def _draw_lead(lead: Lead, parts: Mapping[str, WiringPart]) -> Iterator[str]:
     if y1 == y2:
         # Supply and signal between the same two parts run side by side
         y = y1 - 10.0 if lead.kind == 'power' else y1 + 10.0
-        low, high = min(x1, x2) + 0.5 * BOX[0], max(x1, x2) - 0.5 * BOX[0]
+        low, high = min(x1, x2) + 0.5 * PART_SIZE[0], max(x1, x2) - 0.5 * PART_SIZE[0]
         yield f'<path class="{lead.kind}" d="M{low} {y}H{high}"/>'
         above = y - 5.0 if lead.kind == 'power' else y + 14.0
         yield _text((0.5 * (low + high), above), lead.label, 'note', 'middle')
@@ -187,7 +192,7 @@ def _draw_lead(lead: Lead, parts: Mapping[str, WiringPart]) -> Iterator[str]:
     middle = 0.5 * (y1 + y2)
     yield (
         f'<path class="{lead.kind}" '
-        f'd="M{x1} {y1 + 0.5 * BOX[1]}V{middle}H{x2}V{y2 - 0.5 * BOX[1]}"/>'
+        f'd="M{x1} {y1 + 0.5 * PART_SIZE[1]}V{middle}H{x2}V{y2 - 0.5 * PART_SIZE[1]}"/>'
     )
     yield _text((0.5 * (x1 + x2), middle - 5.0), lead.label, 'note', 'middle')
 
@@ -196,8 +201,9 @@ def _draw_part(part: WiringPart) -> Iterator[str]:
     """Yield a box with its two lines of text."""
     x, y = part.at
     yield (
-        f'<rect class="part" x="{x - 0.5 * BOX[0]}" y="{y - 0.5 * BOX[1]}" width="{BOX[0]}" '
-        f'height="{BOX[1]}" rx="6"/>'
+        f'<rect class="part" x="{x - 0.5 * PART_SIZE[0]}" y="{y - 0.5 * PART_SIZE[1]}" '
+        f'width="{PART_SIZE[0]}" '
+        f'height="{PART_SIZE[1]}" rx="6"/>'
     )
     yield _text((x, y - 3.0), part.name, anchor='middle')
     yield _text((x, y + 13.0), part.note, 'note', 'middle')

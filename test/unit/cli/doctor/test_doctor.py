@@ -32,7 +32,7 @@ def test_a_check_that_crashes_is_a_result(monkeypatch):
     def crash():
         raise KeyError('MemAvailable')
 
-    monkeypatch.setattr(doctor, 'CHECKS', {'memory': crash})
+    monkeypatch.setattr(doctor, 'MACHINE_CHECKS', {'memory': crash})
     (check,) = doctor.run_checks()
     assert (check.name, check.state) == ('memory', 'fail')
     assert 'MemAvailable' in check.found
@@ -112,7 +112,7 @@ def test_a_library_that_ends_the_process_does_not_end_the_doctor(monkeypatch, tm
 def test_packages_are_looked_up_in_the_ament_index(monkeypatch, tmp_path):
     index = tmp_path / 'share/ament_index/resource_index/packages'
     index.mkdir(parents=True)
-    for name in software.PACKAGES:
+    for name in software.OWN_PACKAGES:
         (index / f'lta_{name}').touch()
     monkeypatch.setenv('AMENT_PREFIX_PATH', f'/nowhere:{tmp_path}')
     assert software.check_workspace_packages().state == 'ok'

@@ -5,7 +5,7 @@ import re
 from lta_data.bag import open_flight
 from lta_flight.report import light_panels
 from lta_flight.report.light_panels import select_sample_blocks
-from lta_flight.report.panels import PANELS
+from lta_flight.report.panels import FLIGHT_PANELS
 from lta_flight.report.path import assign_shades, select_per_period
 from lta_flight.report.room import (
     BRIGHTEST,
@@ -13,7 +13,7 @@ from lta_flight.report.room import (
     CELL,
     choose_tick_distance,
     draw_room,
-    MOST_CELLS,
+    MOST_CELLS_PER_SIDE,
 )
 from lta_flight.report.time_figure import create_time_figure
 from lta_flight.report.view import FlightView, select_primary_beacon
@@ -55,7 +55,7 @@ def test_words_can_be_read_on_both_papers(name):
     assert contrast(palette.DARK[colour], palette.DARK[palette.PAPER]) >= 4.5
 
 
-@pytest.mark.parametrize('panel', PANELS, ids=lambda panel: panel.name)
+@pytest.mark.parametrize('panel', FLIGHT_PANELS, ids=lambda panel: panel.name)
 def test_every_colour_has_its_partner_on_dark_paper(view, panel):
     drawn = panel.picture(view)
     drawn.layout.template.data = {}
@@ -71,7 +71,7 @@ def test_scales_are_ordered_by_lightness(scale, dark):
     assert shades in (sorted(shades), sorted(shades, reverse=True))
 
 
-@pytest.mark.parametrize('panel', PANELS, ids=lambda panel: panel.name)
+@pytest.mark.parametrize('panel', FLIGHT_PANELS, ids=lambda panel: panel.name)
 def test_no_line_has_more_points_than_anyone_can_see(view, panel):
     for trace in panel.picture(view).data:
         assert trace.x is None or len(trace.x) <= MOST_POINTS + 2
@@ -142,7 +142,7 @@ def test_a_hall_is_shaded_in_larger_cells():
     size = room.room.size.model_copy(update={'value': (400.0, 8.0, 3.0)})
     hall = room.model_copy(update={'room': room.room.model_copy(update={'size': size})})
     drawn = build_light_contour(hall, 0.5)
-    assert (len(drawn.x), len(drawn.y)) == (MOST_CELLS + 1, round(8 / CELL) + 1)
+    assert (len(drawn.x), len(drawn.y)) == (MOST_CELLS_PER_SIDE + 1, round(8 / CELL) + 1)
     assert (drawn.x[0], drawn.x[-1]) == (-200.0, 200.0)
 
 

@@ -11,7 +11,7 @@ from lta_config.errors import BadInput
 from lta_data.bag import open_flight
 from lta_flight.report import write_page
 from lta_flight.report.page import format_repeat_command, suggest_commands
-from lta_flight.report.panels import PANELS
+from lta_flight.report.panels import FLIGHT_PANELS
 from lta_flight.report.track import build_track
 from lta_flight.report.view import FlightView
 from lta_report import html_elements
@@ -78,7 +78,7 @@ def test_page_is_well_formed_and_every_id_is_unique(reading):
 
 
 def test_page_has_every_panel_with_figure_and_caption(reading):
-    for panel in PANELS:
+    for panel in FLIGHT_PANELS:
         assert f'panel-{panel.name}' in reading.ids
         figure = reading.data[f'figure-{panel.name}']
         Figure(figure)  # plotly itself finds it valid
@@ -119,7 +119,7 @@ def test_page_is_small_enough_to_send(written):
 
 
 def test_every_axis_has_a_title_with_unit(reading):
-    for panel in PANELS:
+    for panel in FLIGHT_PANELS:
         layout = reading.data[f'figure-{panel.name}']['layout']
         axes = {key: axis for key, axis in layout.items() if re.match('[xy]axis', key)}
         titles = [axis['title']['text'] for axis in axes.values() if 'title' in axis]
@@ -146,8 +146,10 @@ def test_page_of_the_same_bag_is_the_same(bag, written, tmp_path):
 def test_page_does_without_any_one_topic(tmp_path, missing):
     write_page(write_flight(tmp_path / 'bag', without=[missing], until=6.0), tmp_path / 'p.html')
     reading = Reading((tmp_path / 'p.html').read_text(encoding='utf-8'))
-    lost = {panel.name for panel in PANELS if missing in panel.needs}
-    assert {panel.name for panel in PANELS if f'figure-{panel.name}' not in reading.data} == lost
+    lost = {panel.name for panel in FLIGHT_PANELS if missing in panel.needs}
+    assert {
+        panel.name for panel in FLIGHT_PANELS if f'figure-{panel.name}' not in reading.data
+    } == lost
     assert reading.text.count(f'The recording has nothing on {missing}.') == len(lost)
 
 
@@ -156,13 +158,13 @@ def test_page_of_a_bag_without_anything_we_know(tmp_path):
     results = write_page(folder, tmp_path / 'p.html')
     reading = Reading((tmp_path / 'p.html').read_text(encoding='utf-8'))
     assert results.success is None
-    assert reading.text.count('The recording has nothing on') == len(PANELS)
+    assert reading.text.count('The recording has nothing on') == len(FLIGHT_PANELS)
 
 
 def test_page_without_scenario_draws_the_path_alone(tmp_path):
     write_page(write_flight(tmp_path / 'bag', until=6.0, facts={}), tmp_path / 'p.html')
     reading = Reading((tmp_path / 'p.html').read_text(encoding='utf-8'))
-    assert set(reading.data) >= {f'figure-{panel.name}' for panel in PANELS}
+    assert set(reading.data) >= {f'figure-{panel.name}' for panel in FLIGHT_PANELS}
     assert 'The recording has no scenario.' in reading.text
 
 

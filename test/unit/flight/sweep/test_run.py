@@ -14,7 +14,7 @@ import sys
 from lta_config.errors import BadInput
 from lta_config.schema.sweep_file import load_sweep
 from lta_flight.sweep import run as run_module
-from lta_flight.sweep.job_runner import build_failed_row, fly_job, STORE, store_row, SweepRow
+from lta_flight.sweep.job_runner import build_failed_row, fly_job, store_row, SWEEP_STORE, SweepRow
 from lta_flight.sweep.plan import SweepJob, SweepPlan
 from lta_flight.sweep.report import build_report
 from lta_flight.sweep.run import sweep_once, SweepRequest
@@ -100,17 +100,17 @@ def test_a_flight_that_cannot_be_flown_is_kept_with_its_reason(sweep, tmp_path):
 
 def test_a_flight_that_no_worker_finished_is_a_failed_row(tmp_path):
     job = SweepJob(2, 7, {HEAVY: {'value': 2.5, 'unit': 'g'}})
-    with StudyStore(tmp_path / 'out', STORE, 'mine') as store:
+    with StudyStore(tmp_path / 'out', SWEEP_STORE, 'mine') as store:
         assert store_row(store, job, ItemFailure('It died.')) == 'failed'
-    with StudyStore(tmp_path / 'out', STORE, 'mine') as store:
+    with StudyStore(tmp_path / 'out', SWEEP_STORE, 'mine') as store:
         assert store.results == {2: SweepRow(2, 7, {HEAVY: 0.0025}, 'failed', 'It died.')}
-    with StudyStore(tmp_path / 'out', STORE, 'mine', retry_failed=True) as store:
+    with StudyStore(tmp_path / 'out', SWEEP_STORE, 'mine', retry_failed=True) as store:
         assert 2 not in store
 
 
 def test_the_lines_of_the_store_are_the_rows(tmp_path):
     row = SweepRow(0, 1, {HEAVY: 1e-3}, 'reached', 'It did.', 0.25, {'end': 1.5, 'power': None})
-    with StudyStore(tmp_path, STORE, 'mine') as store:
+    with StudyStore(tmp_path, SWEEP_STORE, 'mine') as store:
         store.add(0, row)
     first, line = map(json.loads, (tmp_path / 'flights.jsonl').read_text().splitlines())
     assert first == {'sweep': 'mine'}
@@ -162,7 +162,7 @@ def test_a_sweep_that_is_stopped_goes_on_where_it_was(sweep, tmp_path, number):
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     try:
-        log = folder / STORE.file
+        log = folder / SWEEP_STORE.file
         wait_until(
             lambda: log.exists() and log.read_bytes().count(b'\n') >= 6, 'five flights in the log'
         )

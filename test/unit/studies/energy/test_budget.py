@@ -19,7 +19,10 @@ import numpy as np
 import pytest
 
 GTMAB = load_vehicle('gtmab')
-SHORT = {'GO': 5.0, 'SETTLED': 24.0, 'AWAY': 30.0, 'CRUISING': 35.0, 'END': 39.0}
+SHORT = {
+    'START_TIME': 5.0, 'SETTLED_PHASE': 24.0, 'BUDGET_DEPARTURE': 30.0, 'CRUISING_TIME': 35.0,
+    'FLIGHT_END': 39.0,
+}  # fmt: skip
 
 
 @pytest.fixture(scope='module')
@@ -30,7 +33,7 @@ def found(tmp_path_factory, plain_laws):
     with pytest.MonkeyPatch.context() as patch, redirect_stdout(StringIO()) as told:
         for name, value in SHORT.items():
             patch.setattr(run, name, value)
-        patch.setattr(run, 'STRATEGIES', ('bag',))
+        patch.setattr(run, 'BUDGET_STRATEGIES', ('bag',))
         patch.setattr(run, 'is_flight_over', lambda loop: loop.world.elapsed > 8.0)
         patch.setattr('sys.argv', words)
         assert run_command_line() == 0

@@ -180,8 +180,8 @@ def test_the_balloon_shades_the_far_panel_of_the_bottom_mount_by_the_tangent():
 
 
 def test_a_flight_leans_as_its_balance_says(monkeypatch):
-    monkeypatch.setattr(straight_flight, 'AWAY', 14.0)
-    monkeypatch.setattr(straight_flight, 'END', 30.0)
+    monkeypatch.setattr(straight_flight, 'MOUNTING_DEPARTURE', 14.0)
+    monkeypatch.setattr(straight_flight, 'FLIGHT_END', 30.0)
     made = build_mounted_vehicle(GTMAB, 'side', ahead=0.03)
     flown = straight_flight.fly_straight(made, 'gtmab', 1)
     assert flown.lean == pytest.approx(made.nose_down_pitch, abs=0.15 * DEGREE)
@@ -198,8 +198,8 @@ def test_a_flight_leans_as_its_balance_says(monkeypatch):
 
 
 def test_the_verb_writes_a_page_numbers_and_a_vehicle_that_reads(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(straight_flight, 'AWAY', 9.0)
-    monkeypatch.setattr(straight_flight, 'END', 11.0)
+    monkeypatch.setattr(straight_flight, 'MOUNTING_DEPARTURE', 9.0)
+    monkeypatch.setattr(straight_flight, 'FLIGHT_END', 11.0)
     folder = tmp_path / 'found'
     monkeypatch.setattr(
         'sys.argv',

@@ -13,15 +13,15 @@ from lta_report.formatting import MISSING
 from lta_report.report import TextTable
 from lta_studies.light.bearing.bench import (
     bearing_bound,
+    BEARING_PLACES,
     BearingBench,
     BearingReading,
-    BESIDE,
     build_flight_spec,
-    CLEAR,
     draw_pose,
+    LARGEST_OFF_AXIS,
     NEAREST,
-    PLACES,
     TrueDiodes,
+    WALL_DISTANCE,
 )
 from lta_studies.light.bearing.report import build_report
 from lta_studies.light.bearing.run import (
@@ -32,7 +32,11 @@ from lta_studies.light.bearing.run import (
     median_normal_error,
     score_readings,
 )
-from lta_studies.light.bearing.study import DISTANCE, list_directions, pose_for_lamp_direction
+from lta_studies.light.bearing.study import (
+    list_directions,
+    pose_for_lamp_direction,
+    STUDY_DISTANCE,
+)
 from lta_vlc.demodulation import Peaks
 from lta_vlc.direction import RAYLEIGH_SHARE
 import numpy as np
@@ -45,7 +49,7 @@ LAMP = np.array(SCENE.goal_lamp.position.vector)
 
 @pytest.fixture(scope='module')
 def bench():
-    return BearingBench(build_flight_spec(PLACES['indoor'], 'gtmab', 8))
+    return BearingBench(build_flight_spec(BEARING_PLACES['indoor'], 'gtmab', 8))
 
 
 @pytest.mark.parametrize('distance', [3.0, 6.0, None])
@@ -54,12 +58,12 @@ def test_poses_are_in_the_room_and_within_the_beam(distance):
     for _ in range(200):
         x, y, z, *_ = draw_pose(SCENE, distance, chance)
         away = math.hypot(LAMP[0] - x, LAMP[1] - y)
-        assert abs(x) <= 5.0 - CLEAR
-        assert abs(y) <= 4.0 - CLEAR
+        assert abs(x) <= 5.0 - WALL_DISTANCE
+        assert abs(y) <= 4.0 - WALL_DISTANCE
         assert 0.5 <= z <= 1.5
         assert away == pytest.approx(distance) if distance else away >= NEAREST
         # The lamp faces -x.
-        assert (LAMP[0] - x) / away >= math.cos(BESIDE) - 1e-6
+        assert (LAMP[0] - x) / away >= math.cos(LARGEST_OFF_AXIS) - 1e-6
 
 
 def test_a_distance_that_the_room_does_not_have_is_refused():
@@ -109,7 +113,7 @@ def test_the_study_turns_the_ring_and_not_the_lamp(bench, direction):
     pose = pose_for_lamp_direction(bench, direction)
     azimuth, _ = bench.true_direction(pose)
     assert math.remainder(azimuth - direction, math.tau) == pytest.approx(0.0, abs=1e-9)
-    assert math.hypot(LAMP[0] - pose[0], LAMP[1] - pose[1]) == pytest.approx(DISTANCE)
+    assert math.hypot(LAMP[0] - pose[0], LAMP[1] - pose[1]) == pytest.approx(STUDY_DISTANCE)
 
 
 def ask(**options):

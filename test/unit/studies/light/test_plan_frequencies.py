@@ -5,7 +5,7 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.errors import BadInput
-from lta_studies.light.plan.frequencies import choose_frequencies, FrequencyBand, LOWEST
+from lta_studies.light.plan.frequencies import choose_frequencies, FrequencyBand, LOWEST_FLICKER
 from lta_studies.light.plan.joint_snr import compute_crosstalk
 import numpy as np
 import pytest
@@ -40,7 +40,7 @@ def test_no_lamp_stands_in_the_window_of_another_nor_of_the_mains(band, count):
     half = band.window * band.rate / band.samples
     orders = [n for n in range(1, order + 1) if has(band, n)]
     for one in found:
-        assert LOWEST <= one <= band.rate / 2 - half
+        assert LOWEST_FLICKER <= one <= band.rate / 2 - half
         assert one * band.samples / band.rate == pytest.approx(
             round(one * band.samples / band.rate)
         )

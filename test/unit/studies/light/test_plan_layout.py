@@ -19,12 +19,12 @@ from lta_studies.light.plan.floor_plan import (
     signed_area,
 )
 from lta_studies.light.plan.layout import (
-    BEYOND,
-    DROWNED,
-    FEW,
     find_gaps,
     find_longest_route,
+    INTERFERENCE,
+    OUT_OF_REACH,
     plan_handover,
+    TOO_FEW_LAMPS,
 )
 from lta_studies.light.plan.planner import (
     coverage_demand,
@@ -65,7 +65,7 @@ def test_four_rooms_take_four_lamps_and_no_three_do():
     assert three.coverage == pytest.approx(0.75)
     (gap,) = find_gaps(three)
     assert gap.area == pytest.approx(len(three.floor.cell_centers) / 4 * 0.25)
-    assert gap.why == FEW
+    assert gap.why == TOO_FEW_LAMPS
     # Nobody flies through the racks.
     assert plan_handover(layout).edges == ()
 
@@ -82,7 +82,7 @@ def test_two_lamps_each_where_two_are_asked_for():
         axis=0,
     )
     assert layout.received_count[near > 2.0].min() == 2
-    assert {gap.why for gap in find_gaps(layout)} <= {DROWNED}
+    assert {gap.why for gap in find_gaps(layout)} <= {INTERFERENCE}
     handover = plan_handover(layout)
     assert handover.edges
     assert set(handover.edges) <= {(0, 1), (1, 0)}
@@ -105,7 +105,7 @@ def test_where_no_lamp_may_hang_is_a_gap():
     layout = laid_out(hall(obstacles=wall, forbidden={'east': rectangle(6, 0, 12, 12)}))
     assert layout.coverage == pytest.approx(0.5)
     (gap,) = find_gaps(layout)
-    assert gap.why == BEYOND
+    assert gap.why == OUT_OF_REACH
     assert gap.west >= 6.5
 
 

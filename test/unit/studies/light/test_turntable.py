@@ -7,7 +7,7 @@ from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_model.light.view import LightView
-from lta_studies.light.bearing.bench import BearingBench, build_flight_spec, PLACES
+from lta_studies.light.bearing.bench import BEARING_PLACES, BearingBench, build_flight_spec
 from lta_studies.light.bearing.study import pose_for_lamp_direction
 from lta_studies.light.turntable.turntable import (
     fit_response,
@@ -114,7 +114,7 @@ def odom(types, time, heading):
 
 @pytest.fixture
 def bench():
-    return BearingBench(build_flight_spec(PLACES['indoor'], 'gtmab', 8))
+    return BearingBench(build_flight_spec(BEARING_PLACES['indoor'], 'gtmab', 8))
 
 
 @pytest.fixture

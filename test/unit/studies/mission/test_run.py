@@ -11,7 +11,7 @@ from lta_report.study_store import StudyStore
 from lta_studies.mission import run as running
 from lta_studies.mission.flyer import AWARE, NAIVE
 from lta_studies.mission.report import format_headline
-from lta_studies.mission.run import load_request, MissionResult, run_missions, STORE
+from lta_studies.mission.run import load_request, MISSION_STORE, MissionResult, run_missions
 import pytest
 from rich.console import Console
 
@@ -78,9 +78,9 @@ def test_the_folder_of_another_mission_is_refused(tmp_path, simulated):
 
 def test_a_log_is_stored_whole(tmp_path):
     log = build_log(1)
-    with StudyStore(tmp_path, STORE, 'mine') as store:
+    with StudyStore(tmp_path, MISSION_STORE, 'mine') as store:
         store.add('a', log)
-    with StudyStore(tmp_path, STORE, 'mine') as store:
+    with StudyStore(tmp_path, MISSION_STORE, 'mine') as store:
         assert store.results['a'] == log
         assert isinstance(store.results['a'].flights[0].spent, EnergyTotals)
 

@@ -25,10 +25,10 @@ from lta_studies.platforms.run import (
     build_entries,
     fly_jobs,
     list_jobs,
+    PLATFORM_STORE,
     PlatformJob,
     replace_speeds,
     result_to_json,
-    STORE,
     summarize_flight,
 )
 from lta_studies.platforms.summary import compute_lift_margin
@@ -272,13 +272,13 @@ def test_a_flight_that_is_stored_is_not_flown_again(tmp_path):
     job = PlatformJob('platforms', 'contestant', 'gtmab', 'climb', 1)
     row = summarize_flight(job, flown('gtmab', 'climb'))
     entries = build_entries('platforms', COMPARISON)
-    with StudyStore(tmp_path, STORE, entries.identity) as store:
+    with StudyStore(tmp_path, PLATFORM_STORE, entries.identity) as store:
         store.add(job.key, row)
-    before = (tmp_path / STORE.file).read_bytes()
+    before = (tmp_path / PLATFORM_STORE.file).read_bytes()
     (again,) = fly_jobs(
         entries, [job], StudyRun(Console(), tmp_path, options=StudyOptions(workers=1))
     )
-    assert (tmp_path / STORE.file).read_bytes() == before
+    assert (tmp_path / PLATFORM_STORE.file).read_bytes() == before
     assert result_to_json(again) == result_to_json(row)
     for name in ('flown', 'asked'):
         ours, theirs = getattr(again, name), getattr(row, name)

@@ -108,7 +108,7 @@ def test_what_was_studied_before_a_fault_is_kept_and_the_rest_goes_on(
 
 
 def test_what_an_older_version_stored_is_taken_away(tmp_path, monkeypatch):
-    old = tmp_path / run.PARTS / 'cells' / 'climb'
+    old = tmp_path / run.PARTS_FOLDER / 'cells' / 'climb'
     old.mkdir(parents=True)
 
     def study(asked):

@@ -17,8 +17,8 @@ from lta_studies.reproduce.report import (
     list_claim_findings,
     to_json,
 )
-from lta_studies.reproduce.run import STORE, STUDIES
-from lta_studies.reproduce.studies.indoors import PRINTED, rms_misfit
+from lta_studies.reproduce.run import ROW_STORE, STUDIES
+from lta_studies.reproduce.studies.indoors import PRINTED_FLIGHTS, rms_misfit
 from lta_studies.reproduce.study_result import (
     DrawSummary,
     is_satisfied,
@@ -264,9 +264,9 @@ def test_a_row_is_stored_whole(tmp_path):
     values = {'path': MeasuredValue(7.0, seeds=2), 'first': MeasuredValue('BAG')}
     picture = study_result.StoredPicture('path', 'Path', 'The path.', '{}', 'lta fly')
     row = study_result.StoredRow(values, [picture], [TextTable('T', ['a'], [['b']])], 2, 1.5)
-    with StudyStore(tmp_path, STORE, 'rows') as store:
+    with StudyStore(tmp_path, ROW_STORE, 'rows') as store:
         store.add('row', row)
-    with StudyStore(tmp_path, STORE, 'rows') as store:
+    with StudyStore(tmp_path, ROW_STORE, 'rows') as store:
         assert repr(store.results['row']) == repr(row)
 
 
@@ -339,10 +339,10 @@ def test_a_cause_is_told_with_what_sized_it_and_not_where_that_was_left_out():
 
 
 def test_a_misfit_is_the_rms_of_logarithms_as_a_factor():
-    twice = {name: MeasuredValue(2.0 * printed) for name, printed in PRINTED.items()}
+    twice = {name: MeasuredValue(2.0 * printed) for name, printed in PRINTED_FLIGHTS.items()}
     assert rms_misfit(twice, '') == pytest.approx(1.0)
     # One of five right: the others' logarithms weigh four fifths in the mean square.
-    mended = {**twice, 'fast_bag_time': MeasuredValue(PRINTED['bag_time'])}
+    mended = {**twice, 'fast_bag_time': MeasuredValue(PRINTED_FLIGHTS['bag_time'])}
     assert rms_misfit(mended, 'fast_') == pytest.approx(2.0 ** math.sqrt(0.8) - 1.0)
 
 

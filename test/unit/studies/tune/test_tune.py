@@ -21,7 +21,7 @@ from lta_studies.tune.compare import (
     GainEvaluation,
     LampFlightResult,
     ResponseMetrics,
-    STORE,
+    SEARCH_STORE,
 )
 from lta_studies.tune.gain_search import (
     format_gains,
@@ -84,7 +84,7 @@ def toy_costs(candidate):
 
 def tuned(folder, budget=61, fly=toy_costs):
     two = [TunableParameter('kd', 0.3, 0.0, 100.0), TunableParameter('kp', 1.0, 0.9, 1.1)]
-    with StudyStore(folder, STORE, 'toy') as store:
+    with StudyStore(folder, SEARCH_STORE, 'toy') as store:
         return search_gains(two, fly, store, budget, 1)
 
 
@@ -98,7 +98,7 @@ def test_a_toy_plant_is_tuned(tmp_path):
 
 
 def test_one_number_is_tuned(tmp_path):
-    with StudyStore(tmp_path, STORE, 'toy') as store:
+    with StudyStore(tmp_path, SEARCH_STORE, 'toy') as store:
         one = [TunableParameter('kd', 0.3, 0.0, 100.0)]
         found = search_gains(one, toy_costs, store, 61, 1)
     assert found.numbers['kd'] == pytest.approx(1.0, rel=0.02)
@@ -164,7 +164,7 @@ def test_a_failed_candidate_is_stored_until_it_is_repeated(tmp_path):
     for fly in (fail, toy_costs):  # the second run does not fly it again
         with pytest.raises(BadInput, match=r'^A test flight failed\. It crashed\. .*--retry-'):
             tuned(tmp_path, fly=fly)
-    with StudyStore(tmp_path, STORE, 'toy', retry_failed=True) as store:
+    with StudyStore(tmp_path, SEARCH_STORE, 'toy', retry_failed=True) as store:
         assert not store.failures
 
 
@@ -258,7 +258,7 @@ def test_a_limit_is_bracketed():
 
 @pytest.mark.long
 def test_gains_that_may_ask_for_less_hold_less(monkeypatch):
-    monkeypatch.setattr(helium_limit, 'TRIED', 2)
+    monkeypatch.setattr(helium_limit, 'TRIED_LOSSES', 2)
     monkeypatch.setattr(helium_limit, 'HALVINGS', 0)
     shipped = load_gains('gtmab')
     weak = replace_parameters(
@@ -276,7 +276,7 @@ def test_gains_that_may_ask_for_less_hold_less(monkeypatch):
 
 @pytest.mark.long
 def test_the_verb_tunes(call, tmp_path, monkeypatch):
-    monkeypatch.setattr(helium_limit, 'TRIED', 1)
+    monkeypatch.setattr(helium_limit, 'TRIED_LOSSES', 1)
     monkeypatch.setattr(helium_limit, 'HALVINGS', 0)
     monkeypatch.setattr(compare, 'fly_to_lamp', lambda *_: LampFlightResult(True, 0.3))
     folder = tmp_path / 't'

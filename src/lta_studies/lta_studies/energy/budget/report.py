@@ -17,25 +17,25 @@ from plotly.graph_objects import Figure
 
 TO: Final = '\N{EN DASH}'
 VOLTAGES: Final = ((4.2, TRUTH), (3.7, GOOD), (3.3, ESTIMATE))  # V, full to nearly empty
-TASKS: Final = (
+TASK_CAPTION: Final = (
     'Bars: mean power over the seeds, for electronics and rotors. Diamonds: values of the '
     'paper (Huang et al. 2025): 1523 to 1544 mW for navigating by any strategy, and 3 x '
     '1333 mW for a standard drone, because the paper says that its drone needs "almost one '
     'third" of that.'
 )
-MOTORS: Final = (
+MOTOR_CAPTION: Final = (
     'Lines: power of one rotor at three cell voltages. The thrust depends on the mean '
     "voltage at the motor, and the power is affine in thrust. Dots: Bitcraze's bench data "
     '(16 rows) without the electronics. Their supply voltage dropped from 4.0 to 3.3 V with '
     'load, so the dots move from line to line.'
 )
-METHOD: Final = (
+BUDGET_METHOD: Final = (
     'The powers for idling and transmitting are taken from the paper, and navigating includes the '
     'light board and the computing, which are what the strategies of the paper take beyond '
     "hovering. Rotor power is affine in thrust, fitted to Bitcraze's bench data. Flying against "
     'drag and the turns are included here, and not in the value of the paper.'
 )
-COLUMNS: Final[tuple[Column[TaskPower], ...]] = (
+TASK_COLUMNS: Final[tuple[Column[TaskPower], ...]] = (
     Column('', 'task', of=lambda task: task.name),
     Column('power'),
     Column('seconds', 'seconds', digits=1),
@@ -76,18 +76,18 @@ def build_report(result: PowerBudget) -> Report:
                  f'paper: 3 x {1e3 * paper.HOVER:.0f} mW'),
         ],
         blocks=(
-            Picture('tasks', 'Power by task', TASKS, draw_task_power(result)),
-            Picture('motors', 'Power of one rotor by duty and voltage', MOTORS,
+            Picture('tasks', 'Power by task', TASK_CAPTION, draw_task_power(result)),
+            Picture('motors', 'Power of one rotor by duty and voltage', MOTOR_CAPTION,
                     draw_rotor_power(result)),
             build_task_table(result),
             build_cause_table(result),
-            TextSection('Method', (METHOD,)),
+            TextSection('Method', (BUDGET_METHOD,)),
         ),
         data={
             'vehicle': result.vehicle,
             'standard': result.standard,
-            'tasks': {name: to_record(COLUMNS, task) for name, task in result.tasks.items()},
-            'standard_hover': to_record(COLUMNS, result.hover),
+            'tasks': {name: to_record(TASK_COLUMNS, task) for name, task in result.tasks.items()},
+            'standard_hover': to_record(TASK_COLUMNS, result.hover),
             'share_of_standard': result.hover_power_ratio,
             'causes': asdict(result.causes),
         },
@@ -107,7 +107,7 @@ def format_paper_power(task: TaskPower) -> str:
 def build_task_table(result: PowerBudget) -> TextTable:
     """Return the table of tasks, compared with the paper."""
     tasks = [*result.tasks.values(), result.hover]
-    return build_table('Power by task, compared with the paper', COLUMNS, tasks)
+    return build_table('Power by task, compared with the paper', TASK_COLUMNS, tasks)
 
 
 def build_cause_table(result: PowerBudget) -> TextTable:

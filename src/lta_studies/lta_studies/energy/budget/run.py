@@ -41,7 +41,7 @@ from lta_studies.energy.course_flight import (
 from lta_vehicle.figures.thrust_envelope import hover_thrust
 from pydantic import TypeAdapter
 
-FORWARD = 0.5  # share of the thrust along x above which a rotor counts as a forward one
+FORWARD_SHARE = 0.5  # share of the thrust along x above which a rotor counts as a forward one
 
 
 @final
@@ -79,7 +79,7 @@ def explain_hover_power(vehicle: Vehicle, hover: float, goal: float) -> PowerCau
 
 def _equivalent_wind(vehicle: Vehicle, more: float) -> float:
     """Return the wind whose drag costs the forward rotors that much power. [m/s]"""
-    pushing = [rotor.column[0] for rotor in vehicle.rotors if rotor.column[0] > FORWARD]
+    pushing = [rotor.column[0] for rotor in vehicle.rotors if rotor.column[0] > FORWARD_SHARE]
     if not pushing:
         return math.nan
     loads, effects = vehicle.loads, vehicle.collect_effects()
@@ -93,13 +93,19 @@ def _equivalent_wind(vehicle: Vehicle, more: float) -> float:
     return (-b + math.sqrt(b * b + 4.0 * a * force)) / (2.0 * a) if a else force / b
 
 
-SCENE, LAMP_SCENE = 'hall', 'lamp_room'
+BUDGET_SCENE, LAMP_SCENE = 'hall', 'lamp_room'
 COURSE = 'course'
-STRATEGIES = ('bag', 'des', 'dga')
-RISE = 0.5  # m, seed paper
-SPEED = 0.5  # m/s, seed paper
-GO, SETTLED, AWAY, CRUISING, END = 5.0, 30.0, 60.0, 70.0, 100.0  # s, start of each phase
-NEAR = 0.05  # m below the setpoint, where take-off ends
+BUDGET_STRATEGIES = ('bag', 'des', 'dga')
+HOVER_ALTITUDE = 0.5  # m, seed paper
+BUDGET_CRUISE_SPEED = 0.5  # m/s, seed paper
+START_TIME, SETTLED_PHASE, BUDGET_DEPARTURE, CRUISING_TIME, FLIGHT_END = (
+    5.0,
+    30.0,
+    60.0,
+    70.0,
+    100.0,
+)  # s, start of each phase
+NEAR_ALTITUDE = 0.05  # m below the setpoint, where take-off ends
 
 
 @final
@@ -134,8 +140,8 @@ def build_course(base: float) -> Course:
     """Return the course of take-off, hover and straight flight above a base height. [m]"""
 
     def setpoint_at(time: float) -> Setpoint:
-        rise = RISE if time >= GO else 0.0
-        return Setpoint(base + rise, 0.0, SPEED if time >= AWAY else 0.0)
+        rise = HOVER_ALTITUDE if time >= START_TIME else 0.0
+        return Setpoint(base + rise, 0.0, BUDGET_CRUISE_SPEED if time >= BUDGET_DEPARTURE else 0.0)
 
     return setpoint_at
 
@@ -148,13 +154,15 @@ class BudgetFlight(NamedTuple):
     seed: int
 
 
-STORE: Final = StoreFormat('flights.jsonl', 'budget', 'power budget', TypeAdapter(FlightTrack))
+BUDGET_STORE: Final = StoreFormat(
+    'flights.jsonl', 'budget', 'power budget', TypeAdapter(FlightTrack)
+)
 
 
 def fly_task(flight: BudgetFlight) -> FlightTrack:
     """Fly the course, or to a lamp."""
     if flight.task == COURSE:
-        return fly_until(prepare_flight(flight.vehicle, flight.seed), stop_after(END))
+        return fly_until(prepare_flight(flight.vehicle, flight.seed), stop_after(FLIGHT_END))
     made_of = load_spec(flight.vehicle, LAMP_SCENE, flight.task, '')
     whole = fly_until(build_closed_loop(made_of, None, flight.seed), is_flight_over)
     # Leave out the rest on the floor, in which the rotors stand still.
@@ -164,7 +172,7 @@ def fly_task(flight: BudgetFlight) -> FlightTrack:
 
 def prepare_flight(vehicle: str, seed: int) -> ClosedLoop:
     """Return the closed loop of a flight along the course before its first step."""
-    made_of = load_spec(vehicle, SCENE, 'bag', '')
+    made_of = load_spec(vehicle, BUDGET_SCENE, 'bag', '')
     base = build_vehicle_scenario_stack(made_of)[0].hull_height_on_floor
     return build_closed_loop(made_of, build_course(base), seed)
 
@@ -174,8 +182,10 @@ def average_flight_tasks(loads: LoadModel, tracks: Sequence[FlightTrack]) -> lis
     steady = loads.idle + loads.transmitting
     parts = {
         'take-off': [select_take_off(each) for each in tracks],
-        'hovering': [each.crop(SETTLED, AWAY) for each in tracks],
-        f'flying at {SPEED:g} m/s': [each.crop(CRUISING, END) for each in tracks],
+        'hovering': [each.crop(SETTLED_PHASE, BUDGET_DEPARTURE) for each in tracks],
+        f'flying at {BUDGET_CRUISE_SPEED:g} m/s': [
+            each.crop(CRUISING_TIME, FLIGHT_END) for each in tracks
+        ],
     }
     stated = {'hovering': (paper.HOVER,)}
     return [
@@ -186,9 +196,9 @@ def average_flight_tasks(loads: LoadModel, tracks: Sequence[FlightTrack]) -> lis
 
 def select_take_off(track: FlightTrack) -> FlightTrack:
     """Return the part from the take-off command until the altitude is nearly reached."""
-    there = track.height[0] + RISE - NEAR
-    arrived = track.time[(track.time > GO) & (track.height >= there)]
-    return track.crop(GO, float(arrived[0]) if len(arrived) else SETTLED)
+    there = track.height[0] + HOVER_ALTITUDE - NEAR_ALTITUDE
+    arrived = track.time[(track.time > START_TIME) & (track.height >= there)]
+    return track.crop(START_TIME, float(arrived[0]) if len(arrived) else SETTLED_PHASE)
 
 
 def average_task_power(
@@ -245,10 +255,12 @@ class BudgetRequest(StudyRequest, command='energy budget', quick={'seeds': 1}):
         """Return the report of all flights."""
         from lta_studies.energy.budget.report import build_report
 
-        scenes = [load_spec(self.vehicle, scene, 'bag', '') for scene in (SCENE, LAMP_SCENE)]
-        specs = [*scenes, load_spec(self.multirotor, SCENE, 'bag', '')]
+        scenes = [
+            load_spec(self.vehicle, scene, 'bag', '') for scene in (BUDGET_SCENE, LAMP_SCENE)
+        ]
+        specs = [*scenes, load_spec(self.multirotor, BUDGET_SCENE, 'bag', '')]
         identity = hash_inputs(*(spec.contents for spec in specs))
-        fly_all = partial(run.run_study, Study(fly_task, str, STORE, 'flights'), identity)
+        fly_all = partial(run.run_study, Study(fly_task, str, BUDGET_STORE, 'flights'), identity)
         return build_report(measure_budget(self.vehicle, self.multirotor, self.seeds, fly_all))
 
 
@@ -271,18 +283,22 @@ class PowerBudget:
         return self.tasks['hovering'].power / self.hover.power
 
 
-FLY_HERE: Final = partial(map, fly_task)
+FLY_TASKS_HERE: Final = partial(map, fly_task)
 
 
 def measure_budget(
     vehicle: str,
     standard: str,
     seeds: int,
-    fly_all: Callable[[Sequence[BudgetFlight]], Iterable[FlightTrack]] = FLY_HERE,
+    fly_all: Callable[[Sequence[BudgetFlight]], Iterable[FlightTrack]] = FLY_TASKS_HERE,
 ) -> PowerBudget:
     """Measure the budget; `fly_all` flies all flights, in this process or in workers."""
     body, other = load_vehicle(vehicle), load_vehicle(standard)
-    kinds = [(vehicle, COURSE), *((vehicle, name) for name in STRATEGIES), (standard, COURSE)]
+    kinds = [
+        (vehicle, COURSE),
+        *((vehicle, name) for name in BUDGET_STRATEGIES),
+        (standard, COURSE),
+    ]
     flights = [BudgetFlight(*kind, seed) for kind in kinds for seed in range(1, seeds + 1)]
     results = list(fly_all(flights))
     course, *navigated, multirotor = (
@@ -291,7 +307,7 @@ def measure_budget(
     tasks = [*list_ground_tasks(body.loads), *average_flight_tasks(body.loads, course)]
     tasks += [
         average_navigation(body, name, tracks)
-        for name, tracks in zip(STRATEGIES, navigated, strict=True)
+        for name, tracks in zip(BUDGET_STRATEGIES, navigated, strict=True)
     ]
     named = {task.name: task for task in tasks}
     # Index 1 is the hover, between take-off and flying.

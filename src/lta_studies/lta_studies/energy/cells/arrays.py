@@ -89,7 +89,7 @@ def find_pareto_front(entries: Sequence[CellReading], criterion: Criterion) -> l
     return front
 
 
-LOWEST = 4.95  # V, minimum input of the seed paper's charger LT3652 (data sheet)
+LOWEST_CHARGER_INPUT = 4.95  # V, minimum input of the seed paper's charger LT3652 (data sheet)
 
 
 @final
@@ -133,7 +133,7 @@ def find_largest_array(cell: CellFile, budget: float) -> CellArray | None:
     point. None if even one string is too heavy.
     """
     # Enough panels in series for the minimum input voltage of the charger
-    series = math.ceil(LOWEST / cell.electrical.voltage.si)
+    series = math.ceil(LOWEST_CHARGER_INPUT / cell.electrical.voltage.si)
     # 1e-9 keeps a budget of exactly n panels at n despite rounding.
     parallel = int(budget / cell.mass.si * (1.0 + 1e-9)) // series
     return CellArray(cell, series, parallel) if parallel else None

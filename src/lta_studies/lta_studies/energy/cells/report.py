@@ -40,7 +40,7 @@ CHARGED: Final = (
     'output of the charger minus the loads in stand-by and while transmitting. printed: '
     'sign of the net power in the paper; "not" marks a different sign here.'
 )
-WORDS: Final = {'white_led': 'LED', 'sun': 'sun'}
+LIGHT_WORDS: Final = {'white_led': 'LED', 'sun': 'sun'}
 
 
 def find_fronts_by_criterion(
@@ -116,7 +116,7 @@ def build_array_table(table: CellTable, energy: EnergyBlock) -> TextTable:
         for array in strings:
             for net in compute_net_powers(array, energy, table):
                 prefix = '' if has_printed_signs(net, built) else 'not '
-                light = WORDS.get(net.light, net.light)
+                light = LIGHT_WORDS.get(net.light, net.light)
                 rows.append(
                     [
                         format_array(array),
@@ -143,7 +143,13 @@ def format_array(array: CellArray) -> str:
 def build_mass_budget_table(table: CellTable, energy: EnergyBlock, budget: float) -> TextTable:
     """Return the table of the largest array of each cell within a mass. [kg]"""
     lights = table.lights
-    heads = ('array', 'g', 'cm²', 'rated [W]', *(WORDS.get(light, light) for light in lights))
+    heads = (
+        'array',
+        'g',
+        'cm²',
+        'rated [W]',
+        *(LIGHT_WORDS.get(light, light) for light in lights),
+    )
     rows = []
     for cell in list_cells(table):
         array = find_largest_array(cell, budget)
@@ -218,25 +224,25 @@ def _net_power_to_json(net: NetPower) -> dict[str, float | str]:
     }  # fmt: skip
 
 
-PAPER: Final = (
+PAPER_CRITERION: Final = (
     'Charging time per area against mass per area, the criterion of the paper (Huang et al. '
     '2025). The paper does not say which size of PowerFilm panel it measured: the full line '
     'is the front with the small panel, the dashed line with the large one. The criterion '
     'favours large cells twice: they charge faster, and the time is divided by a larger area.'
 )
-FAIR: Final = (
+FAIR_CRITERION: Final = (
     'Charging time times area, which does not depend on the size of a panel, against mass '
     'per area. Full line: PowerFilm read as the panel of 53.9 cm² that is named; dashed: as '
     'the size of 266.3 cm² that is printed. This choice decides whether the cell Dracula is '
     'on the Pareto front.'
 )
 # Label positions that keep the names of neighbours apart.
-SIDES: Final = {
+LABEL_SIDES: Final = {
     'Dracula': 'middle right', 'Kitronik': 'middle right', 'SEEED': 'top right',
     'Adafruit': 'middle left', 'ANYSOLAR': 'bottom center', 'PowerFilm': 'top right',
 }  # fmt: skip
-TICKS: Final = (0.03, 0.05, 0.1, 0.2, 0.5)  # g/cm2
-METHOD: Final = (
+MASS_TICKS: Final = (0.03, 0.05, 0.1, 0.2, 0.5)  # g/cm2
+CELLS_METHOD: Final = (
     'Areas are computed from the printed dimensions, taken as cm where mm would be impossible; '
     'masses are as printed. The paper states neither the light nor the capacitance of its '
     'charging test, so only the ratios of the times count.',
@@ -263,12 +269,12 @@ def build_report(table: CellTable, energy: EnergyBlock, budget: float) -> Report
         introduction=table.about,
         tiles=build_tiles(table, energy),
         blocks=(
-            Picture('paper', "The paper's criterion", PAPER, by_area),
-            Picture('fair', 'A fair criterion', FAIR, times_area),
+            Picture('paper', "The paper's criterion", PAPER_CRITERION, by_area),
+            Picture('fair', 'A fair criterion', FAIR_CRITERION, times_area),
             build_ranking_table(table),
             build_array_table(table, energy),
             build_mass_budget_table(table, energy, budget),
-            TextSection('Meaning and method', METHOD),
+            TextSection('Meaning and method', CELLS_METHOD),
         ),
         data=to_json(table, energy, budget),
         facts={'table': table.name},
@@ -293,7 +299,7 @@ def build_tiles(table: CellTable, energy: EnergyBlock) -> list[Tile]:
         for array in strings:
             for net in compute_net_powers(array, energy, table):
                 size = f'{SQUARE * array.area:.0f} cm² of {name}'
-                light = WORDS.get(net.light, net.light)
+                light = LIGHT_WORDS.get(net.light, net.light)
                 tiles.append(
                     Tile(size, format_number(net.standby, 1, 1e3), 'mW', f'stand-by, {light}')
                 )
@@ -325,12 +331,12 @@ def draw_fronts(
         cells = [each for each in entries if (id(each) in on) == is_on]
         words = {
             'mode': 'markers+text', 'text': [each.title for each in cells], 'cliponaxis': False,
-            'textposition': [SIDES.get(each.row.maker, 'top center') for each in cells],
+            'textposition': [LABEL_SIDES.get(each.row.maker, 'top center') for each in cells],
             'textfont': {'color': SOFT, 'size': 11},
         }  # fmt: skip
         curves.append(plot(name, cells, colour, size=9, hover=hover, more=words))
     # On a logarithmic axis the range is in decades: 0.025 to 0.89 g/cm2
-    mass = ChartAxis('mass per area [g/cm²]', log=True, range=(-1.6, -0.05), ticks=TICKS)
+    mass = ChartAxis('mass per area [g/cm²]', log=True, range=(-1.6, -0.05), ticks=MASS_TICKS)
     time = ChartAxis(f'charging time [{unit}]', log=True, more={'dtick': 'D2'})
     return draw_curves(curves, mass, time).update_layout(hovermode='closest')
 

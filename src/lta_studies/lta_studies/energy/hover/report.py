@@ -14,13 +14,13 @@ from lta_studies.energy.hover.run import DischargeTrace, HoverComparison
 from lta_vehicle.figures.thrust_envelope import NOMINAL
 from plotly.graph_objects import Figure
 
-CAPTION: Final = (
+VOLTAGE_CAPTION: Final = (
     'Cell voltage under load. Full: flown in the closed loop. Dashed: the same cell at '
     'constant power: the value that the paper (Huang et al. 2025) states for its drone, and '
     'three times that for a standard drone ("almost one third"). A line ends where the '
     'supply fails.'
 )
-CHARGE: Final = 'True state of charge of the same cells.'
+CHARGE_CAPTION: Final = 'True state of charge of the same cells.'
 
 
 def build_report(result: HoverComparison) -> Report:
@@ -39,9 +39,9 @@ def build_report(result: HoverComparison) -> Report:
         ),
         tiles=build_tiles(result),
         blocks=(
-            Picture('voltage', 'Battery voltage', CAPTION, draw_traces(result, 'voltage')),
-            Picture('charge', 'State of charge', CHARGE, draw_traces(result, 'charge')),
-            build_table(f'{result.seconds:.0f} s of hovering', (*COLUMNS, share), rows),
+            Picture('voltage', 'Battery voltage', VOLTAGE_CAPTION, draw_traces(result, 'voltage')),
+            Picture('charge', 'State of charge', CHARGE_CAPTION, draw_traces(result, 'charge')),
+            build_table(f'{result.seconds:.0f} s of hovering', (*HOVER_COLUMNS, share), rows),
             TextSection('Meaning and method', describe_powers(result), printed=True),
         ),
         data={
@@ -50,11 +50,11 @@ def build_report(result: HoverComparison) -> Report:
             'flown': {
                 each.name: {
                     'power': each.power, 'energy': each.energy, 'endurance': each.endurance,
-                    **to_record(COLUMNS, row),
+                    **to_record(HOVER_COLUMNS, row),
                 }
                 for each, row in zip((result.first, result.second), rows, strict=False)
             },
-            'paper': {row.name: to_record(COLUMNS, row) for row in rows[2:]},
+            'paper': {row.name: to_record(HOVER_COLUMNS, row) for row in rows[2:]},
         },
         facts={'vehicles': f'{result.first.name}, {result.second.name}'},
         commands={
@@ -109,7 +109,7 @@ class HoverRow(NamedTuple):
     trace: DischargeTrace
 
 
-COLUMNS: Final[tuple[Column[HoverRow], ...]] = (
+HOVER_COLUMNS: Final[tuple[Column[HoverRow], ...]] = (
     Column('', 'load', of=lambda row: row.name),
     Column('', 'power', 'mW', 0, lambda row: row.power),
     Column('drop', 'drop', 'V', 2, lambda row: row.trace.voltage_drop),

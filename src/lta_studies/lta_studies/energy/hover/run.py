@@ -28,8 +28,8 @@ from lta_vehicle.figures.thrust_envelope import hover_thrust, NOMINAL
 import numpy as np
 from pydantic import TypeAdapter
 
-STEP = 0.1  # s
-DARK = ChargerModel(tracking=0.0, conversion=0.0, idle=0.0)  # no charging
+DISCHARGE_STEP = 0.1  # s
+NO_CHARGER = ChargerModel(tracking=0.0, conversion=0.0, idle=0.0)  # no charging
 
 
 @final
@@ -53,23 +53,23 @@ def simulate_discharge(
 ) -> DischargeTrace:
     """Discharge a cell from a state of charge [1] at a constant power [W] for a time [s]."""
     flow, rows, failed = resting_flow(charge), [], None
-    for k in range(round(seconds / STEP)):
+    for k in range(round(seconds / DISCHARGE_STEP)):
         # No light (0 W/m2) and a charger that does nothing
-        flow = advance_power_path(cell, DARK, flow, 0.0, power, STEP)
+        flow = advance_power_path(cell, NO_CHARGER, flow, 0.0, power, DISCHARGE_STEP)
         if not flow.fed:
-            failed = k * STEP
+            failed = k * DISCHARGE_STEP
             break
-        rows.append((k * STEP, flow.voltage, flow.charge))
+        rows.append((k * DISCHARGE_STEP, flow.voltage, flow.charge))
     # The copy makes each column contiguous.
     time, voltage, left = np.array(rows, dtype=np.float64).T.copy()
     return DischargeTrace(time, voltage, left, failed)
 
 
-SCENE = 'hall'
-RISE = 0.5  # m, seed paper's altitude
-GO = 5.0  # s, take-off
-STEADY = 30.0  # s, start of steady hover
-FULL = {'value': 100, 'unit': '%'}
+HOVER_SCENE = 'hall'
+HOVER_ALTITUDE = 0.5  # m, seed paper's altitude
+START_TIME = 5.0  # s, take-off
+STEADY_TIME = 30.0  # s, start of steady hover
+FULL_CHARGE = {'value': 100, 'unit': '%'}
 
 
 @final
@@ -109,18 +109,18 @@ class HoverComparison:
 
 def build_hover_spec(vehicle: str, battery: Any | None = None) -> FlightSpec:  # noqa: ANN401 - YAML
     """Return the spec of a hover with a full cell, optionally replaced by `battery`."""
-    made_of = load_spec(vehicle, SCENE, 'bag', '')
+    made_of = load_spec(vehicle, HOVER_SCENE, 'bag', '')
     scene, body = made_of.contents['scenario'], made_of.contents['vehicle']
     contents = {
         **made_of.contents,
-        'scenario': {**scene, 'start': {**scene['start'], 'charge': FULL}},
+        'scenario': {**scene, 'start': {**scene['start'], 'charge': FULL_CHARGE}},
     }
     if battery is not None:
         contents['vehicle'] = {**body, 'energy': {**body['energy'], 'battery': battery}}
     return replace(made_of, contents=contents)
 
 
-STORE: Final = StoreFormat(
+HOVER_STORE: Final = StoreFormat(
     'hovers.jsonl', 'hover', 'comparison of hovering', TypeAdapter(HoverResult)
 )
 
@@ -153,7 +153,7 @@ class HoverRequest(StudyRequest, command='energy hover', quick={'seconds': 60}):
         from lta_studies.energy.hover.report import build_report
 
         identity = hash_inputs(self.seconds, *(spec.contents for spec in self.build_specs()))
-        hovers = run.run_study(Study(self.fly, str, STORE, 'flights'), identity, range(2))
+        hovers = run.run_study(Study(self.fly, str, HOVER_STORE, 'flights'), identity, range(2))
         return build_report(self.compare(hovers))
 
     def build_specs(self) -> list[FlightSpec]:
@@ -187,7 +187,7 @@ def prepare_hover(spec: FlightSpec) -> ClosedLoop:
     base = build_vehicle_scenario_stack(spec)[0].hull_height_on_floor
 
     def setpoint_at(time: float) -> Setpoint:
-        return Setpoint(base + (RISE if time >= GO else 0.0), 0.0, 0.0)
+        return Setpoint(base + (HOVER_ALTITUDE if time >= START_TIME else 0.0), 0.0, 0.0)
 
     return build_closed_loop(spec, setpoint_at, 1)
 
@@ -228,5 +228,5 @@ def fly_hover(
 def mean_hover_power(loads: LoadModel, track: FlightTrack) -> float:
     """Return the mean hover power, including electronics and radio. [W]"""
     # A drone that failed before STEADY is averaged over its second half.
-    steady = track.crop(min(STEADY, float(track.time[-1]) / 2.0), math.inf)
+    steady = track.crop(min(STEADY_TIME, float(track.time[-1]) / 2.0), math.inf)
     return loads.idle + loads.transmitting + float(np.mean(steady.rotors))

@@ -25,10 +25,10 @@ from lta_model.mass_properties import half_axes
 from lta_model.vehicle import Vehicle
 import numpy as np
 
-SUN = 4.65e-3  # rad, angular radius of the sun
-GRID = 5  # points along each side of a panel
-AROUND, RINGS = 24, 18  # azimuths, and elevation rings of the sky
-OFF = 1e-3  # m above the face, so that rays do not start inside the hull
+SUN_ANGULAR_RADIUS = 4.65e-3  # rad, angular radius of the sun
+PANEL_POINTS = 5  # points along each side of a panel
+RAYS_AROUND, SKY_RINGS = 24, 18  # azimuths, and elevation rings of the sky
+PANEL_OFFSET = 1e-3  # m above the face, so that rays do not start inside the hull
 
 
 @final
@@ -40,7 +40,7 @@ class LightDirection:
     height: float | None
 
 
-LIGHTS = (
+LIGHT_DIRECTIONS = (
     LightDirection('overhead', math.radians(90.0)),
     LightDirection('45° up', math.radians(45.0)),
     LightDirection('20° up', math.radians(20.0)),
@@ -77,8 +77,8 @@ def _compute_overcast_shares(vehicle: Vehicle, mount: MountFile) -> PanelLightSh
     """Compute the shares under a uniformly bright sky, with no light from below."""
     shares = np.zeros(len(mount.panels))
     level = 0.0
-    for ring in range(RINGS):
-        low, high = (0.5 * math.pi * k / RINGS for k in (ring, ring + 1))
+    for ring in range(SKY_RINGS):
+        low, high = (0.5 * math.pi * k / SKY_RINGS for k in (ring, ring + 1))
         patch = math.sin(high) - math.sin(low)  # solid angle of the ring / 2 pi
         height = 0.5 * (low + high)
         # Light on a level plate: the cosine law, weighted by solid angle
@@ -96,7 +96,7 @@ def _compute_overcast_shares(vehicle: Vehicle, mount: MountFile) -> PanelLightSh
 def _iterate_directions(height: float) -> Iterator[Vector]:
     """Yield directions at an elevation [rad]; only one at the zenith."""
     flat = math.cos(height)
-    count = 1 if flat < 1e-9 else AROUND
+    count = 1 if flat < 1e-9 else RAYS_AROUND
     for k in range(count):
         # Half a step off the axes of symmetry of the vehicle
         turn = 2.0 * math.pi * (k + 0.5) / count
@@ -111,7 +111,8 @@ def panel_light_share(vehicle: Vehicle, mount: MountFile, panel: str, towards: V
         return 0.0
     axes = half_axes(vehicle.file.hull)
     seen = [
-        visible_fraction(axes, point, towards, SUN) for point in iterate_panel_points(mount, panel)
+        visible_fraction(axes, point, towards, SUN_ANGULAR_RADIUS)
+        for point in iterate_panel_points(mount, panel)
     ]
     return facing * math.fsum(seen) / len(seen)
 
@@ -124,11 +125,11 @@ def iterate_panel_points(mount: MountFile, panel: str) -> Iterator[Vector]:
     across = [axis for axis in range(3) if axis != thin]
     middle = [
         # From the middle of the box to its lit face
-        place + (0.5 * part.size.vector[thin] + OFF) * way
+        place + (0.5 * part.size.vector[thin] + PANEL_OFFSET) * way
         for place, way in zip(part.position.vector, normal, strict=True)
     ]
     # Centres of GRID equal intervals in [-0.5, 0.5]
-    steps = [(k + 0.5) / GRID - 0.5 for k in range(GRID)]
+    steps = [(k + 0.5) / PANEL_POINTS - 0.5 for k in range(PANEL_POINTS)]
     for p in steps:
         for q in steps:
             point = list(middle)
@@ -138,7 +139,7 @@ def iterate_panel_points(mount: MountFile, panel: str) -> Iterator[Vector]:
 
 
 ROOMY = 3.0  # volume factor that can carry any mount; used to compute the required lift
-STEP = 1e-3  # resolution of the volume factor
+VOLUME_STEP = 1e-3  # resolution of the volume factor
 
 
 @final
@@ -211,7 +212,7 @@ def required_volume_factor(content: Mapping[str, Any], names: Sequence[str]) -> 
         # Lift is proportional to volume: shrink the roomy hull until no ballast is left.
         most = max(most, ROOMY * (1.0 - roomy.ballast_mass / roomy.gross_lift))
     # Rounded up to the resolution; 1e-9 keeps an exact multiple.
-    return math.ceil(most / STEP - 1e-9) * STEP
+    return math.ceil(most / VOLUME_STEP - 1e-9) * VOLUME_STEP
 
 
 def _enlarge_hull(content: dict[str, Any], fuller: float) -> dict[str, Any]:

@@ -18,14 +18,14 @@ from lta_report.drawing import (
 from lta_report.formatting import Tile
 from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, TRUTH, WALL
 from lta_report.report import Picture, Report, TextSection
-from lta_studies.energy.mounting.mounted_vehicle import LIGHTS
+from lta_studies.energy.mounting.mounted_vehicle import LIGHT_DIRECTIONS
 from lta_studies.energy.mounting.run import MountingStudy, MountTrial
 from lta_studies.energy.mounting.straight_flight import (
     average_over_seeds,
-    AWAY,
-    END,
-    HELD,
-    LIFT_OFF,
+    FLIGHT_END,
+    LIFT_OFF_TIME,
+    MOUNTING_DEPARTURE,
+    RELEASE_TIME,
 )
 from lta_studies.energy.mounting.tables import build_comparison_tables, to_json
 from lta_vehicle.figures.mass_budget import DEGREES
@@ -72,32 +72,32 @@ def format_headline(study: MountingStudy) -> str:
     return f'{text}.'
 
 
-HOVER: Final = '%{y:.3~f} °'
-COLOURS: Final = (ESTIMATE, TRUTH, GOOD, LAMP, SETPOINT)
-ABOUT: Final = (
+ANGLE_HOVER: Final = '%{y:.3~f} °'
+MOUNT_COLOURS: Final = (ESTIMATE, TRUTH, GOOD, LAMP, SETPOINT)
+MOUNTING_ABOUT: Final = (
     'The same solar panels at the side, at the bottom and on top: how their position '
     'affects weight, balance, oscillation, drag and shade.'
 )
-STRAIGHT: Final = (
+STRAIGHT_CAPTION: Final = (
     'Pitch (nose up positive) in closed-loop flights with seed 1, all in a hull that '
     'carries every mount. Top: panels in place. Bottom: panels misplaced forward. Dotted: '
     'release by hand, lift-off, and start of the flight at 0.1 m/s.'
 )
-SWUNG: Final = (
+SWING_CAPTION: Final = (
     'Pitch after a release at 5° in still air with motors off. Dashed: envelope of the '
     'linearised analytical model.'
 )
-OVER: Final = (
+OVERTURNING_CAPTION: Final = (
     'Tilt of the top mount after a release at 5°, with its centre of gravity below, at and '
     'above the centre of buoyancy and all else equal. If both centres coincide, there is no '
     'righting moment.'
 )
-SHINE: Final = (
+LIGHT_CAPTION: Final = (
     'Light on the panels, relative to an unshaded plate that faces the light; for the '
     'overcast sky, to a level plate. Full: both panels in series, limited by the darker '
     'one. Pale: each panel separately.'
 )
-METHOD: Final = (
+MOUNTING_METHOD: Final = (
     'Each mount is a file in config/mounts; its parts replace a layer of the vehicle. "By '
     'hand" is the analytical model: righting moment, inertia with added mass, rotational '
     'drag linearised at 5°. "Simulated" is the 6-DoF model. The controller has no rotor for '
@@ -113,20 +113,22 @@ def build_report(study: MountingStudy, commands: Mapping[str, str]) -> Report:
         command='energy mounting',
         subject=study.vehicle,
         headline=format_headline(study),
-        introduction=ABOUT,
+        introduction=MOUNTING_ABOUT,
         tiles=build_tiles(study),
         blocks=(
             Picture(
-                'straight', 'Straight flight at 0.1 m/s', STRAIGHT, draw_straight_flights(study)
+                'straight', 'Straight flight at 0.1 m/s', STRAIGHT_CAPTION,
+                draw_straight_flights(study)
             ),
-            Picture('light', 'Light on the panels', SHINE, draw_light_shares(study)),
-            Picture('swing', 'Swing after a release', SWUNG, draw_swings(study)),
+            Picture('light', 'Light on the panels', LIGHT_CAPTION, draw_light_shares(study)),
+            Picture('swing', 'Swing after a release', SWING_CAPTION, draw_swings(study)),
             Picture(
-                'over', 'Centre of gravity below, at and above the hull centre', OVER,
+                'over', 'Centre of gravity below, at and above the hull centre',
+                OVERTURNING_CAPTION,
                 draw_overturning(study),
             ),
             *build_comparison_tables(study),
-            TextSection('Method', METHOD),
+            TextSection('Method', MOUNTING_METHOD),
         ),
         data=to_json(study),
         facts={'vehicle': study.vehicle},
@@ -162,8 +164,8 @@ def draw_straight_flights(study: MountingStudy) -> Figure:
     figure = create_figure(2, (0.5, 0.5))
     for row, group in enumerate((study.shared, study.misplaced), start=1):
         ends, labels = [], []
-        for colour, (name, each) in zip(COLOURS, group.items(), strict=False):
-            record = each.flights[0].track.crop(LIFT_OFF - 4.0, END)
+        for colour, (name, each) in zip(MOUNT_COLOURS, group.items(), strict=False):
+            record = each.flights[0].track.crop(LIFT_OFF_TIME - 4.0, FLIGHT_END)
             degrees = DEGREES * record.pitch
             figure.add_trace(
                 build_line_trace(name, record.time, degrees, colour, unit='°', width=1.2), row, 1
@@ -173,7 +175,7 @@ def draw_straight_flights(study: MountingStudy) -> Figure:
             ends.append(degrees)
         label_ends(figure, labels, padded_range(*ends), row)
         figure.update_yaxes(title_text='pitch [°]', row=row)
-        for time in (HELD, LIFT_OFF, AWAY):
+        for time in (RELEASE_TIME, LIFT_OFF_TIME, MOUNTING_DEPARTURE):
             figure.add_vline(
                 x=time, row=row, col=1, line={'color': WALL, 'width': 1, 'dash': '2px,3px'}
             )
@@ -183,13 +185,13 @@ def draw_straight_flights(study: MountingStudy) -> Figure:
 def draw_swings(study: MountingStudy) -> Figure:
     """Plot the free swing of each mount and its analytical envelope."""
     curves = []
-    for colour, (name, each) in zip(COLOURS, study.shared.items(), strict=False):
+    for colour, (name, each) in zip(MOUNT_COLOURS, study.shared.items(), strict=False):
         time = each.release.time
         lines = (name, DEGREES * each.release.tilt, 'solid'), (
             f'{name}, by hand', swing_envelope(each, time), DASHED,
         )  # fmt: skip
         curves += [
-            Curve(words, *decimate_line(time, tilt), colour, HOVER, 'lines', dash, 1.3,
+            Curve(words, *decimate_line(time, tilt), colour, ANGLE_HOVER, 'lines', dash, 1.3,
                   label=name if words == name else None)
             for words, tilt, dash in lines
         ]  # fmt: skip
@@ -212,15 +214,15 @@ def draw_overturning(study: MountingStudy) -> Figure:
         where = 'coincident' if each.height == 0.0 else 'above' if each.height > 0.0 else 'below'
         name = f'{where} ({100 * each.height:+.1f} cm)' if each.height else where
         line = decimate_line(each.release.time, DEGREES * each.release.tilt)
-        curves.append(Curve(name, *line, colour, HOVER, width=1.4, label=where))
+        curves.append(Curve(name, *line, colour, ANGLE_HOVER, width=1.4, label=where))
     return draw_curves(curves, ChartAxis('time [s]'), ChartAxis('tilt [°]'))
 
 
 def draw_light_shares(study: MountingStudy) -> Figure:
     """Plot the shares of light as bars: in series full, separately pale behind."""
     figure = create_figure()
-    names = [light.name for light in LIGHTS]
-    for colour, (mount, shares) in zip(COLOURS, study.light.items(), strict=False):
+    names = [light.name for light in LIGHT_DIRECTIONS]
+    for colour, (mount, shares) in zip(MOUNT_COLOURS, study.light.items(), strict=False):
         for key, opacity in (('apart', 0.35), ('series', 1.0)):
             figure.add_trace(
                 Bar(

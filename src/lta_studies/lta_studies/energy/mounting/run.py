@@ -18,16 +18,16 @@ from lta_studies.energy.mounting.mounted_vehicle import (
     build_mounted_vehicle,
     compute_light_shares,
     lift_deficit,
+    LIGHT_DIRECTIONS,
     LightDirection,
-    LIGHTS,
     MountedVehicle,
     PanelLightShares,
     required_volume_factor,
 )
 from lta_studies.energy.mounting.straight_flight import (
     fly_straight,
+    MOUNTING_SCENE,
     Release,
-    SCENE,
     simulate_release,
     StraightFlightResult,
     tilt_growth_rate,
@@ -35,8 +35,8 @@ from lta_studies.energy.mounting.straight_flight import (
 from lta_vehicle.figures.stability import compute_pendulum_mode, PendulumMode
 from pydantic import TypeAdapter
 
-TILT = math.radians(5.0)  # at the release
-LOOK = 20.0  # s simulated after a release
+RELEASE_TILT = math.radians(5.0)  # at the release
+SWING_DURATION = 20.0  # s simulated after a release
 PAPER_SWING = math.radians(2.5)  # the seed paper's pitch oscillation of the side mount
 
 
@@ -126,9 +126,9 @@ class MountingRequest(StudyRequest, command='energy mounting', quick={'seeds': 1
         content = load_yaml(find_file('vehicle', self.vehicle))
         variants = MountVariants(content, self.mount, self.misplaced / 100.0, self.seeds)
         vehicles = chain(*variants.build_vehicles().values())
-        scene = load_yaml(find_file('scenario', SCENE))
+        scene = load_yaml(find_file('scenario', MOUNTING_SCENE))
         identity = hash_inputs(scene, *(each.content for each in vehicles))
-        flying = Study(fly_mount, attrgetter('key'), STORE, 'flights')
+        flying = Study(fly_mount, attrgetter('key'), MOUNTING_STORE, 'flights')
         study = compare_mounts(variants, partial(run.run_study, flying, identity))
         best = relative_path(run.folder / f'{find_best_mount(study)}.yaml')
         commands = {
@@ -179,7 +179,7 @@ class MountFlight(NamedTuple):
         return f'{self.group} {self.mounted.mount.name}, seed {self.seed}'
 
 
-STORE: Final = StoreFormat(
+MOUNTING_STORE: Final = StoreFormat(
     'flights.jsonl',
     'mounting',
     'comparison of mounts',
@@ -196,7 +196,10 @@ def evaluate_mount(mounted: MountedVehicle, flights: Sequence[StraightFlightResu
     """Evaluate a mount: analytical swing, release, and flights."""
     body = mounted.vehicle
     return MountTrial(
-        mounted, compute_pendulum_mode(body, 'pitch'), simulate_release(body, TILT, LOOK), flights
+        mounted,
+        compute_pendulum_mode(body, 'pitch'),
+        simulate_release(body, RELEASE_TILT, SWING_DURATION),
+        flights,
     )
 
 
@@ -211,13 +214,15 @@ def simulate_overturning(mounted: MountedVehicle) -> list[Overturning]:
     inertia = compute_pendulum_mode(mounted.vehicle, 'pitch').inertia
     rate = tilt_growth_rate(mounted.vehicle, depth, inertia)
     return [
-        Overturning(height, simulate_release(mounted.vehicle, TILT, LOOK, height), fast)
+        Overturning(
+            height, simulate_release(mounted.vehicle, RELEASE_TILT, SWING_DURATION, height), fast
+        )
         for height, fast in ((-depth, None), (0.0, None), (depth, rate))
     ]
 
 
 def compute_panel_light(
-    mounted: MountedVehicle, lights: Sequence[LightDirection] = LIGHTS
+    mounted: MountedVehicle, lights: Sequence[LightDirection] = LIGHT_DIRECTIONS
 ) -> dict[str, PanelLightShares]:
     """Compute the light on the panels of a mount, by name of the light."""
     return {
@@ -225,12 +230,12 @@ def compute_panel_light(
     }
 
 
-FLY_HERE: Final = partial(map, fly_mount)
+FLY_MOUNTS_HERE: Final = partial(map, fly_mount)
 
 
 def compare_mounts(
     request: MountVariants,
-    fly_all: Callable[[Sequence[MountFlight]], Iterable[StraightFlightResult]] = FLY_HERE,
+    fly_all: Callable[[Sequence[MountFlight]], Iterable[StraightFlightResult]] = FLY_MOUNTS_HERE,
 ) -> MountingStudy:
     """Compare the mounts; `fly_all` flies all flights, in this process or in workers."""
     fits = request.build_vehicles()

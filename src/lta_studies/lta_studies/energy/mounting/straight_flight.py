@@ -31,9 +31,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-STEP, SHOWN = 2e-3, 10  # integration step [s], and steps per recorded sample
-HEIGHT = 1000.0  # m, far from any floor
-TURNED = math.radians(90.0)  # tilt beyond which it counts as turned over
+SWING_INTEGRATION_STEP, STEPS_PER_SAMPLE = (
+    2e-3,
+    10,
+)  # integration step [s], and steps per recorded sample
+FIELD_HEIGHT = 1000.0  # m, far from any floor
+OVERTURNED_TILT = math.radians(90.0)  # tilt beyond which it counts as turned over
 
 
 @final
@@ -47,7 +50,7 @@ class Release:
     @property
     def overturn_time(self) -> float | None:
         """Time at which it overturned; None if it did not. [s]"""
-        over = np.nonzero(np.abs(self.tilt) > TURNED)[0]
+        over = np.nonzero(np.abs(self.tilt) > OVERTURNED_TILT)[0]
         return float(self.time[over[0]]) if len(over) else None
 
     @property
@@ -108,19 +111,19 @@ def simulate_release(
         rotors=[(rotor.place, rotor.axis) for rotor in vehicle.rotors],
     )  # fmt: skip
     craft = SimulatedVehicle(model)
-    rigid = pack_state((0.0, 0.0, HEIGHT))
+    rigid = pack_state((0.0, 0.0, FIELD_HEIGHT))
     # Nose up is a negative rotation about y (z up, y left).
     rigid[QUATERNION] = (0.0, -math.sin(0.5 * tilt), 0.0, math.cos(0.5 * tilt))
     craft.state[:] = 0.0
     craft.state[: len(rigid)] = rigid
-    count = round(seconds / (STEP * SHOWN))
+    count = round(seconds / (SWING_INTEGRATION_STEP * STEPS_PER_SAMPLE))
     tilts = np.empty(count + 1)
     for k in range(count + 1):
         x, y, z, w = craft.state[QUATERNION].tolist()
         # Ratio of two rotation-matrix entries; unlike asin it is valid beyond 90 degrees.
         tilts[k] = math.atan2(2.0 * (x * z - w * y), w * w - x * x - y * y + z * z)
-        craft.advance(STEP, SHOWN)
-    times: Array = np.linspace(0.0, count * STEP * SHOWN, count + 1)
+        craft.advance(SWING_INTEGRATION_STEP, STEPS_PER_SAMPLE)
+    times: Array = np.linspace(0.0, count * SWING_INTEGRATION_STEP * STEPS_PER_SAMPLE, count + 1)
     unwrapped: Array = np.unwrap(tilts).astype(np.float64)
     return Release(times, unwrapped)
 
@@ -136,10 +139,15 @@ def tilt_growth_rate(vehicle: Vehicle, height: float, inertia: float) -> float:
     return math.sqrt(vehicle.mass * STANDARD_GRAVITY * height / inertia)
 
 
-SPEED = 0.1  # m/s, seed paper
-HELD, LIFT_OFF, AWAY, END = 5.0, 8.0, 40.0, 100.0  # s: release, lift-off, departure, end
-RISE = 1.5  # m
-SCENE = 'hall'
+FLIGHT_SPEED = 0.1  # m/s, seed paper
+RELEASE_TIME, LIFT_OFF_TIME, MOUNTING_DEPARTURE, FLIGHT_END = (
+    5.0,
+    8.0,
+    40.0,
+    100.0,
+)  # s: release, lift-off, departure, end
+MOUNTING_ALTITUDE = 1.5  # m
+MOUNTING_SCENE = 'hall'
 
 
 @final
@@ -160,9 +168,9 @@ class StraightFlightResult:
 def prepare_flight(mounted: MountedVehicle, gains: str, seed: int) -> ClosedLoop:
     """Return the closed loop before its first step; gains '' are the vehicle's own."""
     # The vehicle is replaced below; gtmab only completes the spec.
-    made_of = load_spec('gtmab', SCENE, 'bag', gains)
+    made_of = load_spec('gtmab', MOUNTING_SCENE, 'bag', gains)
     scene = made_of.contents['scenario']
-    start = {**scene['start'], 'held': f'{HELD} s'}
+    start = {**scene['start'], 'held': f'{RELEASE_TIME} s'}
     contents = {
         **made_of.contents,
         'vehicle': mounted.content,
@@ -171,8 +179,8 @@ def prepare_flight(mounted: MountedVehicle, gains: str, seed: int) -> ClosedLoop
     base = mounted.vehicle.hull_height_on_floor
 
     def setpoint_at(time: float) -> Setpoint:
-        rise = RISE if time >= LIFT_OFF else 0.0
-        return Setpoint(base + rise, 0.0, SPEED if time >= AWAY else 0.0)
+        rise = MOUNTING_ALTITUDE if time >= LIFT_OFF_TIME else 0.0
+        return Setpoint(base + rise, 0.0, FLIGHT_SPEED if time >= MOUNTING_DEPARTURE else 0.0)
 
     return build_closed_loop(replace(made_of, contents=contents), setpoint_at, seed)
 
@@ -180,7 +188,7 @@ def prepare_flight(mounted: MountedVehicle, gains: str, seed: int) -> ClosedLoop
 def fly_straight(mounted: MountedVehicle, gains: str, seed: int) -> StraightFlightResult:
     """Fly once and evaluate; gains '' are the vehicle's own."""
     return evaluate_flight(
-        mounted, fly_until(prepare_flight(mounted, gains, seed), stop_after(END))
+        mounted, fly_until(prepare_flight(mounted, gains, seed), stop_after(FLIGHT_END))
     )
 
 
@@ -188,9 +196,12 @@ def evaluate_flight(mounted: MountedVehicle, track: FlightTrack) -> StraightFlig
     """Evaluate a flight."""
     loads = mounted.vehicle.loads
     steady = loads.idle + loads.transmitting
-    rising, way = track.crop(LIFT_OFF, AWAY), track.crop(AWAY, END)
+    rising, way = (
+        track.crop(LIFT_OFF_TIME, MOUNTING_DEPARTURE),
+        track.crop(MOUNTING_DEPARTURE, FLIGHT_END),
+    )
     # The last 10 s before departure: steady hover, the climb has settled.
-    before = track.crop(AWAY - 10.0, AWAY)
+    before = track.crop(MOUNTING_DEPARTURE - 10.0, MOUNTING_DEPARTURE)
     return StraightFlightResult(
         swing=float(np.abs(rising.pitch - rising.pitch.mean()).max()),
         # Pitch is nose up, the lean nose down.

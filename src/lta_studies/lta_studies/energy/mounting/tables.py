@@ -11,14 +11,14 @@ from lta_model.vehicle import Vehicle
 from lta_report.formatting import format_number
 from lta_report.report import TextTable
 from lta_report.result_table import build_table, Column, to_record
-from lta_studies.energy.mounting.mounted_vehicle import LIGHTS
+from lta_studies.energy.mounting.mounted_vehicle import LIGHT_DIRECTIONS
 from lta_studies.energy.mounting.run import MountingStudy, MountTrial
 from lta_studies.energy.mounting.straight_flight import average_over_seeds
 from lta_vehicle.figures.mass_budget import DEGREES
 
 CENTIMETRES: Final = 1e2
 LAMP_LUX: Final = 80e3  # lx, seed paper
-TITLE: Final[Column[tuple[str, MountTrial]]] = Column('', 'mount', of=lambda row: row[0])
+MOUNT_COLUMN: Final[Column[tuple[str, MountTrial]]] = Column('', 'mount', of=lambda row: row[0])
 
 
 def trial_column(
@@ -41,8 +41,8 @@ def flight_column(key: str, head: str, unit: str, digits: int) -> Column[tuple[s
     )
 
 
-BALANCE: Final = (
-    TITLE,
+BALANCE_COLUMNS: Final = (
+    MOUNT_COLUMN,
     trial_column('mass', 'mass', 'g', 1, lambda trial: trial.fitted.vehicle.mass),
     trial_column('ballast', 'ballast', 'g', 1, lambda trial: trial.fitted.vehicle.ballast_mass),
     trial_column('', 'CG below CB', 'cm', 1, lambda trial: -float(trial.fitted.vehicle.cg[2])),
@@ -62,8 +62,8 @@ BALANCE: Final = (
                  lambda trial: trial.swing.damping_ratio),
     trial_column('damping', 'simulated', '%', 3, lambda trial: trial.release.damping_ratio),
 )  # fmt: skip
-FLOWN: Final = (
-    TITLE,
+FLIGHT_COLUMNS: Final = (
+    MOUNT_COLUMN,
     trial_column('lean_by_hand', 'lean at rest', '°', 2,
                  lambda trial: trial.fitted.nose_down_pitch),
     flight_column('swing', 'swing after lift-off', '±°', 2),
@@ -87,15 +87,17 @@ def build_comparison_tables(study: MountingStudy) -> list[TextTable]:
     out = f'panels {CENTIMETRES * study.ahead:g} cm too far forward'
     misplaced = {f'{name}, {out}': each for name, each in study.misplaced.items()}
     return [
-        build_table('Balance and swing', BALANCE, (own | shared).items()),
-        build_table('Straight flight at 0.1 m/s', FLOWN, (own | shared | misplaced).items()),
+        build_table('Balance and swing', BALANCE_COLUMNS, (own | shared).items()),
+        build_table(
+            'Straight flight at 0.1 m/s', FLIGHT_COLUMNS, (own | shared | misplaced).items()
+        ),
         build_light_table(study),
     ]
 
 
 def build_light_table(study: MountingStudy) -> TextTable:
     """Return the table of light on the panels."""
-    heads = ['mount, light in %', *(light.name for light in LIGHTS)]
+    heads = ['mount, light in %', *(light.name for light in LIGHT_DIRECTIONS)]
     rows = []
     for name, shares in study.light.items():
         for words, key in (('in series', 'series'), ('separately', 'apart')):
@@ -125,7 +127,7 @@ def to_json(study: MountingStudy) -> dict[str, Any]:
         'lift_lacking': dict(study.lacking),
         **{
             group: {
-                name: to_record((*BALANCE, *FLOWN), (name, each))
+                name: to_record((*BALANCE_COLUMNS, *FLIGHT_COLUMNS), (name, each))
                 for name, each in getattr(study, group).items()
             }
             for group in ('own', 'shared', 'misplaced')

@@ -20,10 +20,10 @@ import numpy as np
 from numpy.random import Generator
 from scipy.spatial.transform import Rotation
 
-DIODES: Final = 'vehicle.sensors.diodes'
+DIODES_PATH: Final = 'vehicle.sensors.diodes'
 # In full daylight people mount a smaller resistor; GT-MAB's own saturates at 2 klx
 FOR_SUN: Final = {
-    f'{DIODES}.feedback': {
+    f'{DIODES_PATH}.feedback': {
         'value': 10, 'unit': 'kohm', 'source': 'assumed: full scale near 20 klx, for daylight'
     }
 }  # fmt: skip
@@ -47,7 +47,7 @@ class BearingScenario:
     mounted: Mapping[str, object] = field(default_factory=dict)
 
 
-PLACES: Final[dict[str, BearingScenario]] = {
+BEARING_PLACES: Final[dict[str, BearingScenario]] = {
     'indoor': BearingScenario('indoor', 'lamp_room', 'a room with reflecting surfaces'),
     'outdoor': BearingScenario(
         'outdoor', 'sunny_field', 'a field in full daylight, 80 klx on the ground', FOR_SUN
@@ -59,27 +59,32 @@ def build_flight_spec(
     place: BearingScenario, vehicle: str, count: int, diodes: TrueDiodes | None = None
 ) -> FlightSpec:
     """Return the spec of a vehicle with an even ring at a place; the file's diodes by default."""
-    values: dict[str, object] = {f'{DIODES}.count': count, **place.mounted}
+    values: dict[str, object] = {f'{DIODES_PATH}.count': count, **place.mounted}
     changes = {} if diodes is None else diodes._asdict()
     for name, value in changes.items():
         if value is not None:
-            values[f'{DIODES}.{name}'] = {'value': value, 'unit': '1', 'source': 'option'}
+            values[f'{DIODES_PATH}.{name}'] = {'value': value, 'unit': '1', 'source': 'option'}
     return load_spec(vehicle, place.scenario, 'bag', '').with_values(values)
 
 
-HEIGHTS: Final = 0.5, 1.5  # range of the hull centre's height, uniform [m]
-TILT: Final = math.radians(2.0)  # standard deviation of pitch and roll [rad]
-BESIDE: Final = math.radians(60.0)  # largest angle to the lamp's axis, seen from above [rad]
-CLEAR: Final = 0.6  # minimum distance of the hull centre to a wall [m]
+HULL_HEIGHTS: Final = 0.5, 1.5  # range of the hull centre's height, uniform [m]
+TILT_DEVIATION: Final = math.radians(2.0)  # standard deviation of pitch and roll [rad]
+LARGEST_OFF_AXIS: Final = math.radians(
+    60.0
+)  # largest angle to the lamp's axis, seen from above [rad]
+WALL_DISTANCE: Final = 0.6  # minimum distance of the hull centre to a wall [m]
 NEAREST: Final = 1.5  # minimum distance to the lamp; nearer, the diodes saturate [m]
-FARTHEST: Final = 12.0  # maximum |x| and |y| of places in an open field [m]
-TRIES: Final = 10_000
+FIELD_HALF_WIDTH: Final = 12.0  # maximum |x| and |y| of places in an open field [m]
+POSE_TRIES: Final = 10_000
 
 Pose = tuple[float, ...]  # position and quaternion x y z w
 
 
 def draw_pose(
-    scenario: Scenario, distance: float | None, chance: Generator, off_axis: float = BESIDE
+    scenario: Scenario,
+    distance: float | None,
+    chance: Generator,
+    off_axis: float = LARGEST_OFF_AXIS,
 ) -> Pose:
     """
     Draw a random pose within the lamp's beam.
@@ -88,12 +93,12 @@ def draw_pose(
     room [m]. `off_axis`: largest angle to the lamp's axis, seen from above [rad]. Raise `BadInput`
     if no place at that distance is in the room.
     """
-    height = chance.uniform(*HEIGHTS)
+    height = chance.uniform(*HULL_HEIGHTS)
     # Rejection sampling: draw places until one is usable.
-    for _ in range(TRIES):
+    for _ in range(POSE_TRIES):
         x, y = draw_place(scenario, distance, chance, off_axis)
         if is_within_lamp_beam(scenario, x, y, off_axis):
-            pitch, roll = TILT * chance.standard_normal(2)
+            pitch, roll = TILT_DEVIATION * chance.standard_normal(2)
             # Upper-case axes are intrinsic: yaw, then pitch, then roll.
             turn = Rotation.from_euler('ZYX', [chance.uniform(-math.pi, math.pi), pitch, roll])
             return (x, y, height, *turn.as_quat().tolist())
@@ -104,14 +109,17 @@ def draw_pose(
 
 
 def draw_place(
-    scenario: Scenario, distance: float | None, chance: Generator, off_axis: float = BESIDE
+    scenario: Scenario,
+    distance: float | None,
+    chance: Generator,
+    off_axis: float = LARGEST_OFF_AXIS,
 ) -> tuple[float, float]:
     """Draw a horizontal position at a distance from the lamp, or anywhere. [m]"""
     lamp_x, lamp_y, _ = scenario.goal_lamp.position.vector
     length, width, _ = scenario.room.size.vector
     if distance is None:
         # A field is far larger than the range of the lamp, so places are limited to its middle.
-        reach = [min(0.5 * side - CLEAR, FARTHEST) for side in (length, width)]
+        reach = [min(0.5 * side - WALL_DISTANCE, FIELD_HALF_WIDTH) for side in (length, width)]
         x, y = (chance.uniform(-each, each) for each in reach)
         return x, y
     ahead_x, ahead_y, _ = scenario.goal_lamp.facing.vector
@@ -119,14 +127,16 @@ def draw_place(
     return lamp_x + distance * math.cos(angle), lamp_y + distance * math.sin(angle)
 
 
-def is_within_lamp_beam(scenario: Scenario, x: float, y: float, off_axis: float = BESIDE) -> bool:
+def is_within_lamp_beam(
+    scenario: Scenario, x: float, y: float, off_axis: float = LARGEST_OFF_AXIS
+) -> bool:
     """Return whether a place [m] is in the room, within the beam and far enough away."""
     lamp_x, lamp_y, _ = scenario.goal_lamp.position.vector
     ahead = np.array(scenario.goal_lamp.facing.vector[:2])
     length, width, _ = scenario.room.size.vector
     way = np.array([x - lamp_x, y - lamp_y])
     away = math.hypot(*way)
-    inside = abs(x) <= 0.5 * length - CLEAR and abs(y) <= 0.5 * width - CLEAR
+    inside = abs(x) <= 0.5 * length - WALL_DISTANCE and abs(y) <= 0.5 * width - WALL_DISTANCE
     # Angle by dot product; 1e-9 admits places exactly on the edge of the beam.
     within = way @ ahead >= (math.cos(off_axis) - 1e-9) * away * math.hypot(*ahead)
     return inside and bool(within) and away >= NEAREST

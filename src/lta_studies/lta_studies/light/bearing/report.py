@@ -9,7 +9,7 @@ from lta_report.formatting import MISSING, Tile
 from lta_report.palette import ESTIMATE, TIME, TRUTH, WALL
 from lta_report.report import Picture, Report, TextSection
 from lta_report.result_table import build_table, Column
-from lta_studies.light.bearing.bench import PLACES
+from lta_studies.light.bearing.bench import BEARING_PLACES
 from lta_studies.light.bearing.run import (
     BearingTrialRequest,
     BearingTrialResult,
@@ -21,7 +21,7 @@ import numpy as np
 from plotly.graph_objects import Figure
 from scipy.special import ndtri
 
-CAPTION: Final = (
+ERROR_CAPTION: Final = (
     'Dots: median error of the bearing. Lines above them: up to the 95 % quantile. Orange: '
     'the weighted mean of the paper (Huang et al. 2025). Blue: our fit.'
 )
@@ -30,7 +30,7 @@ HONEST: Final = (
     'probability of the interval. On the dashed line the fit is calibrated; above it the '
     'intervals are too wide, below it too narrow.'
 )
-METHOD: Final = (
+BEARING_METHOD: Final = (
     'Each reading is one block of ADC samples (100 ms) from the simulated diodes and '
     "amplifiers, at a random pose within 60 degrees of the lamp's axis: random heading, "
     'hull at 0.5 to 1.5 m, pitch and roll of 2 degrees rms, and new random diode gains for '
@@ -43,12 +43,12 @@ METHOD: Final = (
     'of the diodes. It bounds deviations; the median error of other estimators may be smaller.'
 )
 DASHES: Final = ('solid', '5px,3px', '2px,2px')  # of curves that share a colour
-TICKS: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)  # degrees
+ERROR_TICKS: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)  # degrees
 
 
 def build_report(results: Sequence[BearingTrialResult], request: BearingTrialRequest) -> Report:
     """Return the report of a bearing study."""
-    places = ' · '.join(f'{name}: {PLACES[name].about}' for name in request.place)
+    places = ' · '.join(f'{name}: {BEARING_PLACES[name].about}' for name in request.place)
     return Report(
         command='light bearing',
         subject=request.vehicle,
@@ -57,14 +57,15 @@ def build_report(results: Sequence[BearingTrialResult], request: BearingTrialReq
         'and range.',
         tiles=build_tiles(results),
         blocks=(
-            Picture('errors', 'Error of the bearing', CAPTION, plot_errors(results), height=420),
-            build_table('Comparison of the estimators', BEARING, results),
-            build_table('Elevation, and readings without an estimate', ELEVATION, results),
+            Picture('errors', 'Error of the bearing', ERROR_CAPTION, plot_errors(results),
+                    height=420),
+            build_table('Comparison of the estimators', BEARING_COLUMNS, results),
+            build_table('Elevation, and readings without an estimate', ELEVATION_COLUMNS, results),
             Picture(
                 'honest', 'How often the interval contains the true bearing', HONEST,
                 plot_calibration(results), height=420,
             ),
-            TextSection('Method', (METHOD,)),
+            TextSection('Method', (BEARING_METHOD,)),
         ),
         data=to_json(results, request),
         facts={
@@ -100,13 +101,13 @@ def format_percent(part: float) -> str:
     return f'{100.0 * part:.1f}' if math.isfinite(part) else MISSING
 
 
-PLACE: Final[tuple[Column[BearingTrialResult], ...]] = (
+PLACE_COLUMNS: Final[tuple[Column[BearingTrialResult], ...]] = (
     Column('', 'place', of=lambda each: each.place),
     Column('', 'diodes', of=lambda each: each.count),
     Column('', 'range [m]', of=lambda each: format_range(each.range)),
 )
-BEARING: Final[tuple[Column[BearingTrialResult], ...]] = (
-    *PLACE,
+BEARING_COLUMNS: Final[tuple[Column[BearingTrialResult], ...]] = (
+    *PLACE_COLUMNS,
     Column('', 'true exponent', of=lambda each: format_simulated(each.diodes[0], 1.0)),
     Column('', 'true gain spread [%]', of=lambda each: format_simulated(each.diodes[1], 100.0)),
     Column('', 'SNR', digits=0, of=lambda each: each.score.snr),
@@ -120,8 +121,8 @@ BEARING: Final[tuple[Column[BearingTrialResult], ...]] = (
     Column('', 'fit deviation', '°', 2, lambda each: each.score.deviation),
     Column('', 'holds', '%', 1, lambda each: each.score.holds),
 )  # fmt: skip
-ELEVATION: Final[tuple[Column[BearingTrialResult], ...]] = (
-    *PLACE,
+ELEVATION_COLUMNS: Final[tuple[Column[BearingTrialResult], ...]] = (
+    *PLACE_COLUMNS,
     Column('', 'elevation, median', '°', 1, lambda each: each.score.elevation),
     Column('', 'holds', '%', 1, lambda each: each.score.elevation_holds),
     Column('', 'lost: paper, fit', '%', 1,
@@ -181,7 +182,7 @@ def plot_errors(results: Sequence[BearingTrialResult]) -> Figure:
         bars = {'above': most - middle, 'below': 0.0 * middle}
         curves.append(Curve(name, places, middle, colour, '%{y:.2f}°', 'markers', size=9, **bars))
     places_axis = ChartAxis('', ticks=range(len(results)), words=names, more={'tickfont_size': 10})
-    error_axis = ChartAxis('bearing error [°]', log=True, ticks=TICKS)
+    error_axis = ChartAxis('bearing error [°]', log=True, ticks=ERROR_TICKS)
     return draw_curves(curves, places_axis, error_axis).update_layout(margin_b=70)
 
 

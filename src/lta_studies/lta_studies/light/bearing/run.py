@@ -14,11 +14,11 @@ from lta_report.study import hash_inputs, Study
 from lta_report.study_store import StoreFormat
 from lta_report.workers import report_progress
 from lta_studies.light.bearing.bench import (
+    BEARING_PLACES,
     BearingBench,
     BearingReading,
     build_flight_spec,
     draw_pose,
-    PLACES,
     TrueDiodes,
 )
 import numpy as np
@@ -153,8 +153,8 @@ class BearingCase(NamedTuple):
 
 def _parse_place(name: str) -> str:
     """Return the name of a place; raise `BadInput` if it is unknown."""
-    if name not in PLACES:
-        raise unknown_name_error('place', name, list(PLACES))
+    if name not in BEARING_PLACES:
+        raise unknown_name_error('place', name, list(BEARING_PLACES))
     return name
 
 
@@ -195,7 +195,7 @@ class BearingTrialRequest(StudyRequest, command='light bearing', quick={'poses':
 
     vehicle: str = VEHICLE
     place: Annotated[tuple[Place, ...], AfterValidator(remove_duplicates)] = option(
-        'Where to simulate: indoor or outdoor; repeat for both.', default=tuple(PLACES)
+        'Where to simulate: indoor or outdoor; repeat for both.', default=tuple(BEARING_PLACES)
     )
     diodes: Annotated[tuple[int, ...], AfterValidator(remove_duplicates)] = option(
         'Number of photodiodes in the ring; repeat to compare several.', default=(4, 8, 16),
@@ -231,9 +231,9 @@ class BearingTrialRequest(StudyRequest, command='light bearing', quick={'poses':
         from lta_studies.light.bearing.report import build_report
 
         # Also checks that the vehicle fits the scenes before any work
-        specs = [build_flight_spec(PLACES[name], self.vehicle, 1) for name in self.place]
+        specs = [build_flight_spec(BEARING_PLACES[name], self.vehicle, 1) for name in self.place]
         inputs = (self.poses, self.seed, self.off_axis, *(s.contents for s in specs))
-        study = Study(self.evaluate, str, STORE, 'combinations')
+        study = Study(self.evaluate, str, BEARING_STORE, 'combinations')
         trials = run.run_study(study, hash_inputs(*inputs), self.list_cases())
         return build_report(trials, self)
 
@@ -258,7 +258,7 @@ class BearingTrialRequest(StudyRequest, command='light bearing', quick={'poses':
 
         Each starts its own random stream, so that rings of different size see the same poses.
         """
-        place = PLACES[case.place]
+        place = BEARING_PLACES[case.place]
         bench = BearingBench(
             build_flight_spec(place, self.vehicle, case.ring),
             build_flight_spec(place, self.vehicle, case.ring, case.diodes),
@@ -293,7 +293,7 @@ class BearingTrialResult:
         }
 
 
-STORE: Final = StoreFormat(
+BEARING_STORE: Final = StoreFormat(
     'bearings.jsonl',
     'bearing',
     'study of bearings',

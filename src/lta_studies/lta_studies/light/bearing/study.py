@@ -28,21 +28,21 @@ from lta_report.report import Picture, Report, TextSection, TextTable
 from lta_report.request import option, StudyRequest, StudyRun, VEHICLE
 from lta_report.study import hash_inputs, Study
 from lta_report.study_store import StoreFormat
-from lta_studies.light.bearing.bench import BearingBench, build_flight_spec, PLACES, Pose
+from lta_studies.light.bearing.bench import BEARING_PLACES, BearingBench, build_flight_spec, Pose
 from lta_studies.light.bearing.report import format_degrees
 from lta_studies.light.bearing.run import error_quantile, extract_column
 import numpy as np
 from plotly.graph_objects import Figure
 from pydantic import TypeAdapter
 
-DIRECTIONS: Final = 16
-DISTANCE: Final = 3.0  # m
+DIRECTION_COUNT: Final = 16
+STUDY_DISTANCE: Final = 3.0  # m
 # Off the lamp's axis, where reflections turn the mean most. On the axis of a symmetric room they
 # are symmetric, too.
-ASIDE: Final = math.radians(45.0)
-HEIGHT: Final = 0.5  # of the hull centre, that of the paper's flights [m]
-READINGS: Final = 50
-COUNTS: Final = (4, 8, 16)
+STUDY_OFF_AXIS: Final = math.radians(45.0)
+STUDY_HEIGHT: Final = 0.5  # of the hull centre, that of the paper's flights [m]
+READINGS_PER_DIRECTION: Final = 50
+RING_COUNTS: Final = (4, 8, 16)
 
 
 @final
@@ -60,23 +60,27 @@ class RingStudyRequest(StudyRequest, command='light study', quick={'readings': 5
 
     vehicle: str = VEHICLE
     readings: int = option(
-        'Number of photodiode readings in each direction.', default=READINGS, low=1, high=10_000
+        'Number of photodiode readings in each direction.',
+        default=READINGS_PER_DIRECTION,
+        low=1,
+        high=10_000,
     )
     seed: int = option('Random seed.', default=1, low=0)
     aside: float = option(
-        "Angle between the lamp's axis and the drone, degrees.", default=math.degrees(ASIDE),
+        "Angle between the lamp's axis and the drone, degrees.",
+        default=math.degrees(STUDY_OFF_AXIS),
         low=0, high=60,
     )  # fmt: skip
 
     def run(self, run: StudyRun) -> Report:
         """Return the report of all rings."""
         # Also checks that the vehicle fits the scenes before any work
-        specs = [build_flight_spec(place, self.vehicle, 1) for place in PLACES.values()]
+        specs = [build_flight_spec(place, self.vehicle, 1) for place in BEARING_PLACES.values()]
         turned = math.radians(self.aside)
         compute = partial(study_case, self.vehicle, self.readings, self.seed, turned)
         inputs = (self.readings, self.seed, turned, *(spec.contents for spec in specs))
-        cases = list(product(PLACES, COUNTS))
-        study = Study(compute, str, STORE, 'rings')
+        cases = list(product(BEARING_PLACES, RING_COUNTS))
+        study = Study(compute, str, RING_STORE, 'rings')
         rings = run.run_study(study, hash_inputs(*inputs), cases)
         return build_report(rings, self.vehicle, self.readings, self.seed, turned)
 
@@ -86,7 +90,7 @@ class RingStudyRequest(StudyRequest, command='light study', quick={'readings': 5
 class RingStudy:
     """Results of one ring in one place."""
 
-    place: str  # name in `PLACES`
+    place: str  # name in `BEARING_PLACES`
     count: int  # number of diodes
     # Median error in each direction [rad]
     paper: tuple[float, ...]
@@ -103,10 +107,12 @@ class RingStudy:
 
 def list_directions() -> list[float]:
     """Return the true directions of the lamp, seen from the ring. [rad]"""
-    return [math.tau * k / DIRECTIONS for k in range(DIRECTIONS)]
+    return [math.tau * k / DIRECTION_COUNT for k in range(DIRECTION_COUNT)]
 
 
-STORE: Final = StoreFormat('rings.jsonl', 'study', 'study of photodiodes', TypeAdapter(RingStudy))
+RING_STORE: Final = StoreFormat(
+    'rings.jsonl', 'study', 'study of photodiodes', TypeAdapter(RingStudy)
+)
 
 
 def study_case(
@@ -114,12 +120,17 @@ def study_case(
 ) -> RingStudy:
     """Study a ring (place, number of diodes) of a vehicle, `aside` of the lamp's axis. [rad]"""
     place, count = ring
-    bench = BearingBench(build_flight_spec(PLACES[place], vehicle, count))
+    bench = BearingBench(build_flight_spec(BEARING_PLACES[place], vehicle, count))
     return study_ring(bench, place, count, readings, seed, aside)
 
 
 def study_ring(
-    bench: BearingBench, place: str, count: int, readings: int, seed: int, aside: float = ASIDE
+    bench: BearingBench,
+    place: str,
+    count: int,
+    readings: int,
+    seed: int,
+    aside: float = STUDY_OFF_AXIS,
 ) -> RingStudy:
     """Study one ring in all directions, `aside` of the lamp's axis. [rad]"""
     # The same draws indoors and outdoors: only the place differs.
@@ -135,7 +146,9 @@ def study_ring(
     return RingStudy(place, count, tuple(paper), tuple(ours), float(np.median(snrs)))
 
 
-def pose_for_lamp_direction(bench: BearingBench, direction: float, aside: float = ASIDE) -> Pose:
+def pose_for_lamp_direction(
+    bench: BearingBench, direction: float, aside: float = STUDY_OFF_AXIS
+) -> Pose:
     """Return the level pose, `aside` of the axis, that has the lamp in a direction. [rad]"""
     x, y, _ = bench.scenario.goal_lamp.position.vector
     ahead_x, ahead_y, _ = bench.scenario.goal_lamp.facing.vector
@@ -144,7 +157,7 @@ def pose_for_lamp_direction(bench: BearingBench, direction: float, aside: float 
     half = 0.5 * (facing + math.pi - direction)
     # The ring is below the hull centre, so a level ring has the same horizontal position.
     return (
-        x + DISTANCE * math.cos(facing), y + DISTANCE * math.sin(facing), HEIGHT,
+        x + STUDY_DISTANCE * math.cos(facing), y + STUDY_DISTANCE * math.sin(facing), STUDY_HEIGHT,
         0.0, 0.0, math.sin(half), math.cos(half),
     )  # fmt: skip
 
@@ -154,16 +167,16 @@ def count_accurate_directions(errors: Sequence[float], limit: float) -> int:
     return sum(error < limit for error in errors)
 
 
-COLOURS: Final = dict(zip(COUNTS, (LAMP, TRUTH, GOOD), strict=True))
-HEADS: Final = (
+RING_COLOURS: Final = dict(zip(RING_COUNTS, (LAMP, TRUTH, GOOD), strict=True))
+RING_HEADS: Final = (
     'place', 'diodes', 'SNR', 'paper: median [°]', 'worst [°]', 'below 2°', 'fit: median [°]',
     'worst [°]', 'below 2°',
 )  # fmt: skip
-CAPTION: Final = (
+RING_CAPTION: Final = (
     'Median bearing error in each of 16 directions. Full lines: our fit. Dotted: the '
     'weighted mean of the paper.'
 )
-METHOD: Final = (
+RING_METHOD: Final = (
     'The hull is level at 0.5 m and turns through 16 directions. The diode gains of the vehicle '
     'are drawn once. Errors are medians over the readings; each reading is one block of ADC '
     'samples with its own noise.'
@@ -173,7 +186,7 @@ METHOD: Final = (
 def describe_method(aside: float) -> str:
     """Describe the set-up, with the drone `aside` of the lamp's axis. [rad]"""
     where = f'{math.degrees(aside):g} degrees off its axis' if aside else 'on its axis'
-    return f'The lamp is {DISTANCE:g} m away and the drone is {where}. {METHOD}'
+    return f'The lamp is {STUDY_DISTANCE:g} m away and the drone is {where}. {RING_METHOD}'
 
 
 def build_report(
@@ -186,15 +199,15 @@ def build_report(
         command='light study',
         subject='number of photodiodes',
         headline=f'Indoors with eight diodes, {format_median_errors(eight)}.',
-        introduction=f'{DIRECTIONS} directions to the lamp, {readings} readings in each.',
+        introduction=f'{DIRECTION_COUNT} directions to the lamp, {readings} readings in each.',
         tiles=build_tiles(studies),
         blocks=(
             *(
                 Picture(
-                    place, f'{place.capitalize()}: {PLACES[place].about}', CAPTION,
+                    place, f'{place.capitalize()}: {BEARING_PLACES[place].about}', RING_CAPTION,
                     plot_errors(studies, place), height=420,
                 )
-                for place in PLACES
+                for place in BEARING_PLACES
             ),
             build_ring_table(studies),
             TextSection('Method', (describe_method(aside),)),
@@ -226,10 +239,10 @@ def build_ring_table(studies: Sequence[RingStudy]) -> TextTable:
     for each in studies:
         cells = [each.place, str(each.count), f'{each.snr:.0f}']
         for errors in (each.paper, each.ours):
-            below = f'{count_accurate_directions(errors, math.radians(2.0))} of {DIRECTIONS}'
+            below = f'{count_accurate_directions(errors, math.radians(2.0))} of {DIRECTION_COUNT}'
             cells += [format_degrees(median_error(errors)), format_degrees(max(errors)), below]
         rows.append(cells)
-    return TextTable(f'Bearing errors over {DIRECTIONS} directions', HEADS, rows)
+    return TextTable(f'Bearing errors over {DIRECTION_COUNT} directions', RING_HEADS, rows)
 
 
 def build_tiles(studies: Sequence[RingStudy]) -> list[Tile]:
@@ -248,7 +261,7 @@ def plot_errors(studies: Sequence[RingStudy], place: str) -> Figure:
     angles = np.degrees(list_directions())
     curves = [
         Curve(
-            f'{each.count} diodes, {name}', angles, np.degrees(errors), COLOURS[each.count],
+            f'{each.count} diodes, {name}', angles, np.degrees(errors), RING_COLOURS[each.count],
             '%{y:.2f}°', 'lines+markers', dash, 1.4, 5,
         )
         for each in studies

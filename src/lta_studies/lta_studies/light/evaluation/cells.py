@@ -11,14 +11,14 @@ from lta_flight.flight_spec import FlightSpec
 from lta_flight.sweep.job_runner import FAILED, SweepRow
 from lta_flight.sweep.plan import SweepPlan
 from lta_flight.sweep.statistics import format_value, REACHED, ShareInterval, wilson_interval
-from lta_studies.light.evaluation.flights import PILOT, STRATEGY
+from lta_studies.light.evaluation.flights import PILOT, STRATEGY_PATH
 from lta_studies.light.evaluation.sets import find_flight_set
 import numpy as np
 
-DRAWS: Final = 4000
-SEED: Final = 7
-ENDS: Final = (2.5, 97.5)  # %
-FEWEST: Final = 5  # values of an order; the bootstrap is overconfident with fewer
+BOOTSTRAP_DRAWS: Final = 4000
+BOOTSTRAP_SEED: Final = 7
+INTERVAL_ENDS: Final = (2.5, 97.5)  # %
+FEWEST_VALUES: Final = 5  # values of an order; the bootstrap is overconfident with fewer
 
 
 class BootstrapMean(NamedTuple):
@@ -52,8 +52,12 @@ def bootstrap_ratio(above: Sequence[float], below: Sequence[float]) -> Bootstrap
     if count == 1:
         return BootstrapMean(value, math.nan, math.nan, 1)
     # A fixed seed makes the page reproducible.
-    resamples = np.random.default_rng(SEED).integers(count, size=(DRAWS, count))
-    low, high = np.percentile(top[resamples].mean(axis=1) / bottom[resamples].mean(axis=1), ENDS)
+    resamples = np.random.default_rng(BOOTSTRAP_SEED).integers(
+        count, size=(BOOTSTRAP_DRAWS, count)
+    )
+    low, high = np.percentile(
+        top[resamples].mean(axis=1) / bottom[resamples].mean(axis=1), INTERVAL_ENDS
+    )
     return BootstrapMean(value, float(low), float(high), count)
 
 
@@ -103,7 +107,7 @@ def build_cells(name: str, plan: SweepPlan, rows: Iterable[SweepRow]) -> list[Ev
     axis = find_flight_set(name).axis
     grouped: dict[tuple[str, str], list[SweepRow]] = {}
     for row in rows:
-        grouped.setdefault((format_case(row), row.values[STRATEGY]), []).append(row)
+        grouped.setdefault((format_case(row), row.values[STRATEGY_PATH]), []).append(row)
     cells = []
     places: dict[str, float] = {}
     # The order of the sweep, by the index of the first flight
@@ -124,13 +128,15 @@ def build_cells(name: str, plan: SweepPlan, rows: Iterable[SweepRow]) -> list[Ev
 
 def format_case(row: SweepRow) -> str:
     """Return the label of a flight's case."""
-    return ', '.join(format_value(value) for path, value in row.values.items() if path != STRATEGY)
+    return ', '.join(
+        format_value(value) for path, value in row.values.items() if path != STRATEGY_PATH
+    )
 
 
 def parse_family(row: SweepRow) -> str:
     """Return the case name if the case also has values, or without its final number."""
     name = str(row.values.get(CASE_COLUMN, ''))
-    if row.values.keys() - {CASE_COLUMN, STRATEGY}:
+    if row.values.keys() - {CASE_COLUMN, STRATEGY_PATH}:
         return name
     word, _, number = name.rpartition('_')
     return word if number.isdecimal() else ''
@@ -141,19 +147,19 @@ def build_flight_spec(plan: SweepPlan, row: SweepRow) -> FlightSpec:
     changes = {
         path: value
         for path, value in plan.build_job(row.index).changes.items()
-        if path != STRATEGY
+        if path != STRATEGY_PATH
     }
     return plan.base.with_values(changes)
 
 
 def ordered_share(values: Sequence[Sequence[float]]) -> float:
     """Return the share of bootstrap draws with ascending means; NaN with too few values."""
-    if min(map(len, values)) < FEWEST:
+    if min(map(len, values)) < FEWEST_VALUES:
         return math.nan
-    chance = np.random.default_rng(SEED)
+    chance = np.random.default_rng(BOOTSTRAP_SEED)
     means = [
         # Strategies are resampled separately: different seeds arrive with each.
-        np.array(own)[chance.integers(len(own), size=(DRAWS, len(own)))].mean(axis=1)
+        np.array(own)[chance.integers(len(own), size=(BOOTSTRAP_DRAWS, len(own)))].mean(axis=1)
         for own in values
     ]
     rises = np.all([a < b for a, b in pairwise(means)], axis=0)

@@ -45,8 +45,10 @@ from lta_sim.world import World
 from lta_studies.light.evaluation.sets import find_flight_set
 
 PILOT = 'pilot'
-EDDIES = 5.0  # s, time constant of the low-pass filter of the wind
-LEAST = 0.5  # share of the cruise speed over ground below which the pilot flies faster
+WIND_FILTER_TIME = 5.0  # s, time constant of the low-pass filter of the wind
+LEAST_GROUND_SHARE = (
+    0.5  # share of the cruise speed over ground below which the pilot flies faster
+)
 
 
 def build_pilot_strategy(world: World, top: float) -> NavigationStrategy:
@@ -69,7 +71,7 @@ def build_pilot_strategy(world: World, top: float) -> NavigationStrategy:
         # The first call has no filtered wind yet and takes the current one.
         if len(memory) > 1:
             # First-order low-pass filter, discretised; at most 1 for long intervals
-            share = min(sight.interval / EDDIES, 1.0)
+            share = min(sight.interval / WIND_FILTER_TIME, 1.0)
             x, y = memory[1] + share * (x - memory[1]), memory[2] + share * (y - memory[2])
         # Wind along the track and to the left of it
         along, left = solve_wind_triangle(x * c + y * s, y * c - x * s, settings.speed, top)
@@ -96,13 +98,13 @@ def solve_wind_triangle(
         # Cancel the crosswind as far as the airspeed allows.
         left = min(max(-across, -speed), speed)
         along = math.sqrt(speed * speed - left * left)
-        if along + with_it >= LEAST * cruise and left == -across:
+        if along + with_it >= LEAST_GROUND_SHARE * cruise and left == -across:
             break
     return along, left
 
 
-MOST: Final = 1000  # seeds per point of a plan; fixes the indices of the flights
-STRATEGY: Final = 'strategy'
+MOST_SEEDS: Final = 1000  # seeds per point of a plan; fixes the indices of the flights
+STRATEGY_PATH: Final = 'strategy'
 
 
 @final
@@ -142,7 +144,7 @@ class BatchEvaluation:
         """Yield each task with its row, one strategy after the other, then the pilot's."""
         by_strategy: dict[str, list[EvaluationTask]] = {}
         for task in items:
-            by_strategy.setdefault(str(task.job.changes[STRATEGY]), []).append(task)
+            by_strategy.setdefault(str(task.job.changes[STRATEGY_PATH]), []).append(task)
         piloted = by_strategy.pop(PILOT, [])
         for tasks in by_strategy.values():
             by_job = {id(task.job): task for task in tasks}
@@ -159,7 +161,7 @@ def build_sweep_plan(name: str, check: Callable[[SweepPlan], None] = SweepPlan.c
     """
     part = find_flight_set(name)
     file = load_sweep(part.file)
-    strategies = file.vary.get(STRATEGY)
+    strategies = file.vary.get(STRATEGY_PATH)
     if not isinstance(strategies, list) or file.samples is not None:
         raise BadInput(
             f'The sweep file {part.file} of the set {name} must list strategies under '
@@ -168,9 +170,9 @@ def build_sweep_plan(name: str, check: Callable[[SweepPlan], None] = SweepPlan.c
     # Check before the pilot is added, which is not a strategy that a file may name.
     check(SweepPlan(file))
     flyers = [*strategies, *([PILOT] if part.piloted else [])]
-    seeds = SweepSeeds(first=file.seeds.first, count=MOST)
+    seeds = SweepSeeds(first=file.seeds.first, count=MOST_SEEDS)
     return SweepPlan(
-        file.model_copy(update={'vary': {**file.vary, STRATEGY: flyers}, 'seeds': seeds})
+        file.model_copy(update={'vary': {**file.vary, STRATEGY_PATH: flyers}, 'seeds': seeds})
     )
 
 
@@ -193,7 +195,9 @@ def iterate_tasks(plans: dict[str, SweepPlan], seeds: int) -> Iterator[Evaluatio
 def build_standalone_job(plan: SweepPlan, job: SweepJob) -> SweepJob:
     """Return a self-contained job, as the workers fly jobs of all sets."""
     base = plan.base
-    return replace(job, case={**base.names, STRATEGY: base.strategy, **base.replaced, **job.case})
+    return replace(
+        job, case={**base.names, STRATEGY_PATH: base.strategy, **base.replaced, **job.case}
+    )
 
 
 def fly_task(task: EvaluationTask) -> SweepRow:
@@ -209,10 +213,10 @@ def fly_standalone_job(job: SweepJob) -> SweepRow:
 def prepare_flight(job: SweepJob) -> ClosedLoop:
     """Return the closed loop of a self-contained job before its first step."""
     changes = dict(job.changes)
-    piloted = changes[STRATEGY] == PILOT
+    piloted = changes[STRATEGY_PATH] == PILOT
     if piloted:
         # The spec needs a real strategy; the pilot replaces it below.
-        changes[STRATEGY] = job.case[STRATEGY]
+        changes[STRATEGY_PATH] = job.case[STRATEGY_PATH]
     loop = build_loop(build_flight_spec(changes), job.seed)
     if piloted:
         loop.policy = replace(
@@ -231,7 +235,7 @@ def top_airspeed(loop: ClosedLoop) -> float:
 def build_flight_spec(changes: dict[str, object]) -> FlightSpec:
     """Return the spec of a self-contained job."""
     vehicle, scenario, strategy, gains = (
-        str(changes.pop(root)) for root in ('vehicle', 'scenario', STRATEGY, 'gains')
+        str(changes.pop(root)) for root in ('vehicle', 'scenario', STRATEGY_PATH, 'gains')
     )
     return load_spec(vehicle, scenario, strategy, gains).with_values(changes)
 

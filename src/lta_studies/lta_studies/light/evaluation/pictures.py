@@ -22,7 +22,7 @@ import numpy as np
 from plotly.graph_objects import Figure, Scatter
 from plotly.subplots import make_subplots
 
-COLOURS: Final[Mapping[str, str]] = {
+STRATEGY_COLOURS: Final[Mapping[str, str]] = {
     'bag': TRUTH, 'dga': LAMP, 'des': ESTIMATE, 'homing': GOOD, PILOT: SOFT,
 }  # fmt: skip
 SYMBOLS: Final[Mapping[str, str]] = {
@@ -33,23 +33,34 @@ PAPER_FLIGHTS: Final[Mapping[str, tuple[float, float | None]]] = {
     'bag': (7.3, 8.4), 'dga': (8.6, 21.4), 'des': (12.2, None),
 }  # fmt: skip
 Interval = BootstrapMean | ShareInterval
-APART: Final = 0.012  # share of the axis between the markers of two strategies
-LEGEND: Final = {'orientation': 'h', 'x': 0, 'y': 1.02, 'xanchor': 'left', 'yanchor': 'bottom'}
-LAYOUT: Final = {
-    'hovermode': 'closest', 'showlegend': True, 'legend': LEGEND, 'margin': {'r': 16, 't': 26},
+STRATEGY_SPACING: Final = 0.012  # share of the axis between the markers of two strategies
+LEGEND_ABOVE: Final = {
+    'orientation': 'h',
+    'x': 0,
+    'y': 1.02,
+    'xanchor': 'left',
+    'yanchor': 'bottom',
+}
+FIGURE_LAYOUT: Final = {
+    'hovermode': 'closest', 'showlegend': True, 'legend': LEGEND_ABOVE, 'margin': {'r': 16, 't':
+    26},
 }  # fmt: skip
 
 
 def strategy_offset(strategy: str) -> int:
     """Return the place of a strategy's markers beside those of the others; 0 is the middle."""
-    order = list(COLOURS).index(strategy) if strategy in COLOURS else len(COLOURS)
+    order = (
+        list(STRATEGY_COLOURS).index(strategy)
+        if strategy in STRATEGY_COLOURS
+        else len(STRATEGY_COLOURS)
+    )
     # Five strategies: the third stays in the middle.
     return order - 2
 
 
 def strategy_color(strategy: str) -> str:
     """Return the colour of a strategy, the same in every plot."""
-    return COLOURS.get(strategy, TIME[0])
+    return STRATEGY_COLOURS.get(strategy, TIME[0])
 
 
 def build_error_bars(values: Sequence[Interval], colour: str) -> dict[str, Any]:
@@ -111,7 +122,7 @@ def plot_paper_comparison(cells: Sequence[EvaluationCell]) -> Figure:
     figure.update_yaxes(title_text='time [s]', rangemode='tozero', row=2)
     set_share_axis(figure, 3)
     figure.update_xaxes(type='category')
-    return figure.update_layout(LAYOUT)
+    return figure.update_layout(FIGURE_LAYOUT)
 
 
 def set_share_axis(figure: Figure, row: int) -> None:
@@ -147,7 +158,7 @@ def plot_along_axis(cells: Sequence[EvaluationCell], axis: EvaluationAxis) -> Fi
             tickvals=list(range(len(places))),
             ticktext=['dark' if place == 0.0 else f'{place:,.0f}' for place in places],
         )
-    return figure.update_layout(LAYOUT)
+    return figure.update_layout(FIGURE_LAYOUT)
 
 
 def add_ratios(
@@ -195,7 +206,7 @@ def offset_marker_positions(
     """Return the x positions of a strategy's cells, shifted so that markers do not overlap."""
     # Axes over decades show evenly spaced categories, as dark (0 lx) has no logarithm.
     span = len(places) - 1.0 if axis.decades else places[-1] - places[0]
-    shift = APART * strategy_offset(name) * (span or 1.0)
+    shift = STRATEGY_SPACING * strategy_offset(name) * (span or 1.0)
     return [(places.index(cell.place) if axis.decades else cell.place) + shift for cell in line]
 
 
@@ -220,7 +231,7 @@ def plot_factors(cells: Sequence[EvaluationCell]) -> Figure:
         tickvals=list(range(len(cases))), range=[len(cases) - 0.5, -0.5],
         ticktext=[wrap_text(tables.label_factor(case)) for case in cases],
     )  # fmt: skip
-    figure.update_layout(template=TEMPLATE).update_layout(LAYOUT)
+    figure.update_layout(template=TEMPLATE).update_layout(FIGURE_LAYOUT)
     return figure.update_layout(margin={'l': 122})
 
 
@@ -243,8 +254,8 @@ def wrap_text(text: str, width: int = 16) -> str:
     return '<br>'.join(lines)
 
 
-BEADS = 400  # points of a track, at most about twice that
-MARGIN = 0.25  # m of blank space around the room
+TRACK_POINTS = 400  # points of a track, at most about twice that
+ROOM_MARGIN = 0.25  # m of blank space around the room
 
 
 @final
@@ -281,7 +292,7 @@ def fly_again(
             view.record_step()
         truth = view.truth
         # Integer division, so the step is too small rather than too large.
-        keep = slice(None, None, max(1, len(truth.x) // BEADS))
+        keep = slice(None, None, max(1, len(truth.x) // TRACK_POINTS))
         way = (truth.time[keep], truth.x[keep], truth.y[keep])
         flight_tracks.append(EvaluationTrack(cell.strategy, *way, seed in cell.arrivals))
     return flight_tracks, loop.world.scenario
@@ -305,13 +316,14 @@ def plot_tracks(tracks: Sequence[EvaluationTrack], scenario: Scenario, height: f
     step = choose_tick_distance(max(length, width))
     shared = {'showgrid': False, 'dtick': step, 'constrain': 'domain'}
     figure.update_xaxes(
-        range=[-length / 2 - MARGIN, length / 2 + MARGIN], title_text='x [m]', **shared
+        range=[-length / 2 - ROOM_MARGIN, length / 2 + ROOM_MARGIN], title_text='x [m]', **shared
     )
     figure.update_yaxes(
-        range=[-width / 2 - MARGIN, width / 2 + MARGIN], title_text='y [m]', scaleanchor='x',
+        range=[-width / 2 - ROOM_MARGIN, width / 2 + ROOM_MARGIN], title_text='y [m]',
+        scaleanchor='x',
         constraintoward='top', **shared,
     )  # fmt: skip
     return figure.update_layout(
-        hovermode='closest', showlegend=True, legend=LEGEND,
+        hovermode='closest', showlegend=True, legend=LEGEND_ABOVE,
         margin={'l': 44, 'r': 12, 't': 26, 'b': 40},
     )  # fmt: skip

@@ -21,8 +21,8 @@ from lta_studies.light.evaluation.sets import (
     UNIFORM,
 )
 
-FIGURES: Final = {'path_length': 'm', 'search_time': 's', 'flight_time': 's', 'energy': 'J'}
-METHOD: Final = (
+CELL_FIGURES: Final = {'path_length': 'm', 'search_time': 's', 'flight_time': 's', 'energy': 'J'}
+EVALUATION_METHOD: Final = (
     'Reached: share of the flights, with 95 % Wilson interval. Path, time and ratios: means '
     'over the flights that reached the lamp, with 95 % bootstrap intervals. Path: length '
     'over ground from take-off to the goal circle. Time: from the first forward command. '
@@ -43,7 +43,7 @@ def build_report(status: EvaluationStatus, *, with_pictures: bool = True) -> Rep
         blocks=(
             *(build_pictures(status) if with_pictures else ()),
             *build_tables(status),
-            TextSection('Method', (METHOD,)),
+            TextSection('Method', (EVALUATION_METHOD,)),
         ),
         data=to_json(status),
         facts=build_provenance_table(status),
@@ -224,7 +224,7 @@ def to_json(status: EvaluationStatus) -> dict[str, Any]:
             'flights': count_flights(status),
             'failed': count_failed(status),
             'sets': {name: encode_cells(own) for name, own in status.cells.items()},
-            'units': {**FIGURES, 'reached': '1', 'ratio': '1'},
+            'units': {**CELL_FIGURES, 'reached': '1', 'ratio': '1'},
         }
     )
     return content
@@ -237,7 +237,7 @@ def encode_cells(cells: Sequence[EvaluationCell]) -> list[Mapping[str, Any]]:
     def encode_cell(cell: EvaluationCell) -> Mapping[str, Any]:
         intervals: dict[str, ShareInterval | BootstrapMean] = {
             'reached': cell.reached_share,
-            **{name: cell.mean(name) for name in FIGURES},
+            **{name: cell.mean(name) for name in CELL_FIGURES},
             'ratio': cell.ratio_to(best.get(cell.case)),
         }
         return {

@@ -10,7 +10,7 @@ from typing import final
 from lta_flight.batch.fly import Device
 from lta_flight.flight_spec import load_spec
 from lta_flight.sweep.batch_workers import BatchWorkers
-from lta_flight.sweep.job_runner import STORE, store_row, SweepRow
+from lta_flight.sweep.job_runner import store_row, SWEEP_STORE, SweepRow
 from lta_flight.sweep.plan import SweepPlan
 from lta_report.report import Report
 from lta_report.request import option, StudyRequest, StudyRun
@@ -27,11 +27,11 @@ from lta_studies.light.evaluation.flights import (
     EvaluationTask,
     fly_task,
     iterate_tasks,
-    MOST,
+    MOST_SEEDS,
 )
 from lta_studies.light.evaluation.sets import SETS
 
-FLIGHTS = 'flights'  # folder of the logs, one per set
+FLIGHTS_FOLDER = 'flights'  # folder of the logs, one per set
 
 
 @final
@@ -62,7 +62,7 @@ class EvaluationRequest(
     """
 
     seeds: int = option(
-        'Number of flights of each strategy in each case.', default=50, low=1, high=MOST
+        'Number of flights of each strategy in each case.', default=50, low=1, high=MOST_SEEDS
     )
     sets: tuple[str, ...] = option(
         f'Sets of cases to fly: {", ".join(SETS)}; all by default.', default=(), metavar='A B'
@@ -121,14 +121,14 @@ def run_evaluation(order: EvaluationRequest, run: StudyRun) -> EvaluationStatus:
         batches = BatchWorkers(load_spec('gtmab', 'lamp_room', 'bag', ''), order.device)
         plans = build_sweep_plans(order.sets, batches.check)
         workers = BatchEvaluation(batches, workers)
-    refuse_foreign_folder(run.folder, FLIGHTS, 'comparison of strategies')
+    refuse_foreign_folder(run.folder, FLIGHTS_FOLDER, 'comparison of strategies')
     begun = time.monotonic()
     with ExitStack() as stack:
         stores = {
             name: stack.enter_context(
                 StudyStore(
-                    run.folder / FLIGHTS / name,
-                    STORE,
+                    run.folder / FLIGHTS_FOLDER / name,
+                    SWEEP_STORE,
                     order.compute_set_hash(plan),
                     options.retry_failed,
                 )

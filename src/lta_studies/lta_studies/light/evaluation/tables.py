@@ -11,10 +11,10 @@ from lta_studies.light.evaluation.cells import EvaluationCell, select_pilot_cell
 from lta_studies.light.evaluation.flights import PILOT
 from lta_studies.light.evaluation.sets import EvaluationAxis, find_flight_set
 
-STRATEGIES: Final[Mapping[str, str]] = {
+STRATEGY_LABELS: Final[Mapping[str, str]] = {
     'bag': 'BAG', 'dga': 'DGA', 'des': 'DES', 'homing': 'homing', PILOT: 'pilot',
 }  # fmt: skip
-FACTORS: Final[Mapping[str, str]] = {
+FACTOR_LABELS: Final[Mapping[str, str]] = {
     'as_flown': 'as flown',
     'head': 'head wind',
     'cross': 'cross wind',
@@ -36,12 +36,12 @@ FACTORS: Final[Mapping[str, str]] = {
 
 def label_strategy(name: str) -> str:
     """Return the label of a strategy."""
-    return STRATEGIES.get(name, name)
+    return STRATEGY_LABELS.get(name, name)
 
 
 def label_factor(name: str) -> str:
     """Return the label of a named case."""
-    return FACTORS.get(name, name.replace('_', ' ')) or MISSING
+    return FACTOR_LABELS.get(name, name.replace('_', ' ')) or MISSING
 
 
 def label_case(cell: EvaluationCell, axis: EvaluationAxis | None) -> str:

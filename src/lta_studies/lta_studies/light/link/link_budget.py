@@ -35,7 +35,9 @@ from plotly.graph_objects import Figure
 from rich.progress import track
 
 BLOCK_NS = 100_000_000
-TURN = math.radians(22.5)  # largest heading offset: half the spacing of eight diodes
+LARGEST_HEADING_OFFSET = math.radians(
+    22.5
+)  # largest heading offset: half the spacing of eight diodes
 
 
 @final
@@ -223,7 +225,11 @@ def simulate_block(
     chance = np.random.default_rng(seed)
     x, y, z, towards = stand
     view = LightView(field, vehicle, diodes.draw_gains(chance))
-    view.record_pose(_build_level_pose(x, y, z, towards + TURN * float(chance.uniform(-1.0, 1.0))))
+    view.record_pose(
+        _build_level_pose(
+            x, y, z, towards + LARGEST_HEADING_OFFSET * float(chance.uniform(-1.0, 1.0))
+        )
+    )
     # Blocks follow each other in time, so each has another phase of the lamp.
     return view.sample_light_block(seed * BLOCK_NS, light.sample_rate.si, light.samples, chance)
 
@@ -232,7 +238,7 @@ def _build_level_pose(x: float, y: float, z: float, heading: float) -> Pose:
     return (x, y, z, 0.0, 0.0, math.sin(0.5 * heading), math.cos(0.5 * heading))
 
 
-COLUMNS: Final[tuple[Column[LinkPoint], ...]] = (
+LINK_COLUMNS: Final[tuple[Column[LinkPoint], ...]] = (
     Column('distance', 'distance', 'm'),
     Column('lux', 'direct', 'lx', 1),
     Column('read', 'read', 'lx', 1),
@@ -243,7 +249,7 @@ COLUMNS: Final[tuple[Column[LinkPoint], ...]] = (
 PAPER_DISTANCE: Final = 7.0  # m
 PAPER_LUX: Final = (20.0, 90.0)  # range read from "several tens of lux"
 NEEDED: Final = 10.0  # required SNR at that distance
-LUX: Final = (
+LUX_CAPTION: Final = (
     'Solid: light measured by the brightest diode while the lamp is on, including its '
     'angular response and reflections. Dotted: direct light on a plane that faces the lamp. '
     'Grey bar: the "several tens of lux" at 7 m of the paper (Huang et al. 2025).'
@@ -252,12 +258,12 @@ SNR: Final = (
     'SNR of the best diode after demodulation: median of several blocks of samples with '
     'different gains, noise and heading. Dotted: an SNR of 10.'
 )
-METHOD: Final = (
+LINK_METHOD: Final = (
     'The drone is level and faces the lamp within 22.5 degrees. The light falls with the '
     'square of the distance, the surfaces of the scene reflect it, and the hull shades the '
     'diodes below it.'
 )
-PAPER: Final = (
+PAPER_NOTE: Final = (
     'For comparison: the seed paper reports several tens of lux at 7 m from the lamp, and a high '
     'SNR.'
 )
@@ -273,10 +279,10 @@ def build_report(links: Sequence[LampLink], vehicle: str, altitude: float) -> Re
         'it.',
         tiles=build_tiles(links),
         blocks=(
-            Picture('lux', 'Light on the diodes', LUX, plot_lux(links)),
+            Picture('lux', 'Light on the diodes', LUX_CAPTION, plot_lux(links)),
             Picture('snr', 'Signal-to-noise ratio', SNR, plot_snr(links)),
             *map(build_link_table, links),
-            TextSection('Method', (METHOD,)),
+            TextSection('Method', (LINK_METHOD,)),
         ),
         data={
             'vehicle': vehicle, 'altitude': altitude, 'links': [asdict(each) for each in links],
@@ -287,7 +293,7 @@ def build_report(links: Sequence[LampLink], vehicle: str, altitude: float) -> Re
                 'simulate', '--scenario', links[0].scenario
             ),
         },
-        closing=(PAPER,),
+        closing=(PAPER_NOTE,),
     )  # fmt: skip
 
 
@@ -359,4 +365,4 @@ def distance_axis(links: Sequence[LampLink]) -> ChartAxis:
 def build_link_table(link: LampLink) -> TextTable:
     """Return the table of one scene by distance."""
     heading = f'{link.scenario}, feedback resistor of {link.feedback / 1e3:g} kohm'
-    return build_table(heading, COLUMNS, link.at, link.about)
+    return build_table(heading, LINK_COLUMNS, link.at, link.about)

@@ -26,10 +26,10 @@ from lta_studies.light.plan.floor_plan import Array, Mask
 from lta_vlc.settings import DemodulationSettings
 import numpy as np
 
-LOWEST: Final = 150.0  # Hz, from the paper; slower flicker is visible
-ORDERS: Final = range(49, 4, -2)  # clear orders of harmonics to try, best first
-FAINT: Final = 1e-9  # amplitude below which a harmonic is zero except for rounding
-ROUNDING: Final = 1e-6  # bins, tolerance
+LOWEST_FLICKER: Final = 150.0  # Hz, from the paper; slower flicker is visible
+CLEAR_ORDERS: Final = range(49, 4, -2)  # clear orders of harmonics to try, best first
+ZERO_AMPLITUDE: Final = 1e-9  # amplitude below which a harmonic is zero except for rounding
+BIN_TOLERANCE: Final = 1e-6  # bins, tolerance
 
 
 @final
@@ -51,12 +51,16 @@ class FrequencyBand:
     @property
     def half_window(self) -> float:
         """Half width of a search window, including a rounding tolerance. [Hz]"""
-        return (self.window + ROUNDING) * self.bin_width
+        return (self.window + BIN_TOLERANCE) * self.bin_width
 
     def list_harmonics(self, order: int) -> list[int]:
         """Return the existing harmonics from the second up to an order."""
         # Fourier coefficient of a rectangular wave: sin(pi n d) / (pi n)
-        return [n for n in range(2, order + 1) if abs(math.sin(math.pi * n * self.duty)) > FAINT]
+        return [
+            n
+            for n in range(2, order + 1)
+            if abs(math.sin(math.pi * n * self.duty)) > ZERO_AMPLITUDE
+        ]
 
     def alias_frequency(self, frequency: Array) -> Array:
         """Return the aliased frequencies in the sampled spectrum. [Hz]"""
@@ -69,7 +73,7 @@ class FrequencyBand:
         multiple = np.maximum(np.rint(frequency / self.mains), 1.0)
         off_mains = np.abs(frequency - self.mains * multiple) > half
         # The window must not reach bin 0, which holds the steady light.
-        low = max(LOWEST, self.bin_width + self.window * self.bin_width)
+        low = max(LOWEST_FLICKER, self.bin_width + self.window * self.bin_width)
         ends = (frequency >= low) & (frequency + self.window * self.bin_width <= self.rate / 2)
         return np.asarray(ends & off_mains)
 
@@ -116,14 +120,14 @@ def choose_frequencies(
     frequencies. Raise `BadInput` if existing frequencies conflict, or not enough new ones fit.
     """
     _check_existing_frequencies(band, existing)
-    for order in ORDERS:
+    for order in CLEAR_ORDERS:
         if _find_conflict(band, existing, order):
             continue
         frequencies = find_clear_frequencies(band, existing, order, count)
         if len(frequencies) == count:
             return frequencies, order
     # How many would fit under the weakest rule, for the message
-    fit = len(find_clear_frequencies(band, existing, ORDERS[-1], band.samples))
+    fit = len(find_clear_frequencies(band, existing, CLEAR_ORDERS[-1], band.samples))
     raise BadInput(explain_shortage(band, existing, count, fit))
 
 
@@ -134,10 +138,11 @@ def explain_shortage(band: FrequencyBand, existing: Sequence[float], count: int,
     addition = f' besides those of the existing lamps ({len(existing)})' if existing else ''
     return (
         f'{count} lamps need a frequency, but only {fit} are free{addition}. A frequency '
-        f'must be the centre of a bin of {width:g} Hz between {LOWEST:g} Hz and '
+        f'must be the centre of a bin of {width:g} Hz between {LOWEST_FLICKER:g} Hz and '
         f'{band.rate / 2 - half:g} Hz, more than {2 * half:g} Hz from the others, and more '
         f'than {half:g} Hz from every multiple of {band.mains:g} Hz (mains) and from '
-        f'harmonics of the others up to the {ORDERS[-1]}th. Use fewer lamps with --lamps, or '
+        f'harmonics of the others up to the {CLEAR_ORDERS[-1]}th. Use fewer lamps with '
+        f'--lamps, or '
         'a narrower window with --set demodulator.window=1.'
     )
 
@@ -148,11 +153,11 @@ def _check_existing_frequencies(band: FrequencyBand, existing: Sequence[float]) 
         if not band.is_usable_frequency(np.array(frequency)):
             raise BadInput(
                 f'An existing lamp flickers at {frequency:g} Hz, which cannot be received: '
-                f'it is below {LOWEST:g} Hz, too close to the Nyquist frequency of '
+                f'it is below {LOWEST_FLICKER:g} Hz, too close to the Nyquist frequency of '
                 f'{band.rate / 2:g} Hz, or within {band.window * band.bin_width:g} Hz of a '
                 f'multiple of {band.mains:g} Hz (mains). Change the frequency of this lamp.'
             )
-    if conflict := _find_conflict(band, existing, ORDERS[-1]):
+    if conflict := _find_conflict(band, existing, CLEAR_ORDERS[-1]):
         raise BadInput(
             f'Two existing lamps flicker at {conflict[0]:g} and {conflict[1]:g} Hz. For a '
             f'demodulator with bins of {band.bin_width:g} Hz and a window of {band.window} '

@@ -8,8 +8,8 @@ demodulator's g, l and h (`lta_sim.light_link`):
 
 q is the crosstalk of a unit wave of another lamp in this lamp's noise bins. As in the demodulator,
 a diode whose ADC is saturated is excluded, and the strongest peak in a search window over all
-valid diodes counts as the lamp's tone. A lamp is therefore not received unless it is `PURE` times
-as strong there as the harmonics of the others.
+valid diodes counts as the lamp's tone. A lamp is therefore not received unless it is
+`LEAST_PURITY` times as strong there as the harmonics of the others.
 
 For q, the wave of each lamp passes the amplifier's pole and the demodulator's spectrum as in the
 simulator. Its magnitude in another lamp's search window and in the bins that measure that lamp's
@@ -95,7 +95,7 @@ def compute_crosstalk(
     return window, quiet
 
 
-PURE: Final = 2.0  # required amplitude ratio of a lamp to the crosstalk in its window
+LEAST_PURITY: Final = 2.0  # required amplitude ratio of a lamp to the crosstalk in its window
 Numbers = tuple[float, float, float, float, float, float, float, float]
 
 
@@ -252,6 +252,6 @@ def compute_joint_snr(
                     power += (of_lamp[0] * own) ** 2
                     spilt_power += spilt**2
                 # Compare amplitudes without square roots.
-                if power < PURE**2 * spilt_power:
+                if power < LEAST_PURITY**2 * spilt_power:
                     best = 0.0
                 out[n, m] = min(out[n, m], best)

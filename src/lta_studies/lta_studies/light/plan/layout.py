@@ -67,9 +67,9 @@ class LampLayout:
         return float((self.received_count >= self.overlap).mean())
 
 
-BEYOND = 'out of reach of all possible lamp positions'
-DROWNED = 'interference from other lamps'
-FEW = 'too few lamps'
+OUT_OF_REACH = 'out of reach of all possible lamp positions'
+INTERFERENCE = 'interference from other lamps'
+TOO_FEW_LAMPS = 'too few lamps'
 
 
 @final
@@ -112,7 +112,11 @@ def _find_gap_causes(layout: LampLayout) -> list[str]:
     # Lamps bright enough if no other lamp interfered
     alone = (layout.light >= layout.least).sum(axis=0)
     return [
-        BEYOND if reach < layout.overlap else DROWNED if near >= layout.overlap else FEW
+        OUT_OF_REACH
+        if reach < layout.overlap
+        else INTERFERENCE
+        if near >= layout.overlap
+        else TOO_FEW_LAMPS
         for reach, near in zip(layout.reachable, alone, strict=True)
     ]
 

@@ -24,9 +24,9 @@ import numpy as np
 from numpy.typing import NDArray
 from plotly.graph_objects import Figure, Heatmap, Scatter
 
-STEPS: Final = (1, 2, 5)  # labels of the colour scale, times powers of ten
-AIR: Final = 0.02  # margin around the hall, as a share of its longer side
-SIDEWAYS: Final = 0.4  # horizontal part of the axis above which a lamp is drawn as an arrow
+SCALE_STEPS: Final = (1, 2, 5)  # labels of the colour scale, times powers of ten
+HALL_MARGIN: Final = 0.02  # margin around the hall, as a share of its longer side
+SIDEWAYS_SHARE: Final = 0.4  # horizontal part of the axis above which a lamp is drawn as an arrow
 CHARACTER: Final = 6.0  # px, width of a character of a label
 
 
@@ -92,7 +92,7 @@ def create_floor_figure(layout: LampLayout) -> Figure:
     figure = create_figure()
     corners = plan.outline.corners
     low, high = corners.min(axis=0), corners.max(axis=0)
-    air = AIR * float((high - low).max())
+    air = HALL_MARGIN * float((high - low).max())
     figure.update_xaxes(title_text='x [m]', showgrid=False, range=[low[0] - air, high[0] + air])
     figure.update_yaxes(
         title_text='y [m]', showgrid=False, scaleanchor='x', range=[low[1] - air, high[1] + air]
@@ -125,7 +125,7 @@ def color_range(layout: LampLayout) -> tuple[float, float]:
 def choose_ticks(low: float, high: float) -> list[float]:
     """Return round numbers between 10**low and 10**high."""
     decades = range(math.floor(low), math.ceil(high) + 1)
-    steps = [step * 10.0**k for k in decades for step in STEPS]
+    steps = [step * 10.0**k for k in decades for step in SCALE_STEPS]
     return [step for step in steps if low <= math.log10(step) <= high]
 
 
@@ -158,7 +158,7 @@ def hatch_gaps(figure: Figure, layout: LampLayout) -> None:
 def draw_lamps(figure: Figure, layout: LampLayout) -> None:
     """Draw the lamps in their direction, with the numbers that the table lists."""
     facing = [lamp.mount.axis[:2] for lamp in layout.lamps]
-    sideways = [math.hypot(*axis) > SIDEWAYS for axis in facing]
+    sideways = [math.hypot(*axis) > SIDEWAYS_SHARE for axis in facing]
     figure.add_trace(
         Scatter(
             x=[lamp.mount.position[0] for lamp in layout.lamps],

@@ -39,9 +39,9 @@ from numpy.typing import NDArray
 from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import csr_array
 
-OFF = 0.05  # m between a wall and the lamp on it
-DOWN = (0.0, 0.0, -1.0)
-MOST = 5000  # candidate positions
+LAMP_TO_WALL = 0.05  # m between a wall and the lamp on it
+FACING_DOWN = (0.0, 0.0, -1.0)
+MOST_MOUNTS = 5000  # candidate positions
 
 
 def list_mounts(plan: FloorPlan) -> list[LampMount]:
@@ -64,9 +64,10 @@ def list_mounts(plan: FloorPlan) -> list[LampMount]:
             f'{plan.lamp.height.si:g} m; make the forbidden areas smaller, change '
             'lamp.height, or reduce lamp.spacing.'
         )
-    if len(mounts) > MOST:
+    if len(mounts) > MOST_MOUNTS:
         raise BadInput(
-            f'{plan.name} has {len(mounts)} possible positions for lamps, more than {MOST}; '
+            f'{plan.name} has {len(mounts)} possible positions for lamps, more than '
+            f'{MOST_MOUNTS}; '
             'increase lamp.spacing.'
         )
     return mounts
@@ -84,7 +85,7 @@ def list_ceiling_mounts(plan: FloorPlan) -> list[LampMount]:
     ]
     points = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
     allowed = points[_is_allowed(plan, points)]
-    return [LampMount((float(x), float(y), plan.lamp.height.si), DOWN) for x, y in allowed]
+    return [LampMount((float(x), float(y), plan.lamp.height.si), FACING_DOWN) for x, y in allowed]
 
 
 def list_wall_mounts(plan: FloorPlan) -> list[LampMount]:
@@ -118,7 +119,7 @@ def _place_along_sides(corners: Array, spacing: float, inwards: bool) -> tuple[A
         away = left * np.array([-side[1], side[0]]) / length
         # Middles of equal parts of the side
         parts = (np.arange(count)[:, None] + 0.5) / count
-        points.append((x0, y0) + parts * side + OFF * away)
+        points.append((x0, y0) + parts * side + LAMP_TO_WALL * away)
         axes.append(np.tile(away, (count, 1)))
     return np.vstack(points), np.vstack(axes)
 
@@ -140,9 +141,9 @@ def _to_vector(vector: Array) -> Vector:
     return x, y, z
 
 
-ROUNDING: Final = 1e-6  # tolerance of the linear program's optimum
-TRIES: Final = 400  # iterations of the improvement
-HOLE: Final = 6  # maximum number of lamps removed at once
+OPTIMUM_TOLERANCE: Final = 1e-6  # tolerance of the linear program's optimum
+IMPROVEMENT_TRIES: Final = 400  # iterations of the improvement
+MOST_REMOVED: Final = 6  # maximum number of lamps removed at once
 LEAST_WEIGHT: Final = 0.7  # random weights in [0.7, 1] vary the greedy choice
 
 Chosen = list[int]
@@ -205,13 +206,13 @@ def improve_cover(
     # With a limit on the lamps the demand may be unmet; keep what the greedy choice reached.
     goal = np.minimum(audible[chosen].sum(axis=0), needed)
     best = drop_redundant_lamps(audible, goal, chosen, existing)
-    for _ in range(TRIES):
+    for _ in range(IMPROVEMENT_TRIES):
         movable = [lamp for lamp in best if lamp not in existing]
         if len(best) <= bound or not movable:
             break
         # Neighbours: lamps that share the most cells with a random one
         shared = (audible[movable] & audible[chance.choice(movable)]).sum(axis=1)
-        hole = {movable[k] for k in np.argsort(-shared)[: chance.integers(2, HOLE + 1)]}
+        hole = {movable[k] for k in np.argsort(-shared)[: chance.integers(2, MOST_REMOVED + 1)]}
         rest = [lamp for lamp in best if lamp not in hole]
         weights = chance.uniform(LEAST_WEIGHT, 1.0, len(audible))
         filled = select_greedily(audible, goal, rest, len(best), weights)
@@ -245,7 +246,7 @@ def solve_lower_bound(audible: Mask, needed: Whole, existing: Chosen) -> int:
         bounds=Bounds(least, np.ones(len(audible))),
         constraints=LinearConstraint(csr_array(columns.T.astype(float)), lb=weights),
     )
-    return math.ceil(float(solution.fun or 0.0) - ROUNDING)
+    return math.ceil(float(solution.fun or 0.0) - OPTIMUM_TOLERANCE)
 
 
 def merge_duplicate_cells(audible: Mask, needed: Whole) -> tuple[Mask, Whole]:
@@ -257,7 +258,7 @@ def merge_duplicate_cells(audible: Mask, needed: Whole) -> tuple[Mask, Whole]:
     return audible[:, asks][:, first], needed[asks][first]
 
 
-SEED: Final = 1  # random seed of the search for fewer lamps
+PLAN_SEED: Final = 1  # random seed of the search for fewer lamps
 
 
 def plan_layout(
@@ -320,7 +321,9 @@ def plan_layout(
     cells, needed = merge_duplicate_cells(alone, coverage_demand(alone, overlap))
     bound = solve_lower_bound(cells, needed, existing)
     chosen = select_greedily(cells, needed, existing, len(mounts) if most is None else most)
-    chosen = improve_cover(cells, needed, chosen, existing, bound, np.random.default_rng(SEED))
+    chosen = improve_cover(
+        cells, needed, chosen, existing, bound, np.random.default_rng(PLAN_SEED)
+    )
     # Number the lamps from top left to bottom right.
     chosen.sort(key=lambda k: (-round(mounts[k].position[1], 3), mounts[k].position[0]))
     lamps, order = _assign_frequencies([mounts[k] for k in chosen], band)

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-NEARLY = 1.0 - 1e-6  # end rays just before the lamp, which may be on a wall
+RAY_END = 1.0 - 1e-6  # end rays just before the lamp, which may be on a wall
 
 
 def diode_light(
@@ -83,7 +83,7 @@ def is_blocked(start: Vector, end: Vector, walls: Array) -> bool:
         along = (fx * ey - fy * ex) / across
         part = (fx * dy - fy * dx) / across
         if (
-            0.0 < along < NEARLY
+            0.0 < along < RAY_END
             and 0.0 <= part <= 1.0
             and start[2] + along * (end[2] - start[2]) < walls[k, 4]
         ):

@@ -19,7 +19,7 @@ from lta_report.study_store import StoreFormat
 from lta_sim.light_link import build_light_link, expected_magnitude, LightLink, write_ring_light
 from lta_studies.light.plan.floor import FloorGrid
 from lta_studies.light.plan.floor_plan import Array, FloorPlan, LampMount, Mask, Vector
-from lta_studies.light.plan.frequencies import LOWEST
+from lta_studies.light.plan.frequencies import LOWEST_FLICKER
 from lta_studies.light.plan.joint_snr import (
     compute_crosstalk,
     compute_joint_snr,
@@ -31,10 +31,10 @@ from lta_studies.light.plan.rays import compute_cell_light
 import numpy as np
 from pydantic import TypeAdapter
 
-NEARLY = 1.0 - 1e-9  # just below saturation of the ADC
-HEADINGS = 64  # per full turn, 5.6 degrees apart
+BELOW_SATURATION = 1.0 - 1e-9  # just below saturation of the ADC
+HEADING_COUNT = 64  # per full turn, 5.6 degrees apart
 GROUP = 64  # lamps whose light one worker computes at a time
-STORE: Final[StoreFormat[Array]] = StoreFormat(
+LIGHT_STORE: Final[StoreFormat[Array]] = StoreFormat(
     'light.jsonl', 'plan', 'plan of lamps', TypeAdapter(ExactArray)
 )
 
@@ -102,7 +102,7 @@ def solve_required_light(reception: LightLink, share: float, needed: float) -> f
         0.0,
         max(reception.top - reception.dark - share * reception.steady, 0.0)
         / reception.signals[0].counts
-        * NEARLY,
+        * BELOW_SATURATION,
     )
     # Not received even just below saturation
     if single_lamp_snr(reception, share, high) < needed:
@@ -185,7 +185,7 @@ def ambient_shares(plan: FloorPlan, ear: LightReceiver) -> Array:
     """Return each diode's share of isotropic ambient light, shape (diodes,). [1]"""
     # The shares of ambient light do not depend on the lamp, so any lamp will do.
     nowhere = LampMount((0.0, 0.0, plan.lamp.height.si), (1.0, 0.0, 0.0))
-    link = build_lamp_link(plan, ear, nowhere, LOWEST)
+    link = build_lamp_link(plan, ear, nowhere, LOWEST_FLICKER)
     out = np.empty((LAMP_ROWS + 1, len(link.planes)))
     scratch = np.empty(scratch_size(1))
     write_ring_light(link, (0.0, 0.0, plan.altitude.si), (0.0, 0.0, 0.0, 1.0), out, scratch)
@@ -213,6 +213,8 @@ def choose_headings(planes: Array, hull: Vector) -> Array:
     rotation = np.array([[cosine, sine, 0.0], [-sine, cosine, 0.0], [0.0, 0.0, 1.0]])
     turned[:, :3], turned[:, 3:6] = planes[:, :3] @ rotation, planes[:, 3:6] @ rotation
     alike = hull[0] == hull[1] and np.allclose(np.roll(turned, 1, axis=0), planes, atol=1e-9)
-    count, span = (max(HEADINGS // len(planes), 4), turn) if alike else (HEADINGS, 2.0 * math.pi)
+    count, span = (
+        (max(HEADING_COUNT // len(planes), 4), turn) if alike else (HEADING_COUNT, 2.0 * math.pi)
+    )
     angles = np.arange(count) * (span / count)
     return np.stack([np.cos(angles), np.sin(angles)], axis=1)

@@ -6,7 +6,7 @@ from typing import Any, Final
 
 from lta_report.formatting import format_count, MISSING, Tile
 from lta_report.report import Block, Picture, Report, TextSection, TextTable
-from lta_studies.light.plan.joint_snr import PURE
+from lta_studies.light.plan.joint_snr import LEAST_PURITY
 from lta_studies.light.plan.layout import CoverageGap, find_gaps, LampHandover, LampLayout
 from lta_studies.light.plan.pictures import plot_coverage, plot_handovers
 from lta_studies.light.plan.scenario_file import format_scenario
@@ -53,11 +53,11 @@ def encode_layout(layout: LampLayout, handover: LampHandover) -> dict[str, Any]:
     }
 
 
-SCENARIO: Final = 'scenario.yaml'
-PAPER: Final = 150.0  # m2 per lamp, seed paper
+SCENARIO_FILE: Final = 'scenario.yaml'
+PAPER_LAMP_AREA: Final = 150.0  # m2 per lamp, seed paper
 MOST_GAPS: Final = 12
-HEIGHTS: Final = (360.0, 900.0)  # px of a picture
-WIDTH: Final = 1100.0  # px, typical width of a plot on a desktop
+PICTURE_HEIGHTS: Final = (360.0, 900.0)  # px of a picture
+PLOT_WIDTH: Final = 1100.0  # px, typical width of a plot on a desktop
 COVERED: Final = (
     'Colour: SNR of the best received lamp in each cell, at the worst heading of the drone. '
     'Grey: obstacles. White: the hull does not fit. Hatched: fewer lamps are received than '
@@ -68,7 +68,7 @@ HANDED: Final = (
     'hand-overs, where the next lamp is received at that point and the straight path to the '
     'end of its flight is free. Thick: the longest of the shortest routes between two lamps.'
 )
-METHOD: Final = (
+RECEPTION_METHOD: Final = (
     'A lamp is received in a cell if two conditions hold at every heading with all other '
     'lamps on: its SNR on its best diode is at least {needed:g} ({margin:g} times the '
     'threshold of the demodulator), and in its search window it is {pure:g} times as strong '
@@ -103,8 +103,9 @@ def build_report(layout: LampLayout, handover: LampHandover, next_step: str) -> 
             TextSection(
                 'Detection criterion, frequencies and simplifications',
                 (
-                    METHOD.format(
-                        needed=layout.ear.required_snr, margin=layout.ear.margin, pure=PURE,
+                    RECEPTION_METHOD.format(
+                        needed=layout.ear.required_snr, margin=layout.ear.margin,
+                        pure=LEAST_PURITY,
                         cell=layout.floor.cell,
                     ),
                     describe_separation(layout),
@@ -116,7 +117,7 @@ def build_report(layout: LampLayout, handover: LampHandover, next_step: str) -> 
         commands={'Fly in it': next_step},
         files={'The scenario file': scene},
         closing=(format_lamp_count(layout),),
-        outputs={SCENARIO: scene},
+        outputs={SCENARIO_FILE: scene},
     )  # fmt: skip
 
 
@@ -150,7 +151,7 @@ def build_tiles(layout: LampLayout, handover: LampHandover) -> list[Tile]:
         Tile('lamps', str(count), '', f'at least {layout.bound} for full coverage'),
         Tile(
             'lamps by area', f'{100.0 * count / floor.area:.2f}', 'per 100 m²',
-            f'one for {floor.area / max(count, 1):.0f} m²; paper: one for {PAPER:g} m²',
+            f'one for {floor.area / max(count, 1):.0f} m²; paper: one for {PAPER_LAMP_AREA:g} m²',
         ),
         Tile('two lamps received', two, '%', 'of the same area, which allows a hand-over'),
         Tile(
@@ -169,7 +170,9 @@ def picture_height(layout: LampLayout) -> int:
     corners = layout.plan.outline.corners
     across, up = corners.max(axis=0) - corners.min(axis=0)
     # 60 px for the axis below the plot
-    return round(min(max(float(up / across) * WIDTH + 60.0, HEIGHTS[0]), HEIGHTS[1]))
+    return round(
+        min(max(float(up / across) * PLOT_WIDTH + 60.0, PICTURE_HEIGHTS[0]), PICTURE_HEIGHTS[1])
+    )
 
 
 def format_lamp_count(layout: LampLayout) -> str:

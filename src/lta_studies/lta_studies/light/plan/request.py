@@ -12,7 +12,7 @@ from lta_studies.light.plan.floor import build_floor
 from lta_studies.light.plan.floor_plan import Array
 from lta_studies.light.plan.layout import plan_handover
 from lta_studies.light.plan.planner import list_mounts, plan_layout
-from lta_studies.light.plan.reception import compute_group_light, GROUP, STORE
+from lta_studies.light.plan.reception import compute_group_light, GROUP, LIGHT_STORE
 from lta_studies.light.plan.scenario_file import load_inputs
 
 
@@ -58,7 +58,7 @@ class LampPlanRequest(StudyRequest, command='light plan', quick={'cell': 1.0}):
 
     def run(self, run: StudyRun) -> Report:
         """Return the report of the plan."""
-        from lta_studies.light.plan.report import build_report, SCENARIO
+        from lta_studies.light.plan.report import build_report, SCENARIO_FILE
 
         content, receiver = load_inputs(self.name, self.vehicle, self.margin, self.changes)
         folder = run.open_folder(resolve_folder(None, f'{content.name}-lamps'))
@@ -68,7 +68,7 @@ class LampPlanRequest(StudyRequest, command='light plan', quick={'cell': 1.0}):
 
         def measure_light(faintest: float) -> list[Array]:
             compute = partial(compute_group_light, content, receiver, floor, mounts, faintest)
-            study = Study(compute, str, STORE, 'groups of lamps')
+            study = Study(compute, str, LIGHT_STORE, 'groups of lamps')
             inputs = (content, receiver.vehicle.file, receiver.demodulation, self.cell, faintest)
             return run.run_study(study, hash_inputs(*inputs), range(0, len(mounts), GROUP))
 
@@ -77,6 +77,6 @@ class LampPlanRequest(StudyRequest, command='light plan', quick={'cell': 1.0}):
         )
         # Needs the whole layout: each lamp must be received where the flight to the last one ends
         handover = plan_handover(layout)
-        place = str(relative_path(folder / SCENARIO))
+        place = str(relative_path(folder / SCENARIO_FILE))
         fly = format_lta_command('fly', '--vehicle', self.vehicle, '--scenario', place)
         return build_report(layout, handover, fly)

@@ -18,7 +18,7 @@ from lta_studies.light.plan.joint_snr import LightReceiver
 from lta_studies.light.plan.layout import LampHandover, LampLayout, LayoutLamp
 from lta_vlc.settings import DemodulationSettings
 
-ROOTS = ('plan', 'vehicle', 'demodulator')
+PLAN_ROOTS = ('plan', 'vehicle', 'demodulator')
 
 
 def load_inputs(
@@ -37,8 +37,8 @@ def load_inputs(
     contents['demodulator'] = DemodulationSettings().model_dump()
     for path, value in changes.items():
         root, _, below = path.partition('.')
-        if root not in ROOTS or not below:
-            raise unknown_name_error('parameter', path, [f'{name}. ...' for name in ROOTS])
+        if root not in PLAN_ROOTS or not below:
+            raise unknown_name_error('parameter', path, [f'{name}. ...' for name in PLAN_ROOTS])
         contents[root] = replace_parameter(contents[root], below, value, root)
     hall = validate_content(FloorPlan, contents['plan'], str(files['plan']))
     receiver = Vehicle(validate_content(VehicleFile, contents['vehicle'], str(files['vehicle'])))
@@ -46,9 +46,9 @@ def load_inputs(
     return hall, LightReceiver(receiver, settings, load_topic_table().light, margin)
 
 
-GOAL = 1.0  # m, minimum goal radius around a lamp
-HELD = 0.5  # m, half a hull: how exactly the altitude is held, with room to spare
-SLOWEST = 0.2  # m/s along the route, determines the time limit
+LEAST_GOAL_RADIUS = 1.0  # m, minimum goal radius around a lamp
+ALTITUDE_TOLERANCE = 0.5  # m, half a hull: how exactly the altitude is held, with room to spare
+ROUTE_SPEED = 0.2  # m/s along the route, determines the time limit
 
 
 def format_scenario(layout: LampLayout, handover: LampHandover) -> str:
@@ -140,13 +140,16 @@ def _goal_radius(layout: LampLayout, handover: LampHandover) -> float:
         if (end := handover.arrivals[k]) is not None
     ]
     # At least 0.5 m beyond the farthest arrival, rounded up to half a metre
-    return max([GOAL, *(math.ceil(2.0 * end + 1.0) / 2.0 for end in ends)])
+    return max([LEAST_GOAL_RADIUS, *(math.ceil(2.0 * end + 1.0) / 2.0 for end in ends)])
 
 
 def _vertical_tolerance(layout: LampLayout) -> float:
     """Return a tolerance of height that includes the altitude of the plan. [m]"""
     plan = layout.plan
-    return max(VERTICAL_TOLERANCE.si, round(abs(plan.altitude.si - plan.lamp.height.si), 2) + HELD)
+    return max(
+        VERTICAL_TOLERANCE.si,
+        round(abs(plan.altitude.si - plan.lamp.height.si), 2) + ALTITUDE_TOLERANCE,
+    )
 
 
 def _time_limit(handover: LampHandover) -> float:
@@ -154,4 +157,4 @@ def _time_limit(handover: LampHandover) -> float:
     places = [handover.start, *(handover.arrivals[k] for k in handover.route)]
     stops = [place for place in places if place is not None]
     way = sum(math.dist(a, b) for a, b in pairwise(stops))
-    return 60.0 * max(math.ceil(way / SLOWEST / 60.0), 1)
+    return 60.0 * max(math.ceil(way / ROUTE_SPEED / 60.0), 1)

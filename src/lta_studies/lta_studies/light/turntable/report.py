@@ -11,7 +11,7 @@ from lta_report.report import Grid, Picture, Report, TextSection, TextTable
 from lta_studies.light.bearing.report import format_degrees
 from lta_studies.light.bearing.study import (
     build_ring_table,
-    DIRECTIONS,
+    DIRECTION_COUNT,
     format_median_errors,
     median_error,
     RingStudy,
@@ -26,26 +26,26 @@ POLAR: Final = (
     'bearing error there. Blue: our fit. Orange: the weighted mean of the paper (Huang et '
     'al. 2025).'
 )
-CURVE: Final = (
+DIODE_CAPTION: Final = (
     'Each dot is the reading of one diode in one direction, divided by its gain and the '
     'strength of the lamp. The line is the fitted response; its exponent goes into the '
     'vehicle file.'
 )
-METHOD: Final = (
+TURNTABLE_METHOD: Final = (
     'A real light board on a turntable. The true direction is the angle of the table, which '
     'is zero where the nose points at the lamp. An error of this zero is the same in all '
     'directions and is reported separately. Each reading is one block of ADC samples (100 '
     'ms). Response and gains are fitted over all directions; their deviations are jackknife '
     'estimates.'
 )
-TURN: Final = (
+TURN_METHOD: Final = (
     'A drone turns in place in front of a lamp. The direction of the lamp is the heading of the '
     'drone, by its odometry, plus a constant that is the median of the fit. Exponent, gains and '
     'diffuse light are fitted over all directions. Their deviations are jackknife estimates over '
     '16 directions. The gains are relative to their mean; what remains unknown of each is its '
     'deviation, which becomes the new gain_spread.'
 )
-POINTS: Final = 91  # of the fitted curve, every 2 degrees
+RESPONSE_POINTS: Final = 91  # of the fitted curve, every 2 degrees
 
 
 def build_report(
@@ -68,7 +68,8 @@ def build_report(
         command='hardware light',
         subject='light board on a turntable',
         headline=f'On the turntable, {format_median_errors(study)}.',
-        introduction=f'{study.count} diodes, {DIRECTIONS} directions, {len(readings.direction)} '
+        introduction=f'{study.count} diodes, {DIRECTION_COUNT} directions, '
+        f'{len(readings.direction)} '
         'blocks of ADC samples.',
         tiles=build_tiles(study, response),
         blocks=(
@@ -77,13 +78,13 @@ def build_report(
                     'paper': (study.paper, ESTIMATE), 'fit': (study.ours, TRUTH),
                 })),
                 Picture(
-                    'curve', 'Angular response of a diode', CURVE,
+                    'curve', 'Angular response of a diode', DIODE_CAPTION,
                     plot_response(readings, response, diodes),
                 ),
             )),
             build_ring_table([study]),
             build_gain_table(response),
-            TextSection('Method', (METHOD,)),
+            TextSection('Method', (TURNTABLE_METHOD,)),
         ),
         data={**study.to_json(), **data, 'response': response._asdict()},
         facts=facts,
@@ -113,7 +114,7 @@ def build_calibration_report(
         tiles=build_tiles(study, response),
         blocks=(
             Picture(
-                'curve', 'Angular response of a diode', CURVE,
+                'curve', 'Angular response of a diode', DIODE_CAPTION,
                 plot_response(readings, response, diodes),
             ),
             build_gain_table(response),
@@ -121,7 +122,7 @@ def build_calibration_report(
                 'Entries for the vehicle file, below sensors.diodes', ('entry', 'value'),
                 [list(each) for each in entries.items()],
             ),
-            TextSection('Method', (TURN,)),
+            TextSection('Method', (TURN_METHOD,)),
         ),
         data={**study.to_json(), 'response': response._asdict(), 'entries': entries},
         facts=facts,
@@ -192,7 +193,7 @@ def plot_response(
               'markers', size=4)
         for k in range(len(azimuth))
     ]  # fmt: skip
-    angle = np.linspace(0.0, 180.0, POINTS)
+    angle = np.linspace(0.0, 180.0, RESPONSE_POINTS)
     cosine = np.maximum(np.cos(np.radians(angle)), 0.0)
     fit = cosine**response.exponent + response.pedestal
     curves.append(Curve('fit', angle, fit, SETPOINT, '%{y:.3f}', width=1.4))

@@ -16,11 +16,11 @@ from lta_studies.light.turntable.turntable import (
 )
 from lta_vlc.settings import DemodulationSettings
 
-FREQUENCY: Any = option(
+FREQUENCY_OPTION: Any = option(
     'Flicker frequency of the lamp in Hz.', default=DemodulationSettings().frequency, low=1.0,
     high=1e5,
 )  # fmt: skip
-DISTANCE: Any = option(
+DISTANCE_OPTION: Any = option(
     'Distance from the photodiodes to the lamp in metres.', default=3.0, low=0.3
 )
 
@@ -41,9 +41,9 @@ class DiodeCalibrationRequest(ReportRequest, command='light calibrate'):
 
     bag: Path = argument('Bag of a turn in place in front of the lamp.')
     vehicle: str = VEHICLE
-    frequency: float = FREQUENCY
+    frequency: float = FREQUENCY_OPTION
     topic: str = option('Odometry topic with the heading.', default='odom')
-    distance: float = DISTANCE
+    distance: float = DISTANCE_OPTION
     robot: str | None = ROBOT
 
     def run(self, run: StudyRun) -> Report:
@@ -94,8 +94,8 @@ class TurntableRequest(ReportRequest, command='hardware light', folder='turntabl
         default=False,
     )
     vehicle: str = VEHICLE
-    frequency: float = FREQUENCY
-    distance: float = DISTANCE
+    frequency: float = FREQUENCY_OPTION
+    distance: float = DISTANCE_OPTION
     robot: str | None = ROBOT
 
     def run(self, run: StudyRun) -> Report:

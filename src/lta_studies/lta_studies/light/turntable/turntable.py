@@ -31,7 +31,7 @@ from lta_data.bag.recorded_flight import open_flight, RecordedFlight
 from lta_model.attitude import to_euler_angles
 from lta_report.progress_bar import ProgressBar
 from lta_studies.light.bearing.run import error_quantile
-from lta_studies.light.bearing.study import DIRECTIONS, RingStudy
+from lta_studies.light.bearing.study import DIRECTION_COUNT, RingStudy
 from lta_vlc.bearing import estimate_bearing
 from lta_vlc.demodulation import demodulate_block, plan_bins
 from lta_vlc.diodes import build_diode_array, DiodeArray
@@ -46,10 +46,10 @@ from scipy.optimize import least_squares
 
 Array = NDArray[np.float64]
 PHOTODIODES: Final = 'photodiodes'
-TRUTH: Final = 'ground_truth/odom'
-SETTLED: Final = 0.15  # share at both ends of a hold in which the table may still move
-TOGETHER: Final = 100  # blocks read at a time
-FEWEST: Final = DIRECTIONS  # minimum number of blocks
+TRUTH_TOPIC: Final = 'ground_truth/odom'
+MOVING_SHARE: Final = 0.15  # share at both ends of a hold in which the table may still move
+BLOCKS_PER_READ: Final = 100  # blocks read at a time
+FEWEST_LIGHT_BLOCKS: Final = DIRECTION_COUNT  # minimum number of blocks
 
 
 class TurntableMotion(NamedTuple):
@@ -59,7 +59,7 @@ class TurntableMotion(NamedTuple):
     step: float = 0.0  # size of a step; 0 if there are none [rad]
     hold: float = 0.0  # time from one step to the next [s]
     start: float = 0.0  # direction of the lamp from the nose in the first block [rad]
-    heading: str = TRUTH  # topic with the heading, if there is neither rate nor step
+    heading: str = TRUTH_TOPIC  # topic with the heading, if there is neither rate nor step
 
 
 @final
@@ -133,7 +133,7 @@ def evaluate_turn(
     lamp = _build_true_direction(flight, table)
     samples: list[tuple[float, float, float, float]] = []
     amplitudes = []
-    for part in flight.iterate_blocks(PHOTODIODES, TOGETHER):
+    for part in flight.iterate_blocks(PHOTODIODES, BLOCKS_PER_READ):
         for time, block in zip(part.time, part.samples, strict=True):
             diodes.check_diode_count(block.shape[1])
             direction = lamp(float(time) + half)
@@ -148,10 +148,10 @@ def evaluate_turn(
             ))  # fmt: skip
             amplitudes.append(peaks.amplitude)
         tick(len(part.time))
-    if len(samples) < FEWEST:
+    if len(samples) < FEWEST_LIGHT_BLOCKS:
         raise BadInput(
             f'The recording has only {len(samples)} usable blocks of photodiode samples, too few '
-            f'for {DIRECTIONS} directions; record a longer turn.'
+            f'for {DIRECTION_COUNT} directions; record a longer turn.'
         )
     direction, by_paper, by_fit, snr = np.array(samples).T
     return TurntableReadings(direction, by_paper, by_fit, snr, np.array(amplitudes))
@@ -167,7 +167,7 @@ def _build_true_direction(
         def by_steps(time: float) -> float:
             # Number of completed steps, and the share of the current hold that has passed
             steps, part = divmod((time - first) / table.hold, 1.0)
-            still = SETTLED <= part <= 1.0 - SETTLED
+            still = MOVING_SHARE <= part <= 1.0 - MOVING_SHARE
             return wrap_angle(table.start - steps * table.step) if still else math.nan
 
         return by_steps
@@ -176,7 +176,7 @@ def _build_true_direction(
         return lambda time: wrap_angle(table.start - table.rate * (time - first))
     if table.heading not in flight.topics:
         remedy = 'record it'
-        if table.heading == TRUTH:
+        if table.heading == TRUTH_TOPIC:
             remedy = (
                 'give --rate in degrees per second, or --step in degrees and --hold in seconds'
             )
@@ -212,7 +212,7 @@ def summarize_directions(
     groups = list(group_by_direction(readings.direction))
     missing = [k for k, group in enumerate(groups) if not len(group)]
     if missing:
-        angles = ', '.join(f'{k * 360.0 / DIRECTIONS:g}' for k in missing)
+        angles = ', '.join(f'{k * 360.0 / DIRECTION_COUNT:g}' for k in missing)
         raise BadInput(
             'The recording has no photodiode samples with the lamp at a bearing of '
             f'{angles} degrees; record a whole turn.'
@@ -233,8 +233,8 @@ def summarize_directions(
 
 def group_by_direction(direction: Array) -> Iterator[NDArray[np.intp]]:
     """Yield the indices of the blocks nearest to each of the 16 directions."""
-    nearest = np.round(direction / math.tau * DIRECTIONS).astype(int) % DIRECTIONS
-    for k in range(DIRECTIONS):
+    nearest = np.round(direction / math.tau * DIRECTION_COUNT).astype(int) % DIRECTION_COUNT
+    for k in range(DIRECTION_COUNT):
         yield np.flatnonzero(nearest == k)
 
 
@@ -245,8 +245,8 @@ def _bearing_errors(bearings: Array, truth: Array) -> Array:
 
 BEGIN_AT = 1.2  # initial exponent of the fit
 DIFFUSE = 5  # pedestal, and cosine and sine of its two harmonics
-SHARED = 2 + DIFFUSE  # parameters besides the gains: exponent and strength as well
-EXPONENTS = (0.1, 20.0)  # as the vehicle file allows
+SHARED_PARAMETERS = 2 + DIFFUSE  # parameters besides the gains: exponent and strength as well
+EXPONENT_BOUNDS = (0.1, 20.0)  # as the vehicle file allows
 
 
 @final
@@ -335,15 +335,15 @@ def fit_response(
     exponent, strength, pedestal = best[:3]
     left = _predict_amplitude(best, basis) - amplitude
     return TurntableResponse(
-        float(exponent), float(deviation[0]), tuple(best[SHARED:].tolist()),
-        tuple(deviation[SHARED:].tolist()), float(strength), float(pedestal / strength),
+        float(exponent), float(deviation[0]), tuple(best[SHARED_PARAMETERS:].tolist()),
+        tuple(deviation[SHARED_PARAMETERS:].tolist()), float(strength), float(pedestal / strength),
         float(math.sqrt(np.mean(left * left)) / strength),
     )  # fmt: skip
 
 
 def _predict_amplitude(values: Array, basis: TurnBasis) -> Array:
-    exponent, strength, gains = values[0], values[1], values[SHARED:]
-    around = np.tensordot(values[2:SHARED], basis.diffuse, axes=1)
+    exponent, strength, gains = values[0], values[1], values[SHARED_PARAMETERS:]
+    around = np.tensordot(values[2:SHARED_PARAMETERS], basis.diffuse, axes=1)
     direct = strength * np.power(basis.cosine, exponent) / basis.distance**2
     amplitude: Array = gains * (direct + around)
     return amplitude
@@ -352,21 +352,23 @@ def _predict_amplitude(values: Array, basis: TurnBasis) -> Array:
 def _fit_parameters(basis: TurnBasis, amplitude: Array) -> Array:
     """Return exponent, strength, diffuse light and gains, with the mean gain fixed to 1."""
     top = float(amplitude.max())
-    scale = np.array([1.0, *(top,) * (SHARED - 1)])
+    scale = np.array([1.0, *(top,) * (SHARED_PARAMETERS - 1)])
 
     def expand_parameters(values: Array) -> Array:
         # The last gain follows from the mean of 1, as a common factor is part of the strength.
-        last = amplitude.shape[1] - values[SHARED:].sum()
-        return np.concatenate([scale * values[:SHARED], values[SHARED:], [last]])
+        last = amplitude.shape[1] - values[SHARED_PARAMETERS:].sum()
+        return np.concatenate(
+            [scale * values[:SHARED_PARAMETERS], values[SHARED_PARAMETERS:], [last]]
+        )
 
     def residuals(values: Array) -> Array:
         # Scaled to order 1, so that the tolerances of the solver fit
         predicted = _predict_amplitude(expand_parameters(values), basis)
         return ((predicted - amplitude) / top).ravel()
 
-    begin = np.zeros(SHARED + amplitude.shape[1] - 1)
-    begin[:3], begin[SHARED:] = (BEGIN_AT, 1.0, 0.01), 1.0
+    begin = np.zeros(SHARED_PARAMETERS + amplitude.shape[1] - 1)
+    begin[:3], begin[SHARED_PARAMETERS:] = (BEGIN_AT, 1.0, 0.01), 1.0
     low, high = np.full(len(begin), -1.0), np.full(len(begin), 10.0)
-    (low[0], high[0]), low[1:3], low[SHARED:] = EXPONENTS, 0.0, 0.0
+    (low[0], high[0]), low[1:3], low[SHARED_PARAMETERS:] = EXPONENT_BOUNDS, 0.0, 0.0
     solution = least_squares(residuals, begin, bounds=(low, high))
     return expand_parameters(solution.x)

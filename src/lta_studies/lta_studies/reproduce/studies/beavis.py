@@ -14,23 +14,23 @@ from lta_studies.reproduce.study_result import (
     StudyPicture,
 )
 
-MANOEUVRES: Final = ('climb', 'turn', 'follow')
-BOTH: Final = ('gtmab', 'beavis_paper')
+BEAVIS_MANOEUVRES: Final = ('climb', 'turn', 'follow')
+COMPARED_ENTRIES: Final = ('gtmab', 'beavis_paper')
 # Entries whose rates of success claims bound by 80 or 20 %: so many flights, all with the same
 # outcome, have a Wilson interval on one side of that
-JUDGED: Final = (*BOTH, 'beavis_by_matrix')
+JUDGED: Final = (*COMPARED_ENTRIES, 'beavis_by_matrix')
 RATE_SEEDS: Final = 16
 CHANGED: Final = {
-    'beavis': MANOEUVRES,
-    'beavis_uncompensated': MANOEUVRES,
+    'beavis': BEAVIS_MANOEUVRES,
+    'beavis_uncompensated': BEAVIS_MANOEUVRES,
     'beavis_too_heavy': ('climb',),
 }
-CAPTIONS: Final = {
+BEAVIS_CAPTIONS: Final = {
     'climb': 'The drone rises by 1.5 m and holds its altitude. Dashed: setpoint; seed 1.',
     'turn': 'The drone rises, turns left by 90° and holds its heading. Dashed: setpoint; seed 1.',
     'follow': 'The drone rises and tracks a heading that moves between 0 and 90° at 6°/s; seed 1.',
 }
-HEADINGS: Final = {
+BEAVIS_HEADINGS: Final = {
     'climb': 'Altitude', 'turn': 'Yaw angle', 'follow': 'Continuously changing yaw',
 }  # fmt: skip
 
@@ -38,9 +38,11 @@ HEADINGS: Final = {
 def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Fly both platforms in the paper's tasks, and the variants of BEAVIS."""
     # Following a swinging heading is the longest manoeuvre.
-    manoeuvres = MANOEUVRES[:2] if request.quick else MANOEUVRES
+    manoeuvres = BEAVIS_MANOEUVRES[:2] if request.quick else BEAVIS_MANOEUVRES
     rate_pairs = [
-        (name, each) for name in (BOTH if request.quick else JUDGED) for each in manoeuvres
+        (name, each)
+        for name in (COMPARED_ENTRIES if request.quick else JUDGED)
+        for each in manoeuvres
     ]
     flights = fly_entries(rate_pairs, request.seeds if request.quick else RATE_SEEDS)
     pairs = rate_pairs
@@ -67,9 +69,13 @@ def plot_both_platforms(
     request: RowStudyRequest, flights: ComparisonFlights, manoeuvre: str
 ) -> StudyPicture:
     """Plot both platforms in a manoeuvre, and BEAVIS with a linear B if flown."""
-    names = BOTH if request.quick or manoeuvre == 'follow' else (*BOTH, 'beavis_by_matrix')
+    names = (
+        COMPARED_ENTRIES
+        if request.quick or manoeuvre == 'follow'
+        else (*COMPARED_ENTRIES, 'beavis_by_matrix')
+    )
     return StudyPicture(
-        manoeuvre, HEADINGS[manoeuvre], CAPTIONS[manoeuvre],
+        manoeuvre, BEAVIS_HEADINGS[manoeuvre], BEAVIS_CAPTIONS[manoeuvre],
         flights.plot_tracking(manoeuvre, names),
         format_lta_command('platforms', '--seeds', str(request.seeds)),
     )  # fmt: skip
@@ -78,7 +84,7 @@ def plot_both_platforms(
 def lift_margins(flights: ComparisonFlights) -> dict[str, MeasuredValue]:
     """Return the lift at full thrust [N] and its excess over the weight, as mass. [kg]"""
     values = {}
-    for name in (*BOTH, 'beavis'):
+    for name in (*COMPARED_ENTRIES, 'beavis'):
         vehicle = build_entrant(flights.comparison.contestants[name], AIR_DENSITY).vehicle
         lift, weight = compute_lift_margin(vehicle)
         values[f'{name}_lift'] = MeasuredValue(lift)

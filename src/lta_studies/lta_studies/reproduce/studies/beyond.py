@@ -6,8 +6,8 @@ from typing import Final
 from lta_config.command_line import format_lta_command
 from lta_report.request import StudyRun
 from lta_report.study import StudyOptions
-from lta_studies.light.bearing.bench import BearingBench, build_flight_spec, PLACES
-from lta_studies.light.bearing.study import READINGS, RingStudy, study_ring
+from lta_studies.light.bearing.bench import BEARING_PLACES, BearingBench, build_flight_spec
+from lta_studies.light.bearing.study import READINGS_PER_DIRECTION, RingStudy, study_ring
 from lta_studies.light.evaluation.pictures import (
     fly_again,
     plot_paper_comparison,
@@ -39,18 +39,20 @@ from lta_studies.reproduce.study_result import (
 )
 from rich.console import Console
 
-BOTH: Final = ('bag', 'homing')
-WINDS: Final = {  # cases: mean plus one deviation is 60 or 90 % of the top airspeed
+BEYOND_STRATEGIES: Final = ('bag', 'homing')
+BEYOND_WINDS: Final = {  # cases: mean plus one deviation is 60 or 90 % of the top airspeed
     'head_60': 'head', 'head_90': 'strong_head', 'cross_60': 'cross', 'cross_90': 'strong_cross',
 }  # fmt: skip
 MISSION: Final = 'greenhouse_summer'
-DIODES: Final = 8
-HEIGHT: Final = 0.5  # m
-BARS: Final = 'Path, time and success with 95 % intervals. Stars: flights printed in the paper.'
-TRACKS: Final = (
+RING_SIZE: Final = 8
+BEYOND_HEIGHT: Final = 0.5  # m
+BEYOND_BAR_CAPTION: Final = (
+    'Path, time and success with 95 % intervals. Stars: flights printed in the paper.'
+)
+BEYOND_TRACK_CAPTION: Final = (
     'Ground tracks from above in a uniform headwind of 0.57 m/s, both with the same seed.'
 )
-DAY: Final = (
+DAY_CAPTION: Final = (
     'Charge over a midsummer day in a greenhouse under the same clouds: the light-aware '
     'schedule (by light), '
     "which uses a forecast, and the paper's fixed duty cycle. Top: the light."
@@ -60,24 +62,26 @@ DAY: Final = (
 def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Study wind, missions, beacons and bearings, each against the paper's method."""
     # --quick flies homing only.
-    strategies = BOTH[1:] if request.quick else BOTH
+    strategies = BEYOND_STRATEGIES[1:] if request.quick else BEYOND_STRATEGIES
     indoors = fly_group('indoors', request.seeds, strategies=strategies)
     values: dict[str, MeasuredValue] = {}
     for name in strategies:
         values |= summarize_cell(name, indoors.find_cell(name))
     pictures = [
-        StudyPicture('strategies', 'BAG and homing, indoors', BARS,
+        StudyPicture('strategies', 'BAG and homing, indoors', BEYOND_BAR_CAPTION,
                      plot_paper_comparison(list(indoors.cells)),
                      format_lta_command('light', 'evaluate', '--sets', 'indoors',
                                         '--seeds', str(request.seeds)))
     ]  # fmt: skip
     if request.quick:
         return RowStudyResult(values, pictures)
-    winds = fly_group('uniform', request.seeds, strategies=BOTH, cases=list(WINDS))
-    for case, label in WINDS.items():
+    winds = fly_group(
+        'uniform', request.seeds, strategies=BEYOND_STRATEGIES, cases=list(BEYOND_WINDS)
+    )
+    for case, label in BEYOND_WINDS.items():
         values |= {
             f'{name}_{label}_reached': measure_success_share(winds.find_cell(name, case))
-            for name in BOTH
+            for name in BEYOND_STRATEGIES
         }
     values |= measure_bearings(request.seeds)
     missions, day = study_mission(request.folder / MISSION, request.seeds)
@@ -87,9 +91,10 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
 
 def measure_bearings(seeds: int) -> dict[str, MeasuredValue]:
     """Return the error of both bearing estimators in the worst direction, indoors. [rad]"""
-    bench = BearingBench(build_flight_spec(PLACES['indoor'], 'gtmab', DIODES))
+    bench = BearingBench(build_flight_spec(BEARING_PLACES['indoor'], 'gtmab', RING_SIZE))
     rings: list[RingStudy] = [
-        study_ring(bench, 'indoor', DIODES, READINGS, seed) for seed in range(1, seeds + 1)
+        study_ring(bench, 'indoor', RING_SIZE, READINGS_PER_DIRECTION, seed)
+        for seed in range(1, seeds + 1)
     ]
     return {
         'bearing_paper': average_over_seeds([max(ring.paper) for ring in rings]),
@@ -103,8 +108,8 @@ def build_headwind_picture(winds: FlightGroup) -> StudyPicture:
     seed = select_track_seed(cells)
     tracks, scenario = fly_again(winds.plan, cells, seed)
     again = format_command(winds, winds.find_cell('homing', 'head_90'), seed)
-    above = thin_annotations(plot_tracks(tracks, scenario, HEIGHT))
-    return StudyPicture('wind', 'In uniform wind', TRACKS, above, again)
+    above = thin_annotations(plot_tracks(tracks, scenario, BEYOND_HEIGHT))
+    return StudyPicture('wind', 'In uniform wind', BEYOND_TRACK_CAPTION, above, again)
 
 
 def study_mission(folder: Path, seeds: int) -> tuple[dict[str, MeasuredValue], StudyPicture]:
@@ -130,6 +135,6 @@ def study_mission(folder: Path, seeds: int) -> tuple[dict[str, MeasuredValue], S
     first = [each for each in results if each.seed == order.seeds[0]]
     figure = draw_charge(first, order.simulate_light(order.seeds[0]), order.mission.reserve.si)
     return values, StudyPicture(
-        'day', 'A day with the light-aware schedule', DAY, figure,
+        'day', 'A day with the light-aware schedule', DAY_CAPTION, figure,
         format_lta_command('mission', MISSION, '--seeds', str(seeds)),
     )  # fmt: skip

@@ -27,9 +27,9 @@ from lta_studies.energy.cells.report import (
     build_array_table,
     datasheet_charging_time,
     draw_fronts,
-    FAIR,
+    FAIR_CRITERION,
     find_fronts_by_criterion,
-    PAPER,
+    PAPER_CRITERION,
     SQUARE,
 )
 from lta_studies.reproduce.study_result import (
@@ -40,9 +40,9 @@ from lta_studies.reproduce.study_result import (
     StudyPicture,
 )
 
-READINGS = ('small', 'large')  # of the PowerFilm row, as the table's file lists them
+POWERFILM_READINGS = ('small', 'large')  # of the PowerFilm row, as the table's file lists them
 CRYSTALLINE = ('adafruit', 'seeed', 'kitronik')
-LIGHTS = {'white_led': 'led', 'sun': 'sun'}
+CELL_LIGHTS = {'white_led': 'led', 'sun': 'sun'}
 
 
 def run_study(request: RowStudyRequest) -> RowStudyResult:
@@ -50,23 +50,25 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     table = load_cell_table('seed_paper')
     energy = load_vehicle_file('gtmab').energy
     readings = list_readings(table)
-    fronts = [find_fronts_by_criterion(readings, which) for which in range(len(READINGS))]
+    fronts = [
+        find_fronts_by_criterion(readings, which) for which in range(len(POWERFILM_READINGS))
+    ]
     values = {
         **quotient_errors(readings),
         **data_sheet_times(readings),
         **compute_array_power(table, energy),
         **charging_time_factor(readings),
     }
-    for reading, (paper, fair) in zip(READINGS, fronts, strict=True):
+    for reading, (paper, fair) in zip(POWERFILM_READINGS, fronts, strict=True):
         values[f'front_{reading}'] = list_makers(paper)
         values[f'fair_front_{reading}'] = list_makers(fair)
     by_paper, fairly = zip(*fronts, strict=True)
     command = format_lta_command('cells')
     pictures = [
-        StudyPicture('front', "The paper's criterion", PAPER,
+        StudyPicture('front', "The paper's criterion", PAPER_CRITERION,
                      draw_fronts(readings, lambda each: each.charging_time_per_area / SQUARE,
                                  's/cm²', by_paper), command),
-        StudyPicture('fair', 'A fair criterion', FAIR,
+        StudyPicture('fair', 'A fair criterion', FAIR_CRITERION,
                      draw_fronts(readings, lambda each: each.charging_time_times_area * SQUARE,
                                  's cm²', fairly), command),
     ]  # fmt: skip
@@ -87,7 +89,7 @@ def measure_draw(table: CellTable, seed: int) -> dict[str, float | str]:
         for array in strings:
             sample = replace(array, cell=draw_cell(array.cell.name, seed))
             for net in compute_net_powers(sample, energy, table, efficacies):
-                values |= label_net_powers(f'{sample.cell.name}_{LIGHTS[net.light]}', net)
+                values |= label_net_powers(f'{sample.cell.name}_{CELL_LIGHTS[net.light]}', net)
     return {name: value.value for name, value in values.items()}
 
 
@@ -113,7 +115,7 @@ def list_makers(front: Sequence[CellReading]) -> MeasuredValue:
 def quotient_errors(cells: Sequence[CellReading]) -> dict[str, MeasuredValue]:
     """Return the largest relative errors of the printed quotients."""
     worst = {}
-    for which, reading in enumerate(READINGS):
+    for which, reading in enumerate(POWERFILM_READINGS):
         rows = select_readings(cells, which)
         worst[f'mass_off_{reading}'] = MeasuredValue(
             max(abs(each.areal_mass / each.row.areal_mass.si - 1.0) for each in rows)
@@ -168,7 +170,7 @@ def compute_array_power(table: CellTable, energy: EnergyBlock) -> dict[str, Meas
     for strings in build_all_arrays(table).values():
         for array in strings:
             for net in compute_net_powers(array, energy, table):
-                values |= label_net_powers(f'{array.cell.name}_{LIGHTS[net.light]}', net)
+                values |= label_net_powers(f'{array.cell.name}_{CELL_LIGHTS[net.light]}', net)
     led, sun = (luminous_efficacy(name) for name in table.lights)
     light = table.arrays.illuminance.si
     # The paper's array of two ANYSOLAR panels in series

@@ -11,26 +11,26 @@ from lta_studies.reproduce.study_result import (
     StudyPicture,
 )
 
-FLOWN: Final = {
+LOOP_MANOEUVRES: Final = {
     'gtmab': ('climb', 'cruise'),
     'blimp2b': ('climb', 'cruise'),
     'blimp2b_cascade': ('climb', 'cruise'),
     'gtmab_open_loop': ('climb', 'cruise'),
 }
-QUICK: Final = ('gtmab', 'blimp2b')
-CAPTIONS: Final = {
+QUICK_PLATFORMS: Final = ('gtmab', 'blimp2b')
+LOOP_CAPTIONS: Final = {
     'climb': 'The drone rises by 1.5 m and holds its altitude. Dashed: setpoint; seed 1.',
     'cruise': 'Speed along the course: the drone rises, then flies at 0.5 m/s. '
     'Dashed: setpoint; seed 1.',
 }
-HEADINGS: Final = {'climb': 'Altitude task', 'cruise': 'Velocity task'}
+LOOP_HEADINGS: Final = {'climb': 'Altitude task', 'cruise': 'Velocity task'}
 
 
 def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Fly both models, each in closed and open loop."""
     # --quick leaves out the swapped control laws.
-    names = QUICK if request.quick else tuple(FLOWN)
-    pairs = [(name, each) for name in names for each in FLOWN[name]]
+    names = QUICK_PLATFORMS if request.quick else tuple(LOOP_MANOEUVRES)
+    pairs = [(name, each) for name in names for each in LOOP_MANOEUVRES[name]]
     flights = fly_entries(pairs, request.seeds)
     values: dict[str, MeasuredValue] = {}
     for name, manoeuvre in pairs:
@@ -43,8 +43,9 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
         values[f'{name}_climb_settles'] = flights.metric_value(name, 'climb', 'settling_time')
         values[f'{name}_cruise_ripple'] = flights.metric_value(name, 'cruise', 'ripple')
     pictures = [
-        StudyPicture(each, HEADINGS[each], CAPTIONS[each], flights.plot_tracking(each, names),
+        StudyPicture(each, LOOP_HEADINGS[each], LOOP_CAPTIONS[each], flights.plot_tracking(each,
+                     names),
                      format_lta_command('platforms', '--seeds', str(request.seeds)))
-        for each in CAPTIONS
+        for each in LOOP_CAPTIONS
     ]  # fmt: skip
     return RowStudyResult(values, pictures, draws=draw_gtmab(request, ('climb', 'cruise')))

@@ -16,16 +16,16 @@ from lta_studies.energy.budget.report import (
     build_cause_table,
     build_task_table,
     draw_task_power,
-    TASKS,
+    TASK_CAPTION,
 )
 from lta_studies.energy.budget.run import (
+    BUDGET_SCENE,
+    BUDGET_STRATEGIES,
     measure_budget,
     PowerBudget,
-    SCENE,
-    STRATEGIES,
     TaskPower,
 )
-from lta_studies.energy.hover.report import CAPTION, draw_traces
+from lta_studies.energy.hover.report import draw_traces, VOLTAGE_CAPTION
 from lta_studies.energy.hover.run import (
     fly_hover,
     HoverComparison,
@@ -42,11 +42,11 @@ from lta_studies.reproduce.study_result import (
     to_values,
 )
 
-VEHICLE, STANDARD = 'gtmab', 'multirotor'
-LUX: Final = 80e3  # seed paper
+ENERGY_VEHICLE, STANDARD_VEHICLE = 'gtmab', 'multirotor'
+CHARGING_LUX: Final = 80e3  # seed paper
 HOUR: Final = 3600.0  # s
-PRINTED: Final = {'paper_fly': sum(paper.NAVIGATION) / 2.0, 'paper_hover': paper.HOVER}  # W
-NAMES: Final = {'white LED': 'led', 'flickering LED': 'flicker', 'sun': 'sun'}
+PRINTED_POWERS: Final = {'paper_fly': sum(paper.NAVIGATION) / 2.0, 'paper_hover': paper.HOVER}  # W
+LIGHT_NAMES: Final = {'white LED': 'led', 'flickering LED': 'flicker', 'sun': 'sun'}
 TASK: Final = {
     'take-off': 'take_off', 'hovering': 'hover', 'flying at 0.5 m/s': 'fly',
     'navigating, BAG': 'bag', 'navigating, DES': 'des', 'navigating, DGA': 'dga',
@@ -55,29 +55,29 @@ TASK: Final = {
 
 def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Measure power budget, cell voltage and charging."""
-    budget = measure_budget(VEHICLE, STANDARD, request.seeds)
+    budget = measure_budget(ENERGY_VEHICLE, STANDARD_VEHICLE, request.seeds)
     values = {**measure_task_power(budget, request.seeds), **measure_causes(budget)}
-    body = load_vehicle(VEHICLE)
+    body = load_vehicle(ENERGY_VEHICLE)
     harvest = HarvestCurve.of_energy(body.file.energy)
     own = {
         'fly': budget.tasks['navigating, BAG'].power,
         'hover': budget.tasks['hovering'].power,
     }
-    values |= to_values(measure_charging(body, harvest, {**PRINTED, **own}))
+    values |= to_values(measure_charging(body, harvest, {**PRINTED_POWERS, **own}))
     draws = {**draw_navigation(request), **collect_draws(request, partial(measure_draw, request))}
     pictures = [
-        StudyPicture('tasks', 'Power by task', TASKS, draw_task_power(budget),
+        StudyPicture('tasks', 'Power by task', TASK_CAPTION, draw_task_power(budget),
                 format_lta_command('energy', 'budget', '--seeds', str(request.seeds)))
     ]  # fmt: skip
     if request.quick:
         return RowStudyResult(
             values, pictures, [build_task_table(budget), build_cause_table(budget)], draws
         )
-    hover = HoverRequest(vehicle=VEHICLE, multirotor=STANDARD)
+    hover = HoverRequest(vehicle=ENERGY_VEHICLE, multirotor=STANDARD_VEHICLE)
     comparison = hover.compare([fly_hover(spec, hover.seconds) for spec in hover.build_specs()])
     values |= measure_hover(comparison)
     pictures.append(
-        StudyPicture('voltage', 'Voltage of the cell while hovering', CAPTION,
+        StudyPicture('voltage', 'Voltage of the cell while hovering', VOLTAGE_CAPTION,
                      draw_traces(comparison, 'voltage'), format_lta_command('energy', 'hover'))
     )  # fmt: skip
     tables = [build_task_table(budget), build_cause_table(budget)]
@@ -86,7 +86,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
 
 def draw_navigation(request: RowStudyRequest) -> dict[str, list[float | str]]:
     """Return the power of navigating by each strategy, one flight in every draw. [W]"""
-    rows = fly_draws('indoors', request, strategies=STRATEGIES)
+    rows = fly_draws('indoors', request, strategies=BUDGET_STRATEGIES)
     powers: dict[str, list[float | str]] = {
         name: [float(row.figures.get('power') or math.nan) for (row,) in results]
         for name, results in rows.items()
@@ -98,7 +98,9 @@ def draw_navigation(request: RowStudyRequest) -> dict[str, list[float | str]]:
 
 def measure_draw(request: RowStudyRequest, seed: int) -> dict[str, float]:
     """Return what charging gives in a draw, by the powers that the paper prints."""
-    spec = load_spec(VEHICLE, SCENE, 'bag', '').with_values(request.draw_changes(seed))
+    spec = load_spec(ENERGY_VEHICLE, BUDGET_SCENE, 'bag', '').with_values(
+        request.draw_changes(seed)
+    )
     body = build_vehicle_scenario_stack(spec)[0]
     array = body.file.energy.array
     assert array is not None
@@ -111,7 +113,7 @@ def measure_draw(request: RowStudyRequest, seed: int) -> dict[str, float]:
         )
         for name, lamp in LAMPS.items()
     }
-    return measure_charging(body, harvest, PRINTED, lamps)
+    return measure_charging(body, harvest, PRINTED_POWERS, lamps)
 
 
 def measure_task_power(power_budget: PowerBudget, seeds: int) -> dict[str, MeasuredValue]:
@@ -180,7 +182,8 @@ def measure_charging(
 ) -> dict[str, float]:
     """Return the net charging power and charging ratios at 80 klux, by kind of light."""
     net = {
-        NAMES[name]: charging_power(harvest, body.charger, lamp, LUX) - body.loads.idle
+        LIGHT_NAMES[name]: charging_power(harvest, body.charger, lamp, CHARGING_LUX)
+        - body.loads.idle
         for name, lamp in lamps.items()
     }
     return {f'net_{name}': each for name, each in net.items()} | charging_ratios(net, powers)

@@ -26,9 +26,9 @@ from lta_studies.reproduce.study_result import (
 import numpy as np
 from plotly.graph_objects import Figure
 
-SLOW: Final = 0.2  # m/s, seed paper: the speed of the linear terms
+LINEAR_TERM_SPEED: Final = 0.2  # m/s, seed paper: the speed of the linear terms
 NOT_IN_TABLE: Final = 'solar_panels'  # missing in the paper's table of masses
-CURVE: Final = (
+THRUST_CAPTION: Final = (
     "Thrust against duty: the paper's polynomial, and Bitcraze's bench data, whose voltage "
     'drops with load. Both were measured with four motors and divided by four.'
 )
@@ -52,7 +52,9 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
         **pressure.measure_pressures(vehicle, loading),
     }
     command = format_lta_command('vehicle', 'show', 'gtmab')
-    curve = StudyPicture('thrust', 'Thrust of one rotor', CURVE, plot_thrust(vehicle), command)
+    curve = StudyPicture(
+        'thrust', 'Thrust of one rotor', THRUST_CAPTION, plot_thrust(vehicle), command
+    )
     both = {'GT-MAB': vehicle, 'BEAVIS': beavis['beavis']}
     return RowStudyResult(
         values,
@@ -81,7 +83,7 @@ def draw_vehicle(request: RowStudyRequest, seed: int, name: str) -> Vehicle:
 
 def linear_share(linear: float, quadratic: float) -> float:
     """Return the linear share of drag at the least speed of the paper's tunnel. [1]"""
-    total = linear + quadratic * SLOW
+    total = linear + quadratic * LINEAR_TERM_SPEED
     return linear / total if total else math.nan
 
 

@@ -33,33 +33,33 @@ from lta_studies.reproduce.study_result import (
 import numpy as np
 
 SAFE: Final = {'scenario.goal.radius': '2 m'}  # the paper's simulation
-FAST: Final = {'mission.speed': 0.87}  # m/s, the paper's path divided by its time
+FAST_CRUISE: Final = {'mission.speed': 0.87}  # m/s, the paper's path divided by its time
 TOWARDS: Final = 'start_heading'
-AHEAD: Final = {'scenario.start.heading': '0 deg', 'scenario.start.heading_spread': '30 deg'}
-READINGS: Final[dict[str, Mapping[str, Any]]] = {
+START_AHEAD: Final = {'scenario.start.heading': '0 deg', 'scenario.start.heading_spread': '30 deg'}
+INDOOR_READINGS: Final[dict[str, Mapping[str, Any]]] = {
     # What the words of the paper allow, by prefix of the measures
     '': {},
-    f'{TOWARDS}_': AHEAD,
+    f'{TOWARDS}_': START_AHEAD,
     'equal_': {'gains.turn_first': 10.0},  # rad: the airspeed asked for, also in turns
     'other_': {  # the paper's mean; 0.3 as a frequency in Hz; dead reckoning as commanded
         'mission.bag.mean': True, 'mission.des.rate': 1.885, 'mission.dga.commanded_heading': True,
     },
     'sim_': SAFE,
-    'sim_towards_': {**SAFE, **AHEAD},
+    'sim_towards_': {**SAFE, **START_AHEAD},
 }  # fmt: skip
-HEADINGS: Final = {  # name and heading of the top views, by prefix of the measures
+INDOOR_HEADINGS: Final = {  # name and heading of the top views, by prefix of the measures
     '': ('indoors', 'Indoors: reach the lamp within 1 m, any start heading'),
     'sim_': ('simulation', "Reach the lamp within 2 m, as in the paper's simulation"),
     f'{TOWARDS}_': ('towards', 'Indoors: start heading within 30° of the lamp'),
 }
-FACTORS: Final = {
+FACTOR_STRATEGIES: Final = {
     'not_stopping': ('dga',),
     'no_computing': ('dga',),
     'plane_through_origin': ('dga',),
     'gradient_alone': ('des',),
     'narrow_diodes': ('dga', 'des'),
 }
-PRINTED: Final = {  # m and s, seed paper
+PRINTED_FLIGHTS: Final = {  # m and s, seed paper
     'bag_path': 7.3, 'dga_path': 8.6, 'des_path': 12.2, 'bag_time': 8.4, 'dga_time': 21.4,
 }  # fmt: skip
 CALLED: Final = {
@@ -68,10 +68,10 @@ CALLED: Final = {
     'plane_through_origin': 'a plane through the origin',
     'gradient_alone': 'DES by the gradient alone', 'narrow_diodes': 'diodes that look ahead only',
 }  # fmt: skip
-TRACKS: Final = (
+INDOOR_TRACK_CAPTION: Final = (
     'Ground tracks from above with the same seed; the yellow fan is the light of the lamp.'
 )
-BARS: Final = (
+INDOOR_BAR_CAPTION: Final = (
     'Path, time and success of each strategy with 95 % intervals. Stars: flights printed in the '
     'paper.'
 )
@@ -83,7 +83,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     if not request.quick:
         groups |= {
             prefix: fly_group('indoors', request.seeds, change=change)
-            for prefix, change in READINGS.items()
+            for prefix, change in INDOOR_READINGS.items()
             if change
         }
     values: dict[str, MeasuredValue] = {}
@@ -94,14 +94,14 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
         values[f'{prefix}dga_by_bag_time'] = mean_ratio(group, 'search_time', 'dga', 'bag')
         values[f'{prefix}dga_by_bag_path'] = mean_ratio(group, 'path_length', 'dga', 'bag')
     if not request.quick:
-        fast = fly_group('indoors', request.seeds, strategies=('bag',), change=FAST)
+        fast = fly_group('indoors', request.seeds, strategies=('bag',), change=FAST_CRUISE)
         values |= summarize_cell('fast_bag', fast.find_cell('bag'))
         values |= measure_factors(request.seeds)
         values |= compute_misfits(values)
         values['dga_excursion'] = measure_excursion(groups['sim_'])
         values['sim_towards_dga_excursion'] = measure_excursion(groups['sim_towards_'])
     pictures = plot_indoor_flights(
-        request, {prefix: groups[prefix] for prefix in HEADINGS if prefix in groups}
+        request, {prefix: groups[prefix] for prefix in INDOOR_HEADINGS if prefix in groups}
     )
     return RowStudyResult(values, pictures, draws=draw_readings(request))
 
@@ -109,7 +109,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
 def draw_readings(request: RowStudyRequest) -> dict[str, list[float | str]]:
     """Fly each reading in every draw of what is assumed; a path is that of one flight."""
     draws: dict[str, list[float | str]] = {}
-    for prefix, change in READINGS.items():
+    for prefix, change in INDOOR_READINGS.items():
         if request.quick and change:
             continue
         flights = 1 if request.quick else FLIGHTS_A_DRAW
@@ -170,7 +170,7 @@ def measure_excursion(group: FlightGroup) -> MeasuredValue:
 def measure_factors(seeds: int) -> dict[str, MeasuredValue]:
     """Fly with one factor changed at a time."""
     values: dict[str, MeasuredValue] = {}
-    for case, strategies in FACTORS.items():
+    for case, strategies in FACTOR_STRATEGIES.items():
         group = fly_group('ablations', seeds, strategies=strategies, cases=[case])
         for name in strategies:
             values |= summarize_cell(f'{case}_{name}', group.find_cell(name))
@@ -180,7 +180,7 @@ def measure_factors(seeds: int) -> dict[str, MeasuredValue]:
 def compute_misfits(values: Mapping[str, MeasuredValue]) -> dict[str, MeasuredValue]:
     """Return the misfit to the printed paths and times as flown, and with the best factor."""
     prefixes = {'as_flown': '', 'towards': f'{TOWARDS}_', 'fast': 'fast_'}
-    prefixes |= {case: f'{case}_' for case in FACTORS}
+    prefixes |= {case: f'{case}_' for case in FACTOR_STRATEGIES}
     off = {case: rms_misfit(values, prefix) for case, prefix in prefixes.items()}
     best = min((case for case in off if case != 'as_flown'), key=off.__getitem__)
     return {
@@ -193,7 +193,7 @@ def compute_misfits(values: Mapping[str, MeasuredValue]) -> dict[str, MeasuredVa
 def rms_misfit(values: Mapping[str, MeasuredValue], prefix: str) -> float:
     """Return exp(rms of log(ours / printed)) - 1 over the printed numbers. [1]"""
     logs = []
-    for name, printed in PRINTED.items():
+    for name, printed in PRINTED_FLIGHTS.items():
         # A factor that changes one strategy leaves the others as flown.
         value = values.get(f'{prefix}{name}', values[name]).value
         assert not isinstance(value, str)
@@ -232,19 +232,21 @@ def plot_indoor_flights(
     """Plot the flights from above, and the comparison with the paper."""
     indoors = groups['']
     pictures = [
-        StudyPicture('bars', 'Indoors, compared with the paper', BARS,
+        StudyPicture('bars', 'Indoors, compared with the paper', INDOOR_BAR_CAPTION,
                      plot_paper_comparison(list(indoors.cells)),
                      format_lta_command('light', 'evaluate', '--sets', 'indoors',
                                         '--seeds', str(request.seeds)))
     ]  # fmt: skip
     for prefix, group in groups.items():
-        name, heading = HEADINGS[prefix]
+        name, heading = INDOOR_HEADINGS[prefix]
         cells = group.cells
         seed = select_track_seed(cells)
         tracks, scenario = fly_again(group.plan, cells, seed)
         first = next(each for each in cells if each.strategy == 'bag')
         again = format_command(group, first, seed)
         pictures.append(
-            StudyPicture(name, heading, TRACKS, plot_tracks(tracks, scenario, 0.5), again)
+            StudyPicture(
+                name, heading, INDOOR_TRACK_CAPTION, plot_tracks(tracks, scenario, 0.5), again
+            )
         )
     return pictures

@@ -10,9 +10,9 @@ from lta_studies.energy.mounting.report import (
     draw_overturning,
     draw_straight_flights,
     draw_swings,
-    OVER,
-    STRAIGHT,
-    SWUNG,
+    OVERTURNING_CAPTION,
+    STRAIGHT_CAPTION,
+    SWING_CAPTION,
 )
 from lta_studies.energy.mounting.run import (
     compare_mounts,
@@ -32,21 +32,24 @@ from lta_studies.reproduce.study_result import (
 import numpy as np
 
 MOUNTS: Final = ('side', 'bottom', 'top')
-AHEAD: Final = 0.03  # m, misplacement of the panels along the hull
+PANEL_DISPLACEMENT: Final = 0.03  # m, misplacement of the panels along the hull
 
 
 def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Fly each mount straight ahead, and release the hull with three heights of the weight."""
-    order = MountVariants(load_yaml(find_file('vehicle', 'gtmab')), MOUNTS, AHEAD, request.seeds)
+    order = MountVariants(
+        load_yaml(find_file('vehicle', 'gtmab')), MOUNTS, PANEL_DISPLACEMENT, request.seeds
+    )
     comparison = compare_mounts(order)
     values = {**measure_mounts(comparison, request.seeds), **measure_tilt_by_height(comparison)}
     command = format_lta_command('energy', 'mounting', '--seeds', str(request.seeds))
     pictures = [
-        StudyPicture('straight', 'Straight flight at 0.1 m/s', STRAIGHT,
+        StudyPicture('straight', 'Straight flight at 0.1 m/s', STRAIGHT_CAPTION,
                      draw_straight_flights(comparison), command),
-        StudyPicture('over', 'Centre of gravity below, at and above the hull centre', OVER,
-                     draw_overturning(comparison), command),
-        StudyPicture('swing', 'Swing after a release', SWUNG, draw_swings(comparison), command),
+        StudyPicture('over', 'Centre of gravity below, at and above the hull centre',
+                     OVERTURNING_CAPTION, draw_overturning(comparison), command),
+        StudyPicture('swing', 'Swing after a release', SWING_CAPTION, draw_swings(comparison),
+                     command),
     ]  # fmt: skip
     draws = collect_draws(request, measure_draw)
     return RowStudyResult(values, pictures, build_comparison_tables(comparison), draws)
@@ -55,7 +58,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
 def measure_draw(seed: int) -> dict[str, float | str]:
     """Return the measures of a draw of what is assumed in the vehicle."""
     content = draw_content(load_yaml(find_file('vehicle', 'gtmab')), seed, 'vehicle')
-    comparison = compare_mounts(MountVariants(content, MOUNTS, AHEAD, 1, seed))
+    comparison = compare_mounts(MountVariants(content, MOUNTS, PANEL_DISPLACEMENT, 1, seed))
     values = {**measure_mounts(comparison, 1), **measure_tilt_by_height(comparison)}
     return {name: each.value for name, each in values.items()}
 

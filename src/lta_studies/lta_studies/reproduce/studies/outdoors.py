@@ -44,59 +44,73 @@ from lta_studies.reproduce.study_result import (
 import numpy as np
 from plotly.graph_objects import Figure
 
-WIND: Final = 'scenario.air.profile.wind'
-ROUGH: Final = 'scenario.air.profile.roughness'
-EDDIES: Final = {'scenario.air.turbulence.strength': {'value': 1.0, 'unit': '1'}}
-WINDS: Final = (8.0, 14.0)  # m/s, seed paper
+WIND_PATH: Final = 'scenario.air.profile.wind'
+ROUGHNESS_PATH: Final = 'scenario.air.profile.roughness'
+EDDY_STRENGTH: Final = {'scenario.air.turbulence.strength': {'value': 1.0, 'unit': '1'}}
+OUTDOOR_WINDS: Final = (8.0, 14.0)  # m/s, seed paper
 GROUNDS: Final = (0.3, 0.35, 0.4, 0.45)  # m
-MOST: Final = 0.5  # share of the flights that counts as most
+MOST_SHARE: Final = 0.5  # share of the flights that counts as most
 ALGORITHMS: Final = {  # seed paper, table of algorithms: diodes, position, load
     'bag': ('several', 'not needed', 'low'), 'des': ('one', 'not needed', 'medium'),
     'dga': ('one', 'needed', 'high'),
 }  # fmt: skip
-HEIGHT, REFERENCE, SHOWN = 0.5, 10.0, 0.45  # m: hull, reference wind, a flyable roughness
-TRACKS: Final = (
+OUTDOOR_HEIGHT, REFERENCE_HEIGHT, SHOWN_ROUGHNESS = (
+    0.5,
+    10.0,
+    0.45,
+)  # m: hull, reference wind, a flyable roughness
+OUTDOOR_CAPTION: Final = (
     'Ground tracks from above, seed 1. The wind blows from the lamp to the start; the '
     'airspeed command is 0.7 m/s. Dashed circle: 1 m from the lamp, which counts as reached.'
 )
-DISTANCES: Final = 'Distance to the lamp over time, seed 1. Dotted: 1 m, which counts as reached.'
+DISTANCE_CAPTION: Final = (
+    'Distance to the lamp over time, seed 1. Dotted: 1 m, which counts as reached.'
+)
 
 
 def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Fly in the paper's winds and over rough ground, and time the updates."""
-    speeds = WINDS[:1] if request.quick else WINDS
+    speeds = OUTDOOR_WINDS[:1] if request.quick else OUTDOOR_WINDS
     flyers = PAPERS if request.quick else (*PAPERS, PILOT)
     winds = fly_group(
-        'winds', request.seeds, strategies=flyers, vary={WIND: [f'{w:g} m/s' for w in speeds]}
+        'winds', request.seeds, strategies=flyers, vary={WIND_PATH: [f'{w:g} m/s' for w in speeds]}
     )
     values: dict[str, MeasuredValue] = {}
     for name in flyers:
         for speed in speeds:
             values |= measure_reached_share(f'{name}_{speed:g}', winds, name, speed)
     values |= hull_winds()
-    values['bag_8_time'] = measure_time(winds, 'bag', WINDS[0])
+    values['bag_8_time'] = measure_time(winds, 'bag', OUTDOOR_WINDS[0])
     draws = draw_winds(request)
     if request.quick:
         return RowStudyResult(values, plot_outdoor_flights(request, winds), draws=draws)
-    for speed in WINDS:
+    for speed in OUTDOOR_WINDS:
         # If even the pilot fails, who knows wind and lamp, the failure of a strategy says nothing
         values[f'vacuous_{speed:g}'] = yes_no_value(
-            find_cell(winds, PILOT, speed).reached_share.value <= MOST
+            find_cell(winds, PILOT, speed).reached_share.value <= MOST_SHARE
         )
-    gusts = fly_group('winds', request.seeds, vary={WIND: [f'{WINDS[0]:g} m/s']}, change=EDDIES)
+    gusts = fly_group(
+        'winds',
+        request.seeds,
+        vary={WIND_PATH: [f'{OUTDOOR_WINDS[0]:g} m/s']},
+        change=EDDY_STRENGTH,
+    )
     for name in PAPERS:
-        values |= measure_reached_share(f'{name}_gusts', gusts, name, WINDS[0])
+        values |= measure_reached_share(f'{name}_gusts', gusts, name, OUTDOOR_WINDS[0])
     values['des_8_away'], values['dga_8_past'] = measure_failures(winds)
     grounds = fly_group(
         'roughness', request.seeds, strategies=('bag',),
-        vary={ROUGH: [f'{each:g} m' for each in GROUNDS]},
+        vary={ROUGHNESS_PATH: [f'{each:g} m' for each in GROUNDS]},
     )  # fmt: skip
     rough = fly_group(
-        'roughness', request.seeds, strategies=(*PAPERS, 'homing'), vary={ROUGH: [f'{SHOWN:g} m']}
+        'roughness',
+        request.seeds,
+        strategies=(*PAPERS, 'homing'),
+        vary={ROUGHNESS_PATH: [f'{SHOWN_ROUGHNESS:g} m']},
     )
     for name in (*PAPERS, 'homing'):
-        values |= measure_reached_share(f'{name}_rough', rough, name, SHOWN)
-    values['bag_rough_time'] = measure_time(rough, 'bag', SHOWN)
+        values |= measure_reached_share(f'{name}_rough', rough, name, SHOWN_ROUGHNESS)
+    values['bag_rough_time'] = measure_time(rough, 'bag', SHOWN_ROUGHNESS)
     values['bag_from_roughness'] = MeasuredValue(
         minimum_flyable_roughness(grounds), seeds=request.seeds
     )
@@ -111,11 +125,11 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
 def draw_winds(request: RowStudyRequest) -> dict[str, list[float | str]]:
     """Fly both winds in every draw, and compare them with the thrust."""
     draws: dict[str, list[float | str]] = {}
-    for speed in WINDS[:1] if request.quick else WINDS:
+    for speed in OUTDOOR_WINDS[:1] if request.quick else OUTDOOR_WINDS:
         rows = fly_draws(
             'winds',
             request,
-            change={WIND: f'{speed:g} m/s'},
+            change={WIND_PATH: f'{speed:g} m/s'},
             flights=1 if request.quick else FLIGHTS_A_DRAW,
         )
         for name, results in rows.items():
@@ -131,13 +145,13 @@ def compare_wind_with_thrust(changes: Mapping[str, Any]) -> float:
     """Return 14 m/s at 10 m, at the hull, by the airspeed that the thrust allows. [1]"""
     spec = load_spec('gtmab', 'windy_field', 'bag', '').with_values(changes)
     vehicle = build_vehicle_scenario_stack(spec)[0]
-    share = wind_share_at_hull(vehicle, HEIGHT, REFERENCE, spec_roughness(spec))
-    return WINDS[1] * share / level_speed(vehicle)
+    share = wind_share_at_hull(vehicle, OUTDOOR_HEIGHT, REFERENCE_HEIGHT, spec_roughness(spec))
+    return OUTDOOR_WINDS[1] * share / level_speed(vehicle)
 
 
 def spec_roughness(spec: FlightSpec) -> float:
     """Return the roughness of the ground of a spec. [m]"""
-    return Quantity.model_validate(spec.read_value(ROUGH)).si
+    return Quantity.model_validate(spec.read_value(ROUGHNESS_PATH)).si
 
 
 def measure_failures(winds: FlightGroup) -> tuple[MeasuredValue, MeasuredValue]:
@@ -149,7 +163,7 @@ def measure_failures(winds: FlightGroup) -> tuple[MeasuredValue, MeasuredValue]:
     """
     shares = []
     for name in ('des', 'dga'):
-        cell = find_cell(winds, name, WINDS[0])
+        cell = find_cell(winds, name, OUTDOOR_WINDS[0])
         failures = []
         for seed in cell.rows:
             (track, *_), scenario = fly_again(winds.plan, [cell], seed)
@@ -184,18 +198,21 @@ def measure_time(group: FlightGroup, strategy: str, place: float) -> MeasuredVal
 
 def minimum_flyable_roughness(grounds: FlightGroup) -> float:
     """Return the smallest roughness over which most BAG flights arrive in 8 m/s. [m]"""
-    over = [each.place for each in grounds.cells if each.reached_share.value > MOST]
+    over = [each.place for each in grounds.cells if each.reached_share.value > MOST_SHARE]
     return min(over, default=math.nan)
 
 
 def hull_winds() -> dict[str, MeasuredValue]:
     """Return the paper's winds at the height of the hull, and the static limit. [m/s]"""
     vehicle = load_vehicle('gtmab')
-    parts = {each: wind_share_at_hull(vehicle, HEIGHT, REFERENCE, each) for each in (0.3, SHOWN)}
+    parts = {
+        each: wind_share_at_hull(vehicle, OUTDOOR_HEIGHT, REFERENCE_HEIGHT, each)
+        for each in (0.3, SHOWN_ROUGHNESS)
+    }
     return {
         'hull_8': MeasuredValue(8.0 * parts[0.3]),
         'hull_14': MeasuredValue(14.0 * parts[0.3]),
-        'hull_8_rough': MeasuredValue(8.0 * parts[SHOWN]),
+        'hull_8_rough': MeasuredValue(8.0 * parts[SHOWN_ROUGHNESS]),
         'level_limit': MeasuredValue(static_wind_limit(vehicle)),
         'wind_by_thrust_14': MeasuredValue(14.0 * parts[0.3] / level_speed(vehicle)),
     }
@@ -241,15 +258,15 @@ def plot_outdoor_flights(
     views: list[tuple[str, str, FlightGroup, Sequence[EvaluationCell]]] = [
         (f'wind_{wind:g}', f'Wind of {wind:g} m/s at 10 m height, ground roughness 0.3 m', winds,
          [find_cell(winds, name, wind) for name in (PAPERS[:1] if request.quick else PAPERS)])
-        for wind in (WINDS[:1] if request.quick else WINDS)
+        for wind in (OUTDOOR_WINDS[:1] if request.quick else OUTDOOR_WINDS)
     ]  # fmt: skip
     if rough is not None:
         # Our strategy is drawn for comparison where the ground makes the wind flyable.
-        over = [find_cell(rough, name, SHOWN) for name in (*PAPERS, 'homing')]
+        over = [find_cell(rough, name, SHOWN_ROUGHNESS) for name in (*PAPERS, 'homing')]
         views.append(
             (
                 'wind_rough',
-                f'Wind of 8 m/s at 10 m height, ground roughness {SHOWN:g} m',
+                f'Wind of 8 m/s at 10 m height, ground roughness {SHOWN_ROUGHNESS:g} m',
                 rough,
                 over,
             )
@@ -258,18 +275,19 @@ def plot_outdoor_flights(
         tracks, scenario = fly_again(group.plan, cells, 1)
         again = format_command(group, cells[0], 1)
         above = (
-            thin_annotations(plot_tracks(tracks, scenario, HEIGHT))
+            thin_annotations(plot_tracks(tracks, scenario, OUTDOOR_HEIGHT))
             .update_xaxes(dtick=10)
             .update_yaxes(dtick=10)
         )
-        pictures.append(StudyPicture(name, heading, TRACKS, above, again))
+        pictures.append(StudyPicture(name, heading, OUTDOOR_CAPTION, above, again))
         if name == 'wind_8':
             x, y, _ = scenario.goal_lamp.position.vector
             lines = {
                 each.strategy: (each.time, np.hypot(each.x - x, each.y - y)) for each in tracks
             }
             pictures.append(
-                StudyPicture('distance', 'Distance to the lamp in a wind of 8 m/s', DISTANCES,
+                StudyPicture('distance', 'Distance to the lamp in a wind of 8 m/s',
+                             DISTANCE_CAPTION,
                              plot_distances(lines),
                              format_lta_command('light', 'evaluate', '--sets', 'winds'))
             )  # fmt: skip

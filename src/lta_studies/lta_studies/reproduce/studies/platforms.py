@@ -30,7 +30,7 @@ import numpy as np
 from plotly.graph_objects import Figure, Heatmap
 
 LOW, MEDIUM_LOW, MEDIUM, HIGH = range(4)
-WORDS: Final = ('Low', 'Medium Low', 'Medium', 'High')
+RANK_WORDS: Final = ('Low', 'Medium Low', 'Medium', 'High')
 # Seed paper, table of platforms: planar, vertical, attitude, endurance, size, complexity.
 RANKED: Final = {
     'multirotor': (HIGH, HIGH, HIGH, LOW, LOW, LOW),
@@ -45,16 +45,16 @@ CRITERIA: Final = {
     'attitude': ('°', 180.0 / math.pi, False), 'endurance': ('%', 100.0, False),
     'size': ('m', 1.0, True), 'complexity': ('', 1.0, True),
 }  # fmt: skip
-FLOWN: Final = {'planar': 'cruise', 'vertical': 'climb', 'attitude': 'turn'}
-SAME: Final = math.cos(math.radians(5.0))  # rotors within 5 deg share a thrust line
+ABILITY_MANOEUVRES: Final = {'planar': 'cruise', 'vertical': 'climb', 'attitude': 'turn'}
+PARALLEL_COSINE: Final = math.cos(math.radians(5.0))  # rotors within 5 deg share a thrust line
 LIMIT_SEEDS: Final = 3
-CAPTION: Final = (
+PLATFORM_CAPTION: Final = (
     'Columns: rms error in a cruise at 0.5 m/s, a climb of 1.5 m and a turn by 90°; share '
     'of the weight that rotors carry while hovering; largest dimension; number of thrust '
     "directions. In brackets: value in the paper's table. Darker cells rank higher within a "
     'column.'
 )
-FOLLOWED: Final = {
+FOLLOWED_PANELS: Final = {
     'cruise': ('Planar: fly at 0.5 m/s', 'Speed along the course. Dashed: setpoint; seed 1.'),
     'climb': ('Vertical: rise by 1.5 m', 'Height above the start. Dashed: setpoint; seed 1.'),
     'turn': ('Attitude: turn by 90°', 'Heading. Dashed: setpoint; seed 1.'),
@@ -63,12 +63,12 @@ FOLLOWED: Final = {
 
 def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Measure the paper's table, and how well its ranking is reproduced."""
-    manoeuvres = () if request.quick else tuple(FLOWN.values())
+    manoeuvres = () if request.quick else tuple(ABILITY_MANOEUVRES.values())
     flights = fly_entries([(name, each) for name in RANKED for each in manoeuvres], request.seeds)
     measured = {
         criterion: {name: measure(name) for name in RANKED}
         for criterion, measure in build_criterion_functions(flights).items()
-        if criterion not in FLOWN or FLOWN[criterion] in manoeuvres
+        if criterion not in ABILITY_MANOEUVRES or ABILITY_MANOEUVRES[criterion] in manoeuvres
     }
     values = {
         f'{name}_{criterion}': value
@@ -85,11 +85,15 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     titles = [flights.entry_title(name) for name in RANKED]
     pictures = [
         StudyPicture(
-            'table', 'Six criteria, measured', CAPTION, plot_table(titles, measured), command
+            'table',
+            'Six criteria, measured',
+            PLATFORM_CAPTION,
+            plot_table(titles, measured),
+            command,
         )
     ]
     pictures += [
-        StudyPicture(each, *FOLLOWED[each], flights.plot_tracking(each, RANKED), command)
+        StudyPicture(each, *FOLLOWED_PANELS[each], flights.plot_tracking(each, RANKED), command)
         for each in manoeuvres
     ]  # fmt: skip
     return RowStudyResult(values, pictures, draws=draw_orders(request, measured))
@@ -154,7 +158,7 @@ def count_thrust_lines(vehicle: Vehicle) -> float:
     lines: list[tuple[float, float, float]] = []
     for rotor in vehicle.rotors:
         # Opposite axes count as the same line, hence the absolute value.
-        if all(abs(float(np.dot(rotor.axis, other))) < SAME for other in lines):
+        if all(abs(float(np.dot(rotor.axis, other))) < PARALLEL_COSINE for other in lines):
             lines.append(rotor.axis)
     return float(len(lines))
 
@@ -201,7 +205,7 @@ def plot_table(
                 (require_number(each) for each in by_platform.values()), reverse=not more
             )
             row.append(ordered.index(require_number(by_platform[name])))
-            paper = WORDS[RANKED[name][list(CRITERIA).index(criterion)]]
+            paper = RANK_WORDS[RANKED[name][list(CRITERIA).index(criterion)]]
             words.append(f'{factor * require_number(by_platform[name]):.3g} {unit}<br>({paper})')
         shades.append(row)
         texts.append(words)

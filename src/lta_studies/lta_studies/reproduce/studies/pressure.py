@@ -19,20 +19,20 @@ from lta_windtunnel.sweep_table import Blow, read_sweep, SurfacePressure
 import numpy as np
 from plotly.graph_objects import Bar, Figure, Heatmap
 
-PAPER: Final = {'BEAVIS': 102.0, 'GT-MAB': 571.9}  # Pa, seed paper, LaTeX comment
+PAPER_PRESSURES: Final = {'BEAVIS': 102.0, 'GT-MAB': 571.9}  # Pa, seed paper, LaTeX comment
 PROPELLER: Final = 0.047  # m, seed paper
 SURGE: Final = 0
-SHOWN: Final = {  # shipped flows: file, pattern, heading
+PRESSURE_FLOWS: Final = {  # shipped flows: file, pattern, heading
     'gtmab': ('gtmab', 'both_up', 'GT-MAB, both upward rotors at full thrust'),
     'reversed': ('gtmab', 'up_left_reversed', 'GT-MAB, one upward rotor reversed, onto the hull'),
     'beavis': ('beavis', 'all', 'BEAVIS, all four rotors at full thrust'),
 }
-BESIDE: Final = (
+PRESSURE_CAPTION: Final = (
     'Logarithmic scale. Orange: printed in the paper. Other bars: computed here; the hull '
     'in flight by potential flow, a jet onto a wall by momentum theory, the rest by our '
     'simulated wind tunnel.'
 )
-MAP: Final = (
+MAP_CAPTION: Final = (
     'The hull from below, nose to the right: pressure relative to the undisturbed air, in a '
     'steady flow of our simulated wind tunnel (fidelity preview).'
 )
@@ -40,7 +40,7 @@ MAP: Final = (
 
 def load_flow(name: str) -> Blow:
     """Load a shipped flow, as written by `lta cfd run`."""
-    file, pattern, _ = SHOWN[name]
+    file, pattern, _ = PRESSURE_FLOWS[name]
     return read_sweep(share_folder() / 'aero' / f'{file}.blown.json').blows[pattern]
 
 
@@ -54,14 +54,14 @@ def measure_pressures(vehicle: Vehicle, disk_loading: float) -> dict[str, Measur
         'flight_side': MeasuredValue(low),
         'jet_speed': MeasuredValue(airspeed_from_dynamic_pressure(disk_loading)),
     }
-    for platform, pressure in PAPER.items():
+    for platform, pressure in PAPER_PRESSURES.items():
         values[f'{platform.lower().replace("-", "")}_pressure_speed'] = MeasuredValue(
             airspeed_from_dynamic_pressure(pressure)
         )
     # Rotor speed at which the blade tips move that fast.
-    turns = airspeed_from_dynamic_pressure(PAPER['GT-MAB']) / (math.pi * PROPELLER)
+    turns = airspeed_from_dynamic_pressure(PAPER_PRESSURES['GT-MAB']) / (math.pi * PROPELLER)
     values['blade_rate'] = MeasuredValue(2.0 * math.pi * turns)
-    for name in SHOWN:
+    for name in PRESSURE_FLOWS:
         bodies = load_flow(name).pressed
         values[f'{name}_most'] = MeasuredValue(max(each.most for each in bodies.values()))
         values[f'{name}_least'] = MeasuredValue(min(each.least for each in bodies.values()))
@@ -80,13 +80,15 @@ def airspeed_from_dynamic_pressure(pressure: float) -> float:
 def plot_pressures_and_maps(values: Mapping[str, MeasuredValue]) -> list[StudyPicture]:
     """Plot all pressures, and pressure maps of the hulls from below."""
     pictures = [
-        StudyPicture('pressure', 'Pressures compared', BESIDE, plot_pressures(values),
+        StudyPicture('pressure', 'Pressures compared', PRESSURE_CAPTION, plot_pressures(values),
                 format_lta_command('reproduce', 'forces'))
     ]  # fmt: skip
-    for name, (file, pattern, heading) in SHOWN.items():
+    for name, (file, pattern, heading) in PRESSURE_FLOWS.items():
         again = format_lta_command('cfd', 'run', file, '--only', pattern)
         hull = load_flow(name).pressed['envelope']
-        pictures.append(StudyPicture(f'map_{name}', heading, MAP, plot_underside(hull), again))
+        pictures.append(
+            StudyPicture(f'map_{name}', heading, MAP_CAPTION, plot_underside(hull), again)
+        )
     return pictures
 
 
@@ -107,8 +109,8 @@ def plot_pressures(values: Mapping[str, MeasuredValue]) -> Figure:
         ('BEAVIS: jets on its hull, all rotors on', size('beavis_hull_most'), TRUTH),
         ('BEAVIS: jets on the box below', size('beavis_most'), TRUTH),
         ('Ideal jet onto a wall', size('disk_loading'), LAMP),
-        ('Paper: BEAVIS', PAPER['BEAVIS'], ESTIMATE),
-        ('Paper: GT-MAB', PAPER['GT-MAB'], ESTIMATE),
+        ('Paper: BEAVIS', PAPER_PRESSURES['BEAVIS'], ESTIMATE),
+        ('Paper: GT-MAB', PAPER_PRESSURES['GT-MAB'], ESTIMATE),
     ]
     titles, sizes, colours = zip(*rows, strict=True)
     names = [wrap_label(title) for title in titles]

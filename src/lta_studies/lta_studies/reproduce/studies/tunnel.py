@@ -16,8 +16,8 @@ import numpy as np
 from plotly.graph_objects import Figure, Heatmap
 
 BOTH_UP: Final = 'both_up'  # pattern of the tunnel file: the upward rotors at full thrust
-WRENCH: Final = ('Fx', 'Fy', 'Fz', 'Mx [m]', 'My [m]', 'Mz [m]')
-POINTS: Final = (
+WRENCH_LABELS: Final = ('Fx', 'Fy', 'Fz', 'Mx [m]', 'My [m]', 'Mz [m]')
+TUNNEL_CAPTION: Final = (
     'Points: drag from solved flows, with its variation in the averaging window. Lines: '
     'fitted linear and quadratic terms. Dotted: analytical estimate.'
 )
@@ -52,8 +52,8 @@ def plot_drag_and_matrices(
     )
     along, about = draw_drag(sweep, turning=False), draw_drag(sweep, turning=True)
     return [
-        StudyPicture('drag', 'Drag along the axes', POINTS, along, run_command),
-        StudyPicture('turning', 'Drag about the axes', POINTS, about, run_command),
+        StudyPicture('drag', 'Drag along the axes', TUNNEL_CAPTION, along, run_command),
+        StudyPicture('turning', 'Drag about the axes', TUNNEL_CAPTION, about, run_command),
         StudyPicture('matrix', 'Thrust allocation', MATRIX, plot_matrices(vehicles), show_command),
     ]
 
@@ -72,7 +72,8 @@ def plot_matrices(vehicles: Mapping[str, Vehicle]) -> Figure:
     figure = create_figure()
     figure.add_trace(
         Heatmap(
-            x=list(WRENCH), y=names, z=values.tolist(), zmin=-1.0, zmax=1.0, showscale=False,
+            x=list(WRENCH_LABELS), y=names, z=values.tolist(), zmin=-1.0, zmax=1.0,
+            showscale=False,
             colorscale=[[0.0, ESTIMATE], [0.5, PAPER], [1.0, TRUTH]], xgap=2, ygap=2,
             text=written, texttemplate='%{text}',
             hovertemplate='%{y}: %{x} %{z:.3f}<extra></extra>',
