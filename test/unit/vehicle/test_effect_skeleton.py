@@ -25,21 +25,7 @@ def test_it_is_an_effect_like_any_other(tmp_path):
     assert 'found = "found:EFFECT"' in project.read_text(encoding='utf-8')
 
 
-@pytest.mark.parametrize(
-    ('name', 'complaint'),
-    [
-        ('linear_drag', r'There is an effect linear_drag already; choose another name'),
-        ('Own-effect', r"'Own-effect' cannot name an effect; use small letters and digits"),
-        ('_own', r"'_own' cannot name an effect; use small letters"),
-        *(
-            (name, rf"'{name}' cannot name an effect, as Python has a keyword or module")
-            for name in ('class', 'math')
-        ),
-    ],
-)
-def test_what_cannot_be_an_effect_is_refused_and_leaves_nothing(tmp_path, name, complaint):
-    with pytest.raises(BadInput, match=complaint):
-        write_skeleton(name, tmp_path / 'new')
-    assert not (tmp_path / 'new').exists()
+def test_a_folder_that_exists_is_kept(tmp_path):
     with pytest.raises(BadInput, match=r'exists already; give another folder with --out'):
         write_skeleton('found', tmp_path)
+    assert list(tmp_path.iterdir()) == []

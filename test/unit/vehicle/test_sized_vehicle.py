@@ -103,24 +103,6 @@ def test_a_heavy_vehicle_is_carried_by_its_motors(tmp_path: Path) -> None:
     assert vehicle.ballast_mass == 0.0
 
 
-@pytest.mark.parametrize(
-    ('size', 'words'),
-    [
-        ({'mass': 1.2}, 'lighter'),
-        ({'mass': 0.155, 'heaviness': 0.002}, 'cannot be trimmed to 2 g'),
-        ({'height': 0.3}, 'either --length'),
-        ({'envelope': 0.2}, 'the envelope included'),
-        ({'mass': 0.155, 'motors': 2}, 'no motor pushes up'),
-    ],
-)  # fmt: skip
-def test_an_impossible_vehicle_is_refused_and_nothing_written(
-    tmp_path: Path, size: dict[str, float], words: str
-) -> None:
-    with pytest.raises(BadInput, match=words):
-        write_vehicle(tmp_path, **size)
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_a_file_that_exists_is_kept_and_nothing_written(tmp_path: Path) -> None:
     (tmp_path / 'mine.gains.yaml').write_text('kept')
     with pytest.raises(BadInput, match='already exists'):
