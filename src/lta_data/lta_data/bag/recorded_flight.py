@@ -30,6 +30,7 @@ from lta_data.bag.columns import (
     stack_points,
     TopicSeries,
 )
+from lta_data.bag.flight_views import build_dataset, draw_columns
 from lta_data.bag.reader import Bag, read_bag
 from lta_data.bag.table import (
     align_tables,
@@ -182,6 +183,26 @@ class RecordedFlight:
             else build_even_clock(tables, rate)
         )
         return align_tables(tables, clock, method, gap)
+
+    def to_xarray(self, *topics: str, **clock: Any) -> Any:  # noqa: ANN401 - optional
+        """
+        Return topics as one `xarray.Dataset` over `time`; arguments as `align_topics`.
+
+        A variable is named 'odom.pose.pose.position.x'; its `attrs` are `units` and `frame`, the
+        frame of the message. Raise `BadInput` as `align_topics`, and without xarray.
+        """
+        aligned = self.align_topics(*topics, **clock)
+        return build_dataset(aligned, {topic: self[topic] for topic in topics})
+
+    def plot(self, topic: str, *columns: str, axes: Any = None) -> Any:  # noqa: ANN401 - optional
+        """
+        Plot columns of a topic over time in s, and return the axes of matplotlib.
+
+        `columns` have one unit; 'pose.pose.position' stands for its x, y and z. `axes`: those of
+        another plot to draw in. Raise `BadInput` for an unknown name, for several units, and
+        without matplotlib.
+        """
+        return draw_columns(self[topic], columns, axes)
 
     def __repr__(self) -> str:
         """Return a summary with one line per topic."""
