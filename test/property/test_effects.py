@@ -156,12 +156,20 @@ def test_its_docstring_tells_what_it_is(effect):
 @pytest.mark.parametrize('effect', EFFECTS.values(), ids=of)
 def test_functions_unpack_the_parameters_in_their_order(effect):
     for function in functions(effect):
+        names = tuple(parameter.name for parameter in seen(effect))
         tree = ast.parse(textwrap.dedent(inspect.getsource(function))).body[0]
-        unpack = next(node for node in tree.body if isinstance(node, ast.Assign))
-        assert isinstance(unpack.value, ast.Name)
-        assert unpack.value.id == 'p'
-        names = [item.id for item in unpack.targets[0].elts]
-        assert names == [parameter.name for parameter in seen(effect)]
+        read, local = (), {'p': names}
+        for node in tree.body:
+            if isinstance(node, ast.Assign) and 'p' in {
+                each.id for each in ast.walk(node.value) if isinstance(each, ast.Name)
+            }:
+                exec(ast.unparse(node), {}, local)
+                for target in ast.walk(node.targets[0]):
+                    if isinstance(target, ast.Name):
+                        value = local[target.id]
+                        assert isinstance(value, tuple) or value == target.id
+                        read += value if isinstance(value, tuple) else (value,)
+        assert read == names
 
 
 @pytest.mark.parametrize('effect', kind(WrenchEffect), ids=of)

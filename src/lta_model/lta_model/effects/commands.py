@@ -51,31 +51,8 @@ def wrench_gain(p: Values, values: Values, time: float) -> Values:
     `heave_from_sway` times the command is a heave force that changes sign with it;
     `heave_from_sway_size` times its size is one that does not.
     """
+    gain, exponent, reverse, reference = p[0:6], p[6:12], p[12:18], p[18:24]
     (
-        surge,
-        sway,
-        heave,
-        roll,
-        pitch,
-        yaw,
-        exponent_surge,
-        exponent_sway,
-        exponent_heave,
-        exponent_roll,
-        exponent_pitch,
-        exponent_yaw,
-        reverse_surge,
-        reverse_sway,
-        reverse_heave,
-        reverse_roll,
-        reverse_pitch,
-        reverse_yaw,
-        reference_surge,
-        reference_sway,
-        reference_heave,
-        reference_roll,
-        reference_pitch,
-        reference_yaw,
         heave_from_surge,
         heave_from_sway,
         heave_from_yaw,
@@ -84,7 +61,7 @@ def wrench_gain(p: Values, values: Values, time: float) -> Values:
         heave_from_yaw_size,
         pitch_from_surge,
         roll_from_sway,
-    ) = p
+    ) = p[24:32]
     x, y, z, k, m, n = values
     jets = heave_from_surge * x + heave_from_sway * y + heave_from_yaw * n
     jets += (
@@ -93,12 +70,12 @@ def wrench_gain(p: Values, values: Values, time: float) -> Values:
         + heave_from_yaw_size * abs(n)
     )
     return (
-        surge * _act(x, exponent_surge, reverse_surge, reference_surge),
-        sway * _act(y, exponent_sway, reverse_sway, reference_sway),
-        heave * _act(z, exponent_heave, reverse_heave, reference_heave) + jets,
-        roll * _act(k, exponent_roll, reverse_roll, reference_roll) + roll_from_sway * y,
-        pitch * _act(m, exponent_pitch, reverse_pitch, reference_pitch) + pitch_from_surge * x,
-        yaw * _act(n, exponent_yaw, reverse_yaw, reference_yaw),
+        gain[0] * _act(x, exponent[0], reverse[0], reference[0]),
+        gain[1] * _act(y, exponent[1], reverse[1], reference[1]),
+        gain[2] * _act(z, exponent[2], reverse[2], reference[2]) + jets,
+        gain[3] * _act(k, exponent[3], reverse[3], reference[3]) + roll_from_sway * y,
+        gain[4] * _act(m, exponent[4], reverse[4], reference[4]) + pitch_from_surge * x,
+        gain[5] * _act(n, exponent[5], reverse[5], reference[5]),
     )
 
 

@@ -195,54 +195,15 @@ def strip_damping(p: Values, memory: Values, motion: VehicleMotion, thrust: Valu
     the cross-flow principle (Fossen 2011, section 6.4, there for hulls; from memory); C_D as in
     `effect_parameters`.
     """
-    (
-        translation,
-        x_1,
-        y_1,
-        z_1,
-        half_x_1,
-        half_y_1,
-        half_z_1,
-        surge_1,
-        sway_1,
-        heave_1,
-        x_2,
-        y_2,
-        z_2,
-        half_x_2,
-        half_y_2,
-        half_z_2,
-        surge_2,
-        sway_2,
-        heave_2,
-        x_3,
-        y_3,
-        z_3,
-        half_x_3,
-        half_y_3,
-        half_z_3,
-        surge_3,
-        sway_3,
-        heave_3,
-        x_4,
-        y_4,
-        z_4,
-        half_x_4,
-        half_y_4,
-        half_z_4,
-        surge_4,
-        sway_4,
-        heave_4,
-    ) = p
+    translation, first, second, third, fourth = p[0], p[1:10], p[10:19], p[19:28], p[28:37]
     w, v = motion.rates, motion.airspeed
     # The whole vehicle's drag already covers the rest of the airspeed
     u = (translation * v[0], translation * v[1], translation * v[2])
-    h_1, h_2 = (half_x_1, half_y_1, half_z_1), (half_x_2, half_y_2, half_z_2)
-    h_3, h_4 = (half_x_3, half_y_3, half_z_3), (half_x_4, half_y_4, half_z_4)
-    a = strip_wrench(u, w, (x_1, y_1, z_1), h_1, (surge_1, sway_1, heave_1))
-    b = strip_wrench(u, w, (x_2, y_2, z_2), h_2, (surge_2, sway_2, heave_2))
-    c = strip_wrench(u, w, (x_3, y_3, z_3), h_3, (surge_3, sway_3, heave_3))
-    d = strip_wrench(u, w, (x_4, y_4, z_4), h_4, (surge_4, sway_4, heave_4))
+    # Of each strip: middle, half its length, drag
+    a = strip_wrench(u, w, first[0:3], first[3:6], first[6:9])
+    b = strip_wrench(u, w, second[0:3], second[3:6], second[6:9])
+    c = strip_wrench(u, w, third[0:3], third[3:6], third[6:9])
+    d = strip_wrench(u, w, fourth[0:3], fourth[3:6], fourth[6:9])
     return (
         # The same factor as on the airspeed, so that the power stays negative
         translation * (a[0] + b[0] + c[0] + d[0]),

@@ -3,10 +3,10 @@ Interface of an effect: declared parameters, and plain functions of scalars and 
 
 The functions use no arrays, so that the same source runs as plain Python (for identification),
 compiled in the kernel, and on a GPU. They may use `math`, numbers and plain functions; the kernel
-copies their source with everything they use. The first statement of a function unpacks `p`, the
-parameters of its effect, in their declared order. The docstring of the main one says what the
-effect is: equation, source, and what is not modelled. An effect whose parameters are all at their
-null values changes nothing, and costs one check of a flag.
+copies their source with everything they use. A function begins by unpacking `p`, the parameters
+of its effect, in their declared order, alone or by slices. The docstring of the main one says what
+the effect is: equation, source, and what is not modelled. An effect whose parameters are all at
+their null values changes nothing, and costs one check of a flag.
 
 The kinds follow the path of a command through the vehicle:
 

@@ -25,69 +25,15 @@ def rotor_thrust(p: Values, memory: Values, motion: VehicleMotion, thrust: Value
     of its jet on the hull (the paper's thrust allocation). `rotor_envelope_interaction` has the
     different effect of a reversed jet and the interaction of jets.
     """
-    (
-        surge_1,
-        surge_2,
-        surge_3,
-        surge_4,
-        surge_5,
-        surge_6,
-        surge_7,
-        surge_8,
-        sway_1,
-        sway_2,
-        sway_3,
-        sway_4,
-        sway_5,
-        sway_6,
-        sway_7,
-        sway_8,
-        heave_1,
-        heave_2,
-        heave_3,
-        heave_4,
-        heave_5,
-        heave_6,
-        heave_7,
-        heave_8,
-        roll_1,
-        roll_2,
-        roll_3,
-        roll_4,
-        roll_5,
-        roll_6,
-        roll_7,
-        roll_8,
-        pitch_1,
-        pitch_2,
-        pitch_3,
-        pitch_4,
-        pitch_5,
-        pitch_6,
-        pitch_7,
-        pitch_8,
-        yaw_1,
-        yaw_2,
-        yaw_3,
-        yaw_4,
-        yaw_5,
-        yaw_6,
-        yaw_7,
-        yaw_8,
-    ) = p
+    surge, sway, heave = p[0:8], p[8:16], p[16:24]
+    roll, pitch, yaw = p[24:32], p[32:40], p[40:48]
     return (
-        sum_thrusts(
-            (surge_1, surge_2, surge_3, surge_4, surge_5, surge_6, surge_7, surge_8), thrust
-        ),
-        sum_thrusts((sway_1, sway_2, sway_3, sway_4, sway_5, sway_6, sway_7, sway_8), thrust),
-        sum_thrusts(
-            (heave_1, heave_2, heave_3, heave_4, heave_5, heave_6, heave_7, heave_8), thrust
-        ),
-        sum_thrusts((roll_1, roll_2, roll_3, roll_4, roll_5, roll_6, roll_7, roll_8), thrust),
-        sum_thrusts(
-            (pitch_1, pitch_2, pitch_3, pitch_4, pitch_5, pitch_6, pitch_7, pitch_8), thrust
-        ),
-        sum_thrusts((yaw_1, yaw_2, yaw_3, yaw_4, yaw_5, yaw_6, yaw_7, yaw_8), thrust),
+        sum_thrusts(surge, thrust),
+        sum_thrusts(sway, thrust),
+        sum_thrusts(heave, thrust),
+        sum_thrusts(roll, thrust),
+        sum_thrusts(pitch, thrust),
+        sum_thrusts(yaw, thrust),
     )
 
 
@@ -135,43 +81,26 @@ def rotor_misalignment(p: Values, memory: Values, motion: VehicleMotion, thrust:
     bounds of 0.2 rad (11 degrees) keep that within 2 % and 0.14 % of the thrust for one angle, 4 %
     and 0.4 % for both; correct larger deviations in the vehicle file.
     """
-    (
-        first_1,
-        first_2,
-        first_3,
-        first_4,
-        first_5,
-        first_6,
-        first_7,
-        first_8,
-        second_1,
-        second_2,
-        second_3,
-        second_4,
-        second_5,
-        second_6,
-        second_7,
-        second_8,
-    ) = p
+    first, second = p[0:8], p[8:16]
     body = motion.body
     front = add_wrenches(
         add_wrenches(
-            tilt_wrench(first_1, second_1, thrust[0], body, ROTOR_PLACE),
-            tilt_wrench(first_2, second_2, thrust[1], body, ROTOR_PLACE + ROTOR),
+            tilt_wrench(first[0], second[0], thrust[0], body, ROTOR_PLACE),
+            tilt_wrench(first[1], second[1], thrust[1], body, ROTOR_PLACE + ROTOR),
         ),
         add_wrenches(
-            tilt_wrench(first_3, second_3, thrust[2], body, ROTOR_PLACE + 2 * ROTOR),
-            tilt_wrench(first_4, second_4, thrust[3], body, ROTOR_PLACE + 3 * ROTOR),
+            tilt_wrench(first[2], second[2], thrust[2], body, ROTOR_PLACE + 2 * ROTOR),
+            tilt_wrench(first[3], second[3], thrust[3], body, ROTOR_PLACE + 3 * ROTOR),
         ),
     )
     back = add_wrenches(
         add_wrenches(
-            tilt_wrench(first_5, second_5, thrust[4], body, ROTOR_PLACE + 4 * ROTOR),
-            tilt_wrench(first_6, second_6, thrust[5], body, ROTOR_PLACE + 5 * ROTOR),
+            tilt_wrench(first[4], second[4], thrust[4], body, ROTOR_PLACE + 4 * ROTOR),
+            tilt_wrench(first[5], second[5], thrust[5], body, ROTOR_PLACE + 5 * ROTOR),
         ),
         add_wrenches(
-            tilt_wrench(first_7, second_7, thrust[6], body, ROTOR_PLACE + 6 * ROTOR),
-            tilt_wrench(first_8, second_8, thrust[7], body, ROTOR_PLACE + 7 * ROTOR),
+            tilt_wrench(first[6], second[6], thrust[6], body, ROTOR_PLACE + 6 * ROTOR),
+            tilt_wrench(first[7], second[7], thrust[7], body, ROTOR_PLACE + 7 * ROTOR),
         ),
     )
     return add_wrenches(front, back)
@@ -241,76 +170,15 @@ def rotor_envelope_interaction(
     Not modelled: flight speed. `reverse_i` also has the lower thrust of a reversed propeller
     itself, from `thrust_curve.reverse` of the vehicle file or from a calibration.
     """
-    (
-        surge_1,
-        surge_2,
-        surge_3,
-        surge_4,
-        surge_5,
-        surge_6,
-        surge_7,
-        surge_8,
-        sway_1,
-        sway_2,
-        sway_3,
-        sway_4,
-        sway_5,
-        sway_6,
-        sway_7,
-        sway_8,
-        heave_1,
-        heave_2,
-        heave_3,
-        heave_4,
-        heave_5,
-        heave_6,
-        heave_7,
-        heave_8,
-        roll_1,
-        roll_2,
-        roll_3,
-        roll_4,
-        roll_5,
-        roll_6,
-        roll_7,
-        roll_8,
-        pitch_1,
-        pitch_2,
-        pitch_3,
-        pitch_4,
-        pitch_5,
-        pitch_6,
-        pitch_7,
-        pitch_8,
-        yaw_1,
-        yaw_2,
-        yaw_3,
-        yaw_4,
-        yaw_5,
-        yaw_6,
-        yaw_7,
-        yaw_8,
-        together_surge,
-        together_sway,
-        together_heave,
-        together_roll,
-        together_pitch,
-        together_yaw,
-        share_1,
-        share_2,
-        share_3,
-        share_4,
-        share_5,
-        share_6,
-        share_7,
-        share_8,
-    ) = p
+    surge, sway, heave = p[0:8], p[8:16], p[16:24]
+    roll, pitch, yaw = p[24:32], p[32:40], p[40:48]
+    together, share = p[48:54], p[54:62]
     # Thrust of the weakest participating rotor; _NONE where none takes part
     weakest = min(
-        min(participating_thrust(share_1, thrust[0]), participating_thrust(share_2, thrust[1])),
-        min(participating_thrust(share_3, thrust[2]), participating_thrust(share_4, thrust[3])),
-        min(participating_thrust(share_5, thrust[4]), participating_thrust(share_6, thrust[5])),
-        min(participating_thrust(share_7, thrust[6]), participating_thrust(share_8, thrust[7])),
+        min(participating_thrust(share[0], thrust[0]), participating_thrust(share[1], thrust[1])),
+        min(participating_thrust(share[2], thrust[2]), participating_thrust(share[3], thrust[3])),
+        min(participating_thrust(share[4], thrust[4]), participating_thrust(share[5], thrust[5])),
+        min(participating_thrust(share[6], thrust[6]), participating_thrust(share[7], thrust[7])),
     )
     # No rotor takes part, or one pushes the other way: no collision
     m = max(0.0, weakest) if weakest < _NONE else 0.0
@@ -326,18 +194,12 @@ def rotor_envelope_interaction(
         min(thrust[7], 0.0),
     )
     return (
-        sum_thrusts((surge_1, surge_2, surge_3, surge_4, surge_5, surge_6, surge_7, surge_8), back)
-        + together_surge * m,
-        sum_thrusts((sway_1, sway_2, sway_3, sway_4, sway_5, sway_6, sway_7, sway_8), back)
-        + together_sway * m,
-        sum_thrusts((heave_1, heave_2, heave_3, heave_4, heave_5, heave_6, heave_7, heave_8), back)
-        + together_heave * m,
-        sum_thrusts((roll_1, roll_2, roll_3, roll_4, roll_5, roll_6, roll_7, roll_8), back)
-        + together_roll * m,
-        sum_thrusts((pitch_1, pitch_2, pitch_3, pitch_4, pitch_5, pitch_6, pitch_7, pitch_8), back)
-        + together_pitch * m,
-        sum_thrusts((yaw_1, yaw_2, yaw_3, yaw_4, yaw_5, yaw_6, yaw_7, yaw_8), back)
-        + together_yaw * m,
+        sum_thrusts(surge, back) + together[0] * m,
+        sum_thrusts(sway, back) + together[1] * m,
+        sum_thrusts(heave, back) + together[2] * m,
+        sum_thrusts(roll, back) + together[3] * m,
+        sum_thrusts(pitch, back) + together[4] * m,
+        sum_thrusts(yaw, back) + together[5] * m,
     )
 
 
