@@ -5,19 +5,26 @@ from functools import cache
 from typing import Any, cast, TypeVar
 
 from lta_config.files import StrictModel
-from pydantic import BaseModel, Field
+from pydantic import BaseModel, ConfigDict, Field
 from pydantic.fields import FieldInfo
 
 Model = TypeVar('Model', bound=BaseModel)
 
 
 class Settings(StrictModel):
-    """Base of settings that become ROS parameters; every field needs a default."""
+    """Base of settings that become ROS parameters; every field needs a default and a docstring."""
+
+    model_config = ConfigDict(use_attribute_docstrings=True)
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **_: object) -> None:
+        """Join the lines of the descriptions."""
+        for info in cls.model_fields.values():
+            info.description = ' '.join((info.description or '').split())
 
 
 def setting(
     default: Any,  # noqa: ANN401 - of the field's own type
-    about: str,
     unit: str = '',
     low: float | None = None,
     high: float | None = None,
@@ -25,14 +32,13 @@ def setting(
     fixed: bool = False,
 ) -> Any:  # noqa: ANN401 - pydantic's own idiom for a field
     """
-    Return the declaration of one setting.
+    Return the declaration of one setting, whose description stands below it as a docstring.
 
     `unit`: SI unit, shown with the description. `low`, `high`: closed bounds. `fixed`: whether it
     can only be set at start-up.
     """
     return Field(
         default,
-        description=about,
         ge=low,
         le=high,
         json_schema_extra={'unit': unit, 'read_only': fixed},

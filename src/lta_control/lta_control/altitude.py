@@ -17,22 +17,14 @@ STUCK = 2.0  # s of turning motors without a new reading, after which a sensor i
 class AltitudeSettings(Settings):
     """Noise of the altitude filter's inputs."""
 
-    acceleration_noise: float = setting(
-        0.15, 'Standard deviation of the measured vertical acceleration.', 'm/s2', 1e-3, 10.0
-    )
-    offset_walk: float = setting(
-        0.02,
-        'Random drift, in one second, of the height computed from air pressure.',
-        unit='m/s^0.5',
-        low=0.0,
-        high=1.0,
-    )
-    range_noise: float = setting(
-        0.01, 'Standard deviation of the measured distance to the floor.', 'm', 1e-3, 1.0
-    )
-    pressure_noise: float = setting(
-        0.15, 'Standard deviation of the height computed from air pressure.', 'm', 1e-3, 10.0
-    )
+    acceleration_noise: float = setting(0.15, 'm/s2', 1e-3, 10.0)
+    """Standard deviation of the measured vertical acceleration."""
+    offset_walk: float = setting(0.02, 'm/s^0.5', 0.0, 1.0)
+    """Random drift, in one second, of the height computed from air pressure."""
+    range_noise: float = setting(0.01, 'm', 1e-3, 1.0)
+    """Standard deviation of the measured distance to the floor."""
+    pressure_noise: float = setting(0.15, 'm', 1e-3, 10.0)
+    """Standard deviation of the height computed from air pressure."""
 
 
 class AltitudeEstimate(NamedTuple):

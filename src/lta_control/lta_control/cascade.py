@@ -22,43 +22,32 @@ SLOPE_TIME = 0.1  # s; filter of the derivative terms: less noise against more d
 class CascadeGains(Settings):
     """Gains of all loops; each vehicle has its values in `config/control/`."""
 
-    altitude_kp: float = setting(
-        ..., 'Commanded climb rate per metre of altitude error.', '1/s', 0.0, 10.0
-    )
-    climb_limit: float = setting(..., 'Largest commanded climb rate.', 'm/s', 0.01, 2.0)
-    climb: PidGains = setting(..., 'PID gains: vertical force (N) per climb rate error (m/s).')
-    heading_kp: float = setting(
-        ..., 'Commanded yaw rate per radian of heading error.', '1/s', 0.0, 10.0
-    )
-    yaw_rate_limit: float = setting(..., 'Largest commanded yaw rate.', 'rad/s', 0.01, 6.0)
-    yaw_rate: PidGains = setting(..., 'PID gains: yaw moment (N m) per yaw rate error (rad/s).')
-    speed: PidGains = setting(..., 'PID gains: forward force (N) per airspeed error (m/s).')
-    turn_first: float = setting(
-        ..., 'Heading error at which the commanded forward speed falls to zero.', 'rad', 0.05, 10.0
-    )
-    drift_gain: float = setting(
-        ..., 'Heading correction against sideways drift, per drift speed.', 'rad s/m', 0.0, 20.0
-    )
-    drift_limit: float = setting(
-        ..., 'Largest heading correction against sideways drift.', 'rad', 0.0, 1.5
-    )
-    speed_limit: float = setting(
-        ..., 'Largest commanded forward airspeed; above it the hull may rise.', 'm/s', 0.01, 5.0
-    )
-    rise_limit: float = setting(
-        ...,
-        'Height above the setpoint at which forward thrust is reduced to its minimum.',
-        unit='m',
-        low=0.05,
-        high=100.0,
-    )
-    swing_gain: float = setting(
-        ...,
-        'Forward force per pitch rate, to damp the pitch oscillation of the hull.',
-        unit='N s/rad',
-        low=-1.0,
-        high=1.0,
-    )
+    altitude_kp: float = setting(..., '1/s', 0.0, 10.0)
+    """Commanded climb rate per metre of altitude error."""
+    climb_limit: float = setting(..., 'm/s', 0.01, 2.0)
+    """Largest commanded climb rate."""
+    climb: PidGains = setting(...)
+    """PID gains: vertical force (N) per climb rate error (m/s)."""
+    heading_kp: float = setting(..., '1/s', 0.0, 10.0)
+    """Commanded yaw rate per radian of heading error."""
+    yaw_rate_limit: float = setting(..., 'rad/s', 0.01, 6.0)
+    """Largest commanded yaw rate."""
+    yaw_rate: PidGains = setting(...)
+    """PID gains: yaw moment (N m) per yaw rate error (rad/s)."""
+    speed: PidGains = setting(...)
+    """PID gains: forward force (N) per airspeed error (m/s)."""
+    turn_first: float = setting(..., 'rad', 0.05, 10.0)
+    """Heading error at which the commanded forward speed falls to zero."""
+    drift_gain: float = setting(..., 'rad s/m', 0.0, 20.0)
+    """Heading correction against sideways drift, per drift speed."""
+    drift_limit: float = setting(..., 'rad', 0.0, 1.5)
+    """Largest heading correction against sideways drift."""
+    speed_limit: float = setting(..., 'm/s', 0.01, 5.0)
+    """Largest commanded forward airspeed; above it the hull may rise."""
+    rise_limit: float = setting(..., 'm', 0.05, 100.0)
+    """Height above the setpoint at which forward thrust is reduced to its minimum."""
+    swing_gain: float = setting(..., 'N s/rad', -1.0, 1.0)
+    """Forward force per pitch rate, to damp the pitch oscillation of the hull."""
 
 
 class CascadeMeasurement(NamedTuple):

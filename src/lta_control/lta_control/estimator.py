@@ -53,41 +53,18 @@ REST_PATIENCE = 5.0  # rest times without motion, after which a tilt is accepted
 class EstimatorSettings(Settings):
     """Settings of the estimator's filters."""
 
-    rest_time: float = setting(
-        2.0,
-        'Time that the drone must stand still at the start to calibrate the sensor biases.',
-        unit='s',
-        low=0.1,
-        high=60.0,
-        fixed=True,
-    )
-    gravity_gain: float = setting(
-        0.1,
-        'Gain with which the measured direction of gravity corrects roll and pitch.',
-        unit='1/s',
-        low=0.0,
-        high=5.0,
-    )
-    accelerometer_trust: float = setting(
-        1.0,
-        'Time constant with which the airspeed estimate converges to that of the drag model.',
-        unit='s',
-        low=0.05,
-        high=60.0,
-    )
-    air_density: float = setting(
-        AIR_DENSITY,
-        'Density of the air, for computing height from air pressure.',
-        unit='kg/m3',
-        low=0.5,
-        high=2.0,
-    )
-    altitude: AltitudeSettings = setting(
-        AltitudeSettings(), 'Noise settings of the altitude filter.'
-    )
-    ground: GroundSettings = setting(
-        GroundSettings(), 'Wind and noise that the filter of the motion over ground expects.'
-    )
+    rest_time: float = setting(2.0, 's', 0.1, 60.0, fixed=True)
+    """Time that the drone must stand still at the start to calibrate the sensor biases."""
+    gravity_gain: float = setting(0.1, '1/s', 0.0, 5.0)
+    """Gain with which the measured direction of gravity corrects roll and pitch."""
+    accelerometer_trust: float = setting(1.0, 's', 0.05, 60.0)
+    """Time constant with which the airspeed estimate converges to that of the drag model."""
+    air_density: float = setting(AIR_DENSITY, 'kg/m3', 0.5, 2.0)
+    """Density of the air, for computing height from air pressure."""
+    altitude: AltitudeSettings = setting(AltitudeSettings())
+    """Noise settings of the altitude filter."""
+    ground: GroundSettings = setting(GroundSettings())
+    """Wind and noise that the filter of the motion over ground expects."""
 
 
 class EstimatorModel(NamedTuple):

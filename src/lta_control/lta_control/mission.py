@@ -26,43 +26,21 @@ from lta_control.strategies.settings import StrategySettings
 class MissionSettings(StrategySettings):
     """Settings of the mission; altitudes are of the hull centre above the floor."""
 
-    altitude: float = setting(0.5, 'Altitude at which the mission is flown.', 'm', 0.1, 100.0)
-    reached: float = setting(
-        0.04,
-        'The climb ends when the drone is less than this below the mission altitude.',
-        unit='m',
-        low=0.001,
-        high=1.0,
-    )
-    landing: float = setting(
-        0.3,
-        'Altitude setpoint for landing; must be below the height of the hull on the ground.',
-        unit='m',
-        low=0.0,
-        high=100.0,
-    )
-    reception_time: float = setting(
-        0.5,
-        'Time for which the next lamp of a route must be received before flying to it.',
-        unit='s',
-        low=0.1,
-        high=60.0,
-    )
-    patience: float = setting(
-        3.0,
-        'Longest wait for light from the next lamp of a route; after that, the drone '
-        'stays at its current lamp and tries again later.',
-        unit='s',
-        low=0.5,
-        high=600.0,
-    )
-    again: float = setting(
-        10.0,
-        'Wait before the drone tries again to receive the next lamp of a route.',
-        unit='s',
-        low=0.5,
-        high=3600.0,
-    )
+    altitude: float = setting(0.5, 'm', 0.1, 100.0)
+    """Altitude at which the mission is flown."""
+    reached: float = setting(0.04, 'm', 0.001, 1.0)
+    """The climb ends when the drone is less than this below the mission altitude."""
+    landing: float = setting(0.3, 'm', 0.0, 100.0)
+    """Altitude setpoint for landing; must be below the height of the hull on the ground."""
+    reception_time: float = setting(0.5, 's', 0.1, 60.0)
+    """Time for which the next lamp of a route must be received before flying to it."""
+    patience: float = setting(3.0, 's', 0.5, 600.0)
+    """
+    Longest wait for light from the next lamp of a route; after that, the drone stays at its
+    current lamp and tries again later.
+    """
+    again: float = setting(10.0, 's', 0.5, 3600.0)
+    """Wait before the drone tries again to receive the next lamp of a route."""
 
 
 def initial_mission(strategy: NavigationStrategy) -> Mission:

@@ -20,10 +20,14 @@ class PidGains(Settings):
     units.
     """
 
-    kp: float = setting(..., 'Proportional gain.', low=0.0, high=100.0)
-    ki: float = setting(..., 'Integral gain.', '1/s', 0.0, 100.0)
-    kd: float = setting(..., 'Derivative gain, on the measured rate of change.', 's', 0.0, 100.0)
-    limit: float = setting(..., 'Largest output in either direction.', low=0.0, high=100.0)
+    kp: float = setting(..., low=0.0, high=100.0)
+    """Proportional gain."""
+    ki: float = setting(..., '1/s', 0.0, 100.0)
+    """Integral gain."""
+    kd: float = setting(..., 's', 0.0, 100.0)
+    """Derivative gain, on the measured rate of change."""
+    limit: float = setting(..., low=0.0, high=100.0)
+    """Largest output in either direction."""
 
 
 def pid_step(
@@ -65,11 +69,12 @@ def pid_step(
 class ClimbGains(Settings):
     """Gains from altitude to vertical force."""
 
-    altitude_kp: float = setting(
-        ..., 'Commanded climb rate per metre of altitude error.', '1/s', 0.0, 10.0
-    )
-    climb_limit: float = setting(..., 'Largest commanded climb rate.', 'm/s', 0.01, 2.0)
-    climb: PidGains = setting(..., 'PID gains: vertical force (N) per climb rate error (m/s).')
+    altitude_kp: float = setting(..., '1/s', 0.0, 10.0)
+    """Commanded climb rate per metre of altitude error."""
+    climb_limit: float = setting(..., 'm/s', 0.01, 2.0)
+    """Largest commanded climb rate."""
+    climb: PidGains = setting(...)
+    """PID gains: vertical force (N) per climb rate error (m/s)."""
 
 
 def lift_step(

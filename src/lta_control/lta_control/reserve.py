@@ -46,36 +46,20 @@ class ReserveRule(NamedTuple):
 class ReserveResponseSettings(Settings):
     """Action at the energy reserve, and how long a report is valid."""
 
-    action: Action = setting(
-        'land',
-        'What to do at the energy reserve: "land" at once, "return" to the start and land '
-        'there, or "perch": fly on to the lamp and land there (needs a strategy that '
-        'reports its arrival, such as homing).',
-        fixed=True,
-    )
-    stale: float = setting(
-        1.0,
-        'If the latest report of the energy monitor is older than this, the drone lands.',
-        unit='s',
-        low=0.2,
-        high=600.0,
-    )
-    home: float = setting(
-        0.5, 'Distance from the start at which the returning drone lands.', 'm', 0.05, 100.0
-    )
-    patience: float = setting(
-        2.0,
-        'Time limit of the flight back to the start, as a multiple of distance / airspeed.',
-        low=1.0,
-        high=20.0,
-    )
-    turning: float = setting(
-        20.0,
-        'Time added to the limit of the flight back, for slowing down and turning.',
-        unit='s',
-        low=0.0,
-        high=600.0,
-    )
+    action: Action = setting('land', fixed=True)
+    """
+    What to do at the energy reserve: "land" at once, "return" to the start and land there, or
+    "perch": fly on to the lamp and land there (needs a strategy that reports its arrival, such as
+    homing).
+    """
+    stale: float = setting(1.0, 's', 0.2, 600.0)
+    """If the latest report of the energy monitor is older than this, the drone lands."""
+    home: float = setting(0.5, 'm', 0.05, 100.0)
+    """Distance from the start at which the returning drone lands."""
+    patience: float = setting(2.0, low=1.0, high=20.0)
+    """Time limit of the flight back to the start, as a multiple of distance / airspeed."""
+    turning: float = setting(20.0, 's', 0.0, 600.0)
+    """Time added to the limit of the flight back, for slowing down and turning."""
 
     @property
     def rule(self) -> ReserveRule:

@@ -16,21 +16,17 @@ OFF_AXIS_DEVIATION = 0.15  # relative, of a range by strength: the beam's angle 
 class LampPrior(Settings):
     """Prior on the lamp: one direction does not determine its range."""
 
-    distance: float = setting(4.0, 'Expected distance to the lamp.', 'm', 0.1, 100.0)
-    distance_deviation: float = setting(
-        3.0, 'Standard deviation of the expected distance to the lamp.', 'm', 0.0, 100.0
-    )
-    height_deviation: float = setting(
-        1.0, 'Standard deviation of the height difference between lamp and drone.', 'm', 0.0, 100.0
-    )
-    intensity: float = setting(
-        0.0,
-        "Reading of a nominal photodiode that faces the lamp from 1 m away on the lamp's "
-        'axis; 0: not measured.',
-        'counts',
-        0.0,
-        1e9,
-    )
+    distance: float = setting(4.0, 'm', 0.1, 100.0)
+    """Expected distance to the lamp."""
+    distance_deviation: float = setting(3.0, 'm', 0.0, 100.0)
+    """Standard deviation of the expected distance to the lamp."""
+    height_deviation: float = setting(1.0, 'm', 0.0, 100.0)
+    """Standard deviation of the height difference between lamp and drone."""
+    intensity: float = setting(0.0, 'counts', 0.0, 1e9)
+    """
+    Reading of a nominal photodiode that faces the lamp from 1 m away on the lamp's axis; 0: not
+    measured.
+    """
 
 
 @final

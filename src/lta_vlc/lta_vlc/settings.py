@@ -20,35 +20,20 @@ class DemodulationSettings(Settings):
     mean of some 300 bins), never at 6, which leaves a margin for coloured noise.
     """
 
-    frequency: float = setting(
-        150.0, 'Frequency at which the first beacon flickers.', 'Hz', 1.0, 100_000.0
-    )
-    others: tuple[Frequency, ...] = setting((), 'Frequencies of further beacons.', 'Hz')
-    window: int = setting(
-        2, "Number of FFT bins searched on either side of a beacon's frequency.", '1', 0, 100
-    )
-    harmonics: int = setting(
-        50,
-        'Number of harmonics of each beacon excluded from the noise estimate (1: only the '
-        'fundamental).',
-        '1',
-        1,
-        1000,
-    )
-    threshold: float = setting(
-        6.0,
-        'Smallest signal-to-noise ratio (SNR) at which the signal of a photodiode is used.',
-        '1',
-        1.0,
-        1000.0,
-    )
-    mains: float = setting(
-        50.0,
-        'Mains frequency, 50 or 60 Hz; room lamps flicker at twice this. 0: no such lamps.',
-        'Hz',
-        0.0,
-        400.0,
-    )
+    frequency: float = setting(150.0, 'Hz', 1.0, 100_000.0)
+    """Frequency at which the first beacon flickers."""
+    others: tuple[Frequency, ...] = setting((), 'Hz')
+    """Frequencies of further beacons."""
+    window: int = setting(2, '1', 0, 100)
+    """Number of FFT bins searched on either side of a beacon's frequency."""
+    harmonics: int = setting(50, '1', 1, 1000)
+    """
+    Number of harmonics of each beacon excluded from the noise estimate (1: only the fundamental).
+    """
+    threshold: float = setting(6.0, '1', 1.0, 1000.0)
+    """Smallest signal-to-noise ratio (SNR) at which the signal of a photodiode is used."""
+    mains: float = setting(50.0, 'Hz', 0.0, 400.0)
+    """Mains frequency, 50 or 60 Hz; room lamps flicker at twice this. 0: no such lamps."""
 
     @property
     def beacons(self) -> tuple[float, ...]:

@@ -29,20 +29,14 @@ AT_ORIGIN = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)  # place [m] and attitude of a s
 class DescriptionSettings(Settings):
     """Parameters of the description node: the vehicle, its scene, and its pose."""
 
-    vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
-    pose: Literal['', 'odom', 'ground_truth/odom'] = setting(
-        '',
-        'Topic with the pose of base_link to publish on /tf, if no estimator of LTA does.',
-        fixed=True,
-    )
-    map: bool = setting(
-        False,
-        'Whether map is where odom begins, as neither simulator nor tracker says where it is.',
-        fixed=True,
-    )
-    scene: str = setting(
-        '', 'Scenario, name or file, whose room is drawn; none by default.', fixed=True
-    )
+    vehicle: str = setting('gtmab', fixed=True)
+    """Vehicle name or file."""
+    pose: Literal['', 'odom', 'ground_truth/odom'] = setting('', fixed=True)
+    """Topic with the pose of base_link to publish on /tf, if no estimator of LTA does."""
+    map: bool = setting(False, fixed=True)
+    """Whether map is where odom begins, as neither simulator nor tracker says where it is."""
+    scene: str = setting('', fixed=True)
+    """Scenario, name or file, whose room is drawn; none by default."""
 
 
 class DescriptionNode(GraphNode):

@@ -34,10 +34,10 @@ MANY: Final = 100  # queue depth of aperiodic topics: each message may be from a
 class LiveSettings(Settings):
     """Parameters of the live node."""
 
-    host: str = setting(
-        LOCAL, 'Address to listen on; 0.0.0.0 also accepts other computers.', fixed=True
-    )
-    port: int = setting(PORT, 'TCP port of the live view.', low=1, high=65535, fixed=True)
+    host: str = setting(LOCAL, fixed=True)
+    """Address to listen on; 0.0.0.0 also accepts other computers."""
+    port: int = setting(PORT, low=1, high=65535, fixed=True)
+    """TCP port of the live view."""
 
 
 def is_sent_once(topic: Topic) -> bool:

@@ -48,26 +48,18 @@ PILOT_ACTIONS = {'take_off': TakeOff, 'go_to_pose': GoToPose, 'land': Land}
 class PilotSettings(Settings):
     """What is flown, and where."""
 
-    seconds: float = setting(60.0, 'Time in which sticks move.', 's', 1.0, 600.0, fixed=True)
-    room: float = setting(
-        6.0,
-        'Way across the place that the drone needs: sticks rest where it could coast further.',
-        'm',
-        1.0,
-        100.0,
-        fixed=True,
-    )
-    x: float = setting(0.0, 'Place in the map, along x.', 'm', -1000.0, 1000.0, fixed=True)
-    y: float = setting(0.0, 'Place in the map, along y.', 'm', -1000.0, 1000.0, fixed=True)
-    height: float = setting(
-        1.2,
-        'Height of the hull centre at the place, above the floor.',
-        'm',
-        0.1,
-        100.0,
-        fixed=True,
-    )
-    seed: int = setting(1, 'Random seed of the sticks.', low=0, high=2**31 - 1, fixed=True)
+    seconds: float = setting(60.0, 's', 1.0, 600.0, fixed=True)
+    """Time in which sticks move."""
+    room: float = setting(6.0, 'm', 1.0, 100.0, fixed=True)
+    """Way across the place that the drone needs: sticks rest where it could coast further."""
+    x: float = setting(0.0, 'm', -1000.0, 1000.0, fixed=True)
+    """Place in the map, along x."""
+    y: float = setting(0.0, 'm', -1000.0, 1000.0, fixed=True)
+    """Place in the map, along y."""
+    height: float = setting(1.2, 'm', 0.1, 100.0, fixed=True)
+    """Height of the hull centre at the place, above the floor."""
+    seed: int = setting(1, low=0, high=2**31 - 1, fixed=True)
+    """Random seed of the sticks."""
 
 
 # The steps of a flight; they return why it cannot go on, or ''

@@ -61,15 +61,7 @@ def declare_origins(node: GraphNode, robots: list[str]) -> dict[str, RobotOrigin
                 f"The recorder's parameter robots is '{' '.join(robots)}', but '{name}' is not a "
                 'valid namespace or is given twice; give different namespaces.'
             )
-    fields: Any = {
-        name: (
-            RobotOrigin,
-            setting(
-                RobotOrigin(), f'Vehicle, scenario and other origin of the data of robot {name}.'
-            ),
-        )
-        for name in robots
-    }
+    fields: Any = {name: (RobotOrigin, setting(RobotOrigin())) for name in robots}
     origins = NodeParameters(node, create_model('Origins', __base__=Settings, **fields)).value
     return {name: getattr(origins, name) for name in robots}
 

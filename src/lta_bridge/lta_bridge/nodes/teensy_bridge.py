@@ -37,40 +37,25 @@ PORT_RETRY_PERIOD = 0.2  # s between two attempts to open a missing port
 class TeensyBridgeSettings(Settings):
     """Parameters of the light board bridge."""
 
-    vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
-    port: str = setting(
-        '/dev/ttyACM0',
-        'Serial port of the light board, or udp://HOST:PORT to listen on; append ?from=ADDRESS to '
-        'accept only that sender.',
-        fixed=True,
-    )
-    peaks: bool = setting(
-        False,
-        'Whether the light board itself detects the frequency peaks; then no demodulator is '
-        'needed.',
-        fixed=True,
-    )
-    threshold: float = setting(
-        DemodulationSettings().threshold,
-        'Smallest signal-to-noise ratio at which a photodiode is used (only with peaks:=true).',
-        unit='1',
-        low=1.0,
-        high=1000.0,
-    )
-    prior: LampPrior = setting(
-        LampPrior(), 'Assumed position of the lamp until it is first seen (only with peaks:=true).'
-    )
-    patience: float = setting(
-        0.0,
-        'How long the node waits for the serial port to appear before it fails.',
-        unit='s',
-        low=0.0,
-        high=600.0,
-        fixed=True,
-    )
-    autostart: bool = setting(
-        True, 'Whether the node configures and activates itself at the start.', fixed=True
-    )
+    vehicle: str = setting('gtmab', fixed=True)
+    """Vehicle name or file."""
+    port: str = setting('/dev/ttyACM0', fixed=True)
+    """
+    Serial port of the light board, or udp://HOST:PORT to listen on; append ?from=ADDRESS to accept
+    only that sender.
+    """
+    peaks: bool = setting(False, fixed=True)
+    """
+    Whether the light board itself detects the frequency peaks; then no demodulator is needed.
+    """
+    threshold: float = setting(DemodulationSettings().threshold, '1', 1.0, 1000.0)
+    """Smallest signal-to-noise ratio at which a photodiode is used (only with peaks:=true)."""
+    prior: LampPrior = setting(LampPrior())
+    """Assumed position of the lamp until it is first seen (only with peaks:=true)."""
+    patience: float = setting(0.0, 's', 0.0, 600.0, fixed=True)
+    """How long the node waits for the serial port to appear before it fails."""
+    autostart: bool = setting(True, fixed=True)
+    """Whether the node configures and activates itself at the start."""
 
 
 class TeensyBridge(DeviceNode):

@@ -66,18 +66,15 @@ STEERS = {
 class TeleopSettings(Settings):
     """Parameters of the teleop node: device, axes, buttons and rates."""
 
-    device: str = setting(
-        'joy',
-        'Input device: keyboard (of this terminal), a gamepad such as /dev/input/js0, joy (Joy '
-        'messages), or cmd_vel (TwistStamped messages of a program).',
-        fixed=True,
-    )
-    rates: TeleopRates = setting(
-        TeleopRates(), 'Speed and rates commanded at full deflection of the sticks.'
-    )
-    layout: GamepadLayout = setting(
-        GamepadLayout(), 'Numbers of the axes and buttons of the gamepad.'
-    )
+    device: str = setting('joy', fixed=True)
+    """
+    Input device: keyboard (of this terminal), a gamepad such as /dev/input/js0, joy (Joy
+    messages), or cmd_vel (TwistStamped messages of a program).
+    """
+    rates: TeleopRates = setting(TeleopRates())
+    """Speed and rates commanded at full deflection of the sticks."""
+    layout: GamepadLayout = setting(GamepadLayout())
+    """Numbers of the axes and buttons of the gamepad."""
 
 
 class Teleop(GraphNode):

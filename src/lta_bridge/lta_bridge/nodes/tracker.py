@@ -38,47 +38,28 @@ Planted = tuple[float, float, float, float]
 class TrackerSettings(Settings):
     """Parameters of the tracker node: the tracked topic or frame, and the frames' poses."""
 
-    pose: str = setting(
-        'tracker/pose',
-        'Topic with the poses of the motion-capture tracker.',
-        fixed=True,
-    )
-    type: Literal['pose', 'odometry', 'named_poses'] = setting(
-        'pose',
-        'Type of that topic: PoseStamped, Odometry, or NamedPoseArray of '
-        'motion_capture_tracking_interfaces.',
-        fixed=True,
-    )
-    body_name: str = setting('lta1', 'Name of the drone in a NamedPoseArray.', fixed=True)
-    truth: bool = setting(
-        True,
-        'Whether to publish ground_truth/odom; not beside a simulator, which does.',
-        fixed=True,
-    )
-    frame: str = setting(
-        '',
-        'Frame on /tf to take the pose from, relative to its parent frame; empty to use the topic '
-        'of the parameter pose.',
-        fixed=True,
-    )
-    origin: Planted = setting(
-        (0.0, 0.0, 0.0, 0.0),
-        "Pose of the tracker's frame (z up) in the map: x, y, z in m, yaw in rad.",
-        fixed=True,
-    )
-    body: Planted = setting(
-        (0.0, 0.0, 0.0, 0.0),
-        'Pose of the hull centre in the frame of the tracked body: x, y, z in m, yaw in rad.',
-        fixed=True,
-    )
-    delay: float = setting(
-        0.0,
-        'Smallest delay between the measurement of a pose and the arrival of its message.',
-        unit='s',
-        low=0.0,
-        high=1.0,
-        fixed=True,
-    )
+    pose: str = setting('tracker/pose', fixed=True)
+    """Topic with the poses of the motion-capture tracker."""
+    type: Literal['pose', 'odometry', 'named_poses'] = setting('pose', fixed=True)
+    """
+    Type of that topic: PoseStamped, Odometry, or NamedPoseArray of
+    motion_capture_tracking_interfaces.
+    """
+    body_name: str = setting('lta1', fixed=True)
+    """Name of the drone in a NamedPoseArray."""
+    truth: bool = setting(True, fixed=True)
+    """Whether to publish ground_truth/odom; not beside a simulator, which does."""
+    frame: str = setting('', fixed=True)
+    """
+    Frame on /tf to take the pose from, relative to its parent frame; empty to use the topic of the
+    parameter pose.
+    """
+    origin: Planted = setting((0.0, 0.0, 0.0, 0.0), fixed=True)
+    """Pose of the tracker's frame (z up) in the map: x, y, z in m, yaw in rad."""
+    body: Planted = setting((0.0, 0.0, 0.0, 0.0), fixed=True)
+    """Pose of the hull centre in the frame of the tracked body: x, y, z in m, yaw in rad."""
+    delay: float = setting(0.0, 's', 0.0, 1.0, fixed=True)
+    """Smallest delay between the measurement of a pose and the arrival of its message."""
 
 
 class TrackerNode(GraphNode):

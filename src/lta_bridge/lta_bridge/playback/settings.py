@@ -9,54 +9,35 @@ FOREVER = 1e9  # s: the end of any recording
 class PlayerSettings(Settings):
     """Parameters of the player node."""
 
-    bag: str = setting('', 'The bag: a rosbag2 folder or an .mcap file.', fixed=True)
-    robot: str = setting(
-        '',
-        "Namespace of the robot in the bag to play; empty for the player's own namespace, or for "
-        'the only robot of the bag.',
-        fixed=True,
-    )
-    nodes: str = setting(
-        '',
-        'Nodes to run again, separated by spaces; their recorded messages are not played. If '
-        'empty, all run again.',
-        fixed=True,
-    )
-    roles: str = setting(
-        '',
-        'Nodes whose recorded messages are played in addition to those of the vehicle, separated '
-        'by spaces.',
-        fixed=True,
-    )
-    rate: float = setting(
-        1.0,
-        'Playback speed in real time: seconds of the bag per second; no effect in lockstep.',
-        low=1e-3,
-        high=1e6,
-        fixed=True,
-    )
-    start: float = setting(
-        0.0,
-        'Start of the section to play, counted from the first message.',
-        unit='s',
-        low=0.0,
-        high=FOREVER,
-        fixed=True,
-    )
-    end: float = setting(
-        FOREVER, 'End of the section to play, counted from the first message.', unit='s',
-        low=0.0, high=FOREVER, fixed=True,
-    )  # fmt: skip
-    answers: str = setting(
-        '',
-        'Folder of a new bag with the messages of the nodes that run again; empty for no bag.',
-        fixed=True,
-    )
-    patience: float = setting(
-        30.0, 'How long to wait for the nodes to start, and in lockstep for an answer.', unit='s',
-        low=0.1, high=3600.0, fixed=True,
-    )  # fmt: skip
-    record: bool = setting(False, 'Whether playback waits until a recorder runs.', fixed=True)
+    bag: str = setting('', fixed=True)
+    """The bag: a rosbag2 folder or an .mcap file."""
+    robot: str = setting('', fixed=True)
+    """
+    Namespace of the robot in the bag to play; empty for the player's own namespace, or for the
+    only robot of the bag.
+    """
+    nodes: str = setting('', fixed=True)
+    """
+    Nodes to run again, separated by spaces; their recorded messages are not played. If empty, all
+    run again.
+    """
+    roles: str = setting('', fixed=True)
+    """
+    Nodes whose recorded messages are played in addition to those of the vehicle, separated by
+    spaces.
+    """
+    rate: float = setting(1.0, low=1e-3, high=1e6, fixed=True)
+    """Playback speed in real time: seconds of the bag per second; no effect in lockstep."""
+    start: float = setting(0.0, 's', 0.0, FOREVER, fixed=True)
+    """Start of the section to play, counted from the first message."""
+    end: float = setting(FOREVER, 's', 0.0, FOREVER, fixed=True)
+    """End of the section to play, counted from the first message."""
+    answers: str = setting('', fixed=True)
+    """Folder of a new bag with the messages of the nodes that run again; empty for no bag."""
+    patience: float = setting(30.0, 's', 0.1, 3600.0, fixed=True)
+    """How long to wait for the nodes to start, and in lockstep for an answer."""
+    record: bool = setting(False, fixed=True)
+    """Whether playback waits until a recorder runs."""
 
 
 def check_playback(settings: PlayerSettings) -> None:

@@ -32,13 +32,12 @@ def check_time_mode(*, lockstep: bool) -> None:
 class TeleopRates(Settings):
     """Rates at full deflection of the sticks."""
 
-    speed: float = setting(0.3, 'Commanded airspeed at full forward stick.', 'm/s', 0.01, 2.0)
-    turn: float = setting(
-        0.6, 'Turn rate of the commanded heading at full stick.', 'rad/s', 0.01, 3.0
-    )
-    climb: float = setting(
-        0.2, 'Climb rate of the commanded altitude at full stick.', 'm/s', 0.01, 1.0
-    )
+    speed: float = setting(0.3, 'm/s', 0.01, 2.0)
+    """Commanded airspeed at full forward stick."""
+    turn: float = setting(0.6, 'rad/s', 0.01, 3.0)
+    """Turn rate of the commanded heading at full stick."""
+    climb: float = setting(0.2, 'm/s', 0.01, 1.0)
+    """Climb rate of the commanded altitude at full stick."""
 
 
 class TeleopStage(StrEnum):

@@ -55,35 +55,20 @@ class StickDevice(Protocol):
 class GamepadLayout(Settings):
     """Axis and button numbers of a gamepad; the defaults fit an Xbox gamepad under Linux."""
 
-    forward: int = setting(
-        4, 'Number of the axis for forward flight (right stick up).', low=0, high=63, fixed=True
-    )
-    turn: int = setting(
-        0, 'Number of the axis for turning left (left stick left).', low=0, high=63, fixed=True
-    )
-    climb: int = setting(
-        1, 'Number of the axis for climbing (left stick up).', low=0, high=63, fixed=True
-    )
-    take: int = setting(
-        0, 'Number of the button that takes control (A).', low=0, high=63, fixed=True
-    )
-    give_back: int = setting(
-        1, 'Number of the button that hands control back (B).', low=0, high=63, fixed=True
-    )
-    stop: int = setting(
-        2,
-        'Number of the emergency-stop button, which locks the motors (X).',
-        low=0,
-        high=63,
-        fixed=True,
-    )
-    rest: float = setting(
-        0.1,
-        'Dead zone: a smaller stick deflection, from 0 to 1, counts as zero.',
-        low=0.0,
-        high=0.9,
-        fixed=True,
-    )
+    forward: int = setting(4, low=0, high=63, fixed=True)
+    """Number of the axis for forward flight (right stick up)."""
+    turn: int = setting(0, low=0, high=63, fixed=True)
+    """Number of the axis for turning left (left stick left)."""
+    climb: int = setting(1, low=0, high=63, fixed=True)
+    """Number of the axis for climbing (left stick up)."""
+    take: int = setting(0, low=0, high=63, fixed=True)
+    """Number of the button that takes control (A)."""
+    give_back: int = setting(1, low=0, high=63, fixed=True)
+    """Number of the button that hands control back (B)."""
+    stop: int = setting(2, low=0, high=63, fixed=True)
+    """Number of the emergency-stop button, which locks the motors (X)."""
+    rest: float = setting(0.1, low=0.0, high=0.9, fixed=True)
+    """Dead zone: a smaller stick deflection, from 0 to 1, counts as zero."""
 
 
 def to_sticks(

@@ -15,49 +15,20 @@ NO_ROUTE = Route()
 class TaskLimits(Settings):
     """Limits of commanded tasks."""
 
-    take_off: float = setting(
-        60.0,
-        'Time limit of a take-off; after that, the drone lands.',
-        unit='s',
-        low=1.0,
-        high=3600.0,
-    )
-    go_to_lamp: float = setting(
-        180.0,
-        'Time limit of a flight to a lamp; after that, the drone holds.',
-        unit='s',
-        low=1.0,
-        high=86400.0,
-    )
-    unseen: float = setting(
-        60.0,
-        'Time without light from the lamp after which a flight to it ends and the drone holds.',
-        unit='s',
-        low=1.0,
-        high=3600.0,
-    )
-    place: float = setting(
-        180.0,
-        'Time limit of the way to each place of go_to_pose and follow_path; after that, the drone '
-        'holds.',
-        unit='s',
-        low=1.0,
-        high=86400.0,
-    )
-    tolerance: float = setting(
-        1.0,
-        'Distance from a place that counts as there, where the goal names none.',
-        unit='m',
-        low=0.05,
-        high=100.0,
-    )
-    land: float = setting(
-        60.0,
-        'Time limit of a landing; after that, it is reported as failed and goes on.',
-        unit='s',
-        low=1.0,
-        high=3600.0,
-    )
+    take_off: float = setting(60.0, 's', 1.0, 3600.0)
+    """Time limit of a take-off; after that, the drone lands."""
+    go_to_lamp: float = setting(180.0, 's', 1.0, 86400.0)
+    """Time limit of a flight to a lamp; after that, the drone holds."""
+    unseen: float = setting(60.0, 's', 1.0, 3600.0)
+    """Time without light from the lamp after which a flight to it ends and the drone holds."""
+    place: float = setting(180.0, 's', 1.0, 86400.0)
+    """
+    Time limit of the way to each place of go_to_pose and follow_path; after that, the drone holds.
+    """
+    tolerance: float = setting(1.0, 'm', 0.05, 100.0)
+    """Distance from a place that counts as there, where the goal names none."""
+    land: float = setting(60.0, 's', 1.0, 3600.0)
+    """Time limit of a landing; after that, it is reported as failed and goes on."""
 
 
 class TaskKind(StrEnum):

@@ -30,22 +30,22 @@ TWO = 2
 class GlideGains(Settings):
     """Gains of altitude, pitch, speed and yaw."""
 
-    altitude_kp: float = setting(
-        ..., 'Commanded climb rate per metre of altitude error.', '1/s', 0.0, 10.0
-    )
-    climb_limit: float = setting(..., 'Largest commanded climb rate.', 'm/s', 0.01, 2.0)
-    climb: PidGains = setting(
-        ..., 'PID gains: nose-up pitch angle (rad) per climb rate error (m/s).'
-    )
-    pitch: PidGains = setting(
-        ..., 'PID gains: backward position of the moving mass (m) per pitch error (rad).'
-    )
-    speed: PidGains = setting(..., 'PID gains: thrust (N) per speed error (m/s).')
-    heading_kp: float = setting(
-        ..., 'Commanded yaw rate per radian of heading error.', '1/s', 0.0, 10.0
-    )
-    yaw_rate_limit: float = setting(..., 'Largest commanded yaw rate.', 'rad/s', 0.01, 6.0)
-    yaw_rate: PidGains = setting(..., 'PID gains: yaw moment (N m) per yaw rate error (rad/s).')
+    altitude_kp: float = setting(..., '1/s', 0.0, 10.0)
+    """Commanded climb rate per metre of altitude error."""
+    climb_limit: float = setting(..., 'm/s', 0.01, 2.0)
+    """Largest commanded climb rate."""
+    climb: PidGains = setting(...)
+    """PID gains: nose-up pitch angle (rad) per climb rate error (m/s)."""
+    pitch: PidGains = setting(...)
+    """PID gains: backward position of the moving mass (m) per pitch error (rad)."""
+    speed: PidGains = setting(...)
+    """PID gains: thrust (N) per speed error (m/s)."""
+    heading_kp: float = setting(..., '1/s', 0.0, 10.0)
+    """Commanded yaw rate per radian of heading error."""
+    yaw_rate_limit: float = setting(..., 'rad/s', 0.01, 6.0)
+    """Largest commanded yaw rate."""
+    yaw_rate: PidGains = setting(...)
+    """PID gains: yaw moment (N m) per yaw rate error (rad/s)."""
 
 
 class GlideLawConstants(NamedTuple):

@@ -49,21 +49,18 @@ Four = tuple[float, float, float, float]
 class LateralGains(ClimbGains):
     """Gains of the altitude, heading and velocity loops."""
 
-    heading_kp: float = setting(
-        ..., 'Commanded yaw rate per radian of heading error.', '1/s', 0.0, 10.0
-    )
-    yaw_rate_limit: float = setting(..., 'Largest commanded yaw rate.', 'rad/s', 0.01, 6.0)
-    yaw_rate: PidGains = setting(..., 'PID gains: yaw moment (N m) per yaw rate error (rad/s).')
-    velocity: PidGains = setting(
-        ..., 'PID gains: force along x and y (N) per velocity error (m/s).'
-    )
-    compensation: float = setting(
-        ...,
-        'Fraction of the lift lost to unequal rotor thrusts that a higher mean thrust '
-        'makes up for.',
-        low=0.0,
-        high=1.0,
-    )
+    heading_kp: float = setting(..., '1/s', 0.0, 10.0)
+    """Commanded yaw rate per radian of heading error."""
+    yaw_rate_limit: float = setting(..., 'rad/s', 0.01, 6.0)
+    """Largest commanded yaw rate."""
+    yaw_rate: PidGains = setting(...)
+    """PID gains: yaw moment (N m) per yaw rate error (rad/s)."""
+    velocity: PidGains = setting(...)
+    """PID gains: force along x and y (N) per velocity error (m/s)."""
+    compensation: float = setting(..., low=0.0, high=1.0)
+    """
+    Fraction of the lift lost to unequal rotor thrusts that a higher mean thrust makes up for.
+    """
 
 
 class LateralLawConstants(NamedTuple):

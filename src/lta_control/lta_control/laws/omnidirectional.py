@@ -35,15 +35,20 @@ ALL_ALIKE = (1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
 class OmnidirectionalGains(Settings):
     """Gains of position and attitude."""
 
-    position_kp: float = setting(..., 'Force per position error.', 'N/m', 0.0, 1e3)
-    position_ki: float = setting(..., 'Force per integrated position error.', 'N/(m s)', 0.0, 1e3)
-    position_kd: float = setting(..., 'Force per velocity error.', 'N s/m', 0.0, 1e3)
-    reach: float = setting(..., 'Position errors are limited to this value.', 'm', 0.01, 100.0)
-    integral_limit: float = setting(
-        ..., 'Largest force from the integrated position error.', 'N', 0.0, 1e3
-    )
-    attitude_kp: float = setting(..., 'Moment per attitude error.', 'N m', 0.0, 1e3)
-    attitude_kd: float = setting(..., 'Moment per angular rate.', 'N m s', 0.0, 1e3)
+    position_kp: float = setting(..., 'N/m', 0.0, 1e3)
+    """Force per position error."""
+    position_ki: float = setting(..., 'N/(m s)', 0.0, 1e3)
+    """Force per integrated position error."""
+    position_kd: float = setting(..., 'N s/m', 0.0, 1e3)
+    """Force per velocity error."""
+    reach: float = setting(..., 'm', 0.01, 100.0)
+    """Position errors are limited to this value."""
+    integral_limit: float = setting(..., 'N', 0.0, 1e3)
+    """Largest force from the integrated position error."""
+    attitude_kp: float = setting(..., 'N m', 0.0, 1e3)
+    """Moment per attitude error."""
+    attitude_kd: float = setting(..., 'N m s', 0.0, 1e3)
+    """Moment per angular rate."""
 
 
 class OmnidirectionalLawConstants(NamedTuple):

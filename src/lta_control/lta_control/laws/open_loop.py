@@ -27,8 +27,10 @@ from lta_model.vehicle import Vehicle
 class OpenLoopGains(Settings):
     """Commanded rates of altitude and heading."""
 
-    climb_rate: float = setting(..., 'Commanded climb or sink rate.', 'm/s', 0.001, 2.0)
-    turn_rate: float = setting(..., 'Commanded turn rate.', 'rad/s', 0.001, 6.0)
+    climb_rate: float = setting(..., 'm/s', 0.001, 2.0)
+    """Commanded climb or sink rate."""
+    turn_rate: float = setting(..., 'rad/s', 0.001, 6.0)
+    """Commanded turn rate."""
 
 
 class OpenLoopLawConstants(NamedTuple):

@@ -39,32 +39,22 @@ LEAST_TILT_COSINE = 0.5  # smallest cosine of the tilt for which thrust is incre
 class QuadrotorGains(ClimbGains):
     """Gains of all loops."""
 
-    velocity: PidGains = setting(
-        ..., 'PID gains: horizontal acceleration (m/s2) per velocity error (m/s).'
-    )
-    attitude_kp: float = setting(
-        ..., 'Commanded roll or pitch rate per radian of tilt error.', '1/s', 0.0, 50.0
-    )
-    heading_kp: float = setting(
-        ..., 'Commanded yaw rate per radian of heading error.', '1/s', 0.0, 50.0
-    )
-    rate_limit: float = setting(..., 'Largest commanded angular rate.', 'rad/s', 0.01, 50.0)
-    rate_kp: float = setting(
-        ..., 'Angular acceleration per roll or pitch rate error.', '1/s', 0.0, 500.0
-    )
-    rate_kd: float = setting(
-        ..., 'Angular acceleration per derivative of the roll or pitch rate.', '1', 0.0, 10.0
-    )
-    yaw_rate_kp: float = setting(
-        ..., 'Angular acceleration per yaw rate error.', '1/s', 0.0, 500.0
-    )
-    slope_time: float = setting(
-        ...,
-        'Time constant of the low-pass filter for the derivative of the angular rates.',
-        unit='s',
-        low=0.0,
-        high=1.0,
-    )
+    velocity: PidGains = setting(...)
+    """PID gains: horizontal acceleration (m/s2) per velocity error (m/s)."""
+    attitude_kp: float = setting(..., '1/s', 0.0, 50.0)
+    """Commanded roll or pitch rate per radian of tilt error."""
+    heading_kp: float = setting(..., '1/s', 0.0, 50.0)
+    """Commanded yaw rate per radian of heading error."""
+    rate_limit: float = setting(..., 'rad/s', 0.01, 50.0)
+    """Largest commanded angular rate."""
+    rate_kp: float = setting(..., '1/s', 0.0, 500.0)
+    """Angular acceleration per roll or pitch rate error."""
+    rate_kd: float = setting(..., '1', 0.0, 10.0)
+    """Angular acceleration per derivative of the roll or pitch rate."""
+    yaw_rate_kp: float = setting(..., '1/s', 0.0, 500.0)
+    """Angular acceleration per yaw rate error."""
+    slope_time: float = setting(..., 's', 0.0, 1.0)
+    """Time constant of the low-pass filter for the derivative of the angular rates."""
 
 
 class QuadrotorLawConstants(NamedTuple):

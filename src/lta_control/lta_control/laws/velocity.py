@@ -30,16 +30,12 @@ YAW_WEIGHT = 1000.0  # N m against N, with an arm of 3 cm; only shares thrust ev
 class VelocityGains(ClimbGains):
     """Gains of altitude and velocity."""
 
-    velocity: PidGains = setting(
-        ..., 'PID gains: force along world x and y (N) per velocity error (m/s).'
-    )
-    yaw_damping: float = setting(..., 'Damping yaw moment per yaw rate.', 'N m s', 0.0, 1.0)
-    height_weight: float = setting(
-        ...,
-        'Weight of vertical force relative to lateral force in the rotor allocation.',
-        low=0.01,
-        high=1e4,
-    )
+    velocity: PidGains = setting(...)
+    """PID gains: force along world x and y (N) per velocity error (m/s)."""
+    yaw_damping: float = setting(..., 'N m s', 0.0, 1.0)
+    """Damping yaw moment per yaw rate."""
+    height_weight: float = setting(..., low=0.01, high=1e4)
+    """Weight of vertical force relative to lateral force in the rotor allocation."""
 
 
 class VelocityLawConstants(NamedTuple):

@@ -49,24 +49,22 @@ AIRSPEED_AGE_NS = 250_000_000  # ns; an airspeed further from the odometry is no
 class ControllerSettings(Settings):
     """The vehicle, the gains and the time limits of stale setpoints."""
 
-    vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
-    law: str = setting(
-        '', 'Name of the control law. Empty: the law named in the vehicle file.', fixed=True
-    )
-    scenario: str = setting(
-        '', 'Scenario name or file, whose test signals are added to the duties.', fixed=True
-    )
-    armed: bool = setting(False, 'Whether the motors are armed when the node starts.', fixed=True)
-    hold_after: float = setting(
-        0.5, 'Age of a setpoint at which the drone holds.', 's', 0.05, 60.0
-    )
-    land_after: float = setting(
-        3.0, 'Age of a setpoint at which the drone lands.', 's', 0.05, 600.0
-    )
-    tilt_limit: float = setting(TILT_LIMIT, 'Tilt at which the motors stop.', 'rad', 0.1, 3.2)
-    gains: CascadeGains = setting(
-        load_gains('gtmab'), 'Gains of the cascade law; other laws load their own gains.'
-    )
+    vehicle: str = setting('gtmab', fixed=True)
+    """Vehicle name or file."""
+    law: str = setting('', fixed=True)
+    """Name of the control law. Empty: the law named in the vehicle file."""
+    scenario: str = setting('', fixed=True)
+    """Scenario name or file, whose test signals are added to the duties."""
+    armed: bool = setting(False, fixed=True)
+    """Whether the motors are armed when the node starts."""
+    hold_after: float = setting(0.5, 's', 0.05, 60.0)
+    """Age of a setpoint at which the drone holds."""
+    land_after: float = setting(3.0, 's', 0.05, 600.0)
+    """Age of a setpoint at which the drone lands."""
+    tilt_limit: float = setting(TILT_LIMIT, 'rad', 0.1, 3.2)
+    """Tilt at which the motors stop."""
+    gains: CascadeGains = setting(load_gains('gtmab'))
+    """Gains of the cascade law; other laws load their own gains."""
 
 
 class Controller(GraphNode):

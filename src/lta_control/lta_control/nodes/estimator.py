@@ -46,7 +46,8 @@ from nav_msgs.msg import Odometry
 class EstimatorParameters(EstimatorSettings):
     """Settings of the filters, and the vehicle."""
 
-    vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
+    vehicle: str = setting('gtmab', fixed=True)
+    """Vehicle name or file."""
 
 
 class Estimator(GraphNode):

@@ -63,21 +63,21 @@ SILENCE_TIME = 10.0  # wall seconds without a step after which a task ends
 class NavigatorParameters(MissionSettings):
     """The mission and its strategy."""
 
-    vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
-    strategy: str = setting('homing', 'Navigation strategy.', fixed=True)
-    scenario: str = setting(
-        '', 'Scenario name or file. If it has a course or a route, the drone flies it.', fixed=True
-    )
-    commanded: bool = setting(
-        False,
-        'Whether the drone waits on the ground for the actions take_off, go_to_lamp, go_to_pose, '
-        'follow_path and land. Needs the strategy homing.',
-        fixed=True,
-    )
-    limits: TaskLimits = setting(TaskLimits(), 'Limits of the actions.')
-    reserve: ReserveResponseSettings = setting(
-        ReserveResponseSettings(), 'What to do when the charge falls to the energy reserve.'
-    )
+    vehicle: str = setting('gtmab', fixed=True)
+    """Vehicle name or file."""
+    strategy: str = setting('homing', fixed=True)
+    """Navigation strategy."""
+    scenario: str = setting('', fixed=True)
+    """Scenario name or file. If it has a course or a route, the drone flies it."""
+    commanded: bool = setting(False, fixed=True)
+    """
+    Whether the drone waits on the ground for the actions take_off, go_to_lamp, go_to_pose,
+    follow_path and land. Needs the strategy homing.
+    """
+    limits: TaskLimits = setting(TaskLimits())
+    """Limits of the actions."""
+    reserve: ReserveResponseSettings = setting(ReserveResponseSettings())
+    """What to do when the charge falls to the energy reserve."""
 
 
 class Navigator(GraphNode):

@@ -22,34 +22,19 @@ RESTART_DEVIATION = 10.0  # m; of the position, where the filter begins again
 class GroundSettings(Settings):
     """Prior knowledge of the wind, and the noise of the drag model and of lamp sightings."""
 
-    wind: float = setting(
-        0.3,
-        'Standard deviation of the wind, along each axis, that is expected before the flight.',
-        unit='m/s',
-        low=0.0,
-        high=20.0,
-    )
-    gusts: float = setting(
-        0.015, 'Expected random change of the wind in one second.', 'm/s', 0.0, 5.0
-    )
-    thrust_noise: float = setting(
-        0.01,
-        'Random error, in one second, of the velocity computed from thrust and drag.',
-        unit='m/s',
-        low=0.0,
-        high=5.0,
-    )
-    bearing_noise: float = setting(
-        0.05,
-        'Standard deviation added to that of each bearing. It is larger than the error of one '
-        'bearing, because the errors of successive bearings are alike.',
-        unit='rad',
-        low=1e-4,
-        high=3.0,
-    )
-    strength_noise: float = setting(
-        0.06, 'Standard deviation of the logarithm of a measured lamp strength.', '1', 1e-3, 5.0
-    )
+    wind: float = setting(0.3, 'm/s', 0.0, 20.0)
+    """Standard deviation of the wind, along each axis, that is expected before the flight."""
+    gusts: float = setting(0.015, 'm/s', 0.0, 5.0)
+    """Expected random change of the wind in one second."""
+    thrust_noise: float = setting(0.01, 'm/s', 0.0, 5.0)
+    """Random error, in one second, of the velocity computed from thrust and drag."""
+    bearing_noise: float = setting(0.05, 'rad', 1e-4, 3.0)
+    """
+    Standard deviation added to that of each bearing. It is larger than the error of one bearing,
+    because the errors of successive bearings are alike.
+    """
+    strength_noise: float = setting(0.06, '1', 1e-3, 5.0)
+    """Standard deviation of the logarithm of a measured lamp strength."""
 
 
 class GroundMotion(NamedTuple):

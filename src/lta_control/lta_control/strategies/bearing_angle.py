@@ -24,11 +24,11 @@ if TYPE_CHECKING:
 class BearingAngleSettings(Settings):
     """Settings of the bearing."""
 
-    mean: bool = setting(
-        False,
-        'Whether to head along the weighted mean of the photodiodes, as in the paper, instead of '
-        'the fitted bearing.',
-    )
+    mean: bool = setting(False)
+    """
+    Whether to head along the weighted mean of the photodiodes, as in the paper, instead of the
+    fitted bearing.
+    """
 
 
 def start(heading: float) -> Memory:

@@ -34,36 +34,18 @@ if TYPE_CHECKING:
 class DitherSettings(Settings):
     """Swing of the heading, and gains from the light to the turn rate."""
 
-    amplitude: float = setting(
-        0.5 * math.pi, 'Amplitude of the heading oscillation.', 'rad', 0.0, math.pi
-    )
-    rate: float = setting(
-        0.3, 'Angular frequency of the heading oscillation.', 'rad/s', 0.01, 10.0
-    )
-    scan: float = setting(
-        0.3,
-        'Turn rate per unit of log brightness that varies in phase with the heading oscillation.',
-        unit='rad/s',
-        low=0.0,
-        high=20.0,
-    )
-    gradient: float = setting(
-        0.0,
-        'Turn angle per change of log brightness that is in phase with the heading oscillation.',
-        unit='rad',
-        low=0.0,
-        high=50.0,
-    )
-    washout: float = setting(
-        15.0, 'Time constant of the running mean of the log brightness.', 's', 0.1, 600.0
-    )
-    floor: float = setting(
-        5.0,
-        'Brightness added before taking the logarithm, which keeps it finite in darkness.',
-        unit='counts',
-        low=0.01,
-        high=1e6,
-    )
+    amplitude: float = setting(0.5 * math.pi, 'rad', 0.0, math.pi)
+    """Amplitude of the heading oscillation."""
+    rate: float = setting(0.3, 'rad/s', 0.01, 10.0)
+    """Angular frequency of the heading oscillation."""
+    scan: float = setting(0.3, 'rad/s', 0.0, 20.0)
+    """Turn rate per unit of log brightness that varies in phase with the heading oscillation."""
+    gradient: float = setting(0.0, 'rad', 0.0, 50.0)
+    """Turn angle per change of log brightness that is in phase with the heading oscillation."""
+    washout: float = setting(15.0, 's', 0.1, 600.0)
+    """Time constant of the running mean of the log brightness."""
+    floor: float = setting(5.0, 'counts', 0.01, 1e6)
+    """Brightness added before taking the logarithm, which keeps it finite in darkness."""
 
 
 class DitherState(NamedTuple):

@@ -39,44 +39,24 @@ Pair = tuple[float, float, float]
 class GradientSettings(Settings):
     """Settings of the map, the plane fit and the delays."""
 
-    cell: float = setting(0.02, 'Side length of a cell of the light map.', 'm', 1e-3, 10.0)
-    least: float = setting(
-        30.0,
-        'Number of brightness samples taken before the first plane is fitted to them.',
-        unit='1',
-        low=3.0,
-        high=float(PAIRS),
-    )
-    arc: float = setting(
-        0.5, 'Turn rate while the first brightness samples are taken.', 'rad/s', -2.0, 2.0
-    )
-    commanded_heading: bool = setting(
-        False, 'Whether to dead-reckon by the commanded heading instead of that of the IMU.'
-    )
-    centred: bool = setting(
-        True,
-        'Whether the fitted plane passes through the mean of the samples instead of the origin.',
-    )
-    ridge: float = setting(
-        1e-3,
-        'Regularisation of the plane fit, added to the mean square of positions.',
-        unit='m2',
-        low=1e-9,
-        high=10.0,
-    )
-    computing: float = setting(
-        1.0,
-        'Delay from measuring the light to using the heading computed from it.',
-        unit='s',
-        low=0.0,
-        high=60.0,
-    )
-    stop_beyond: float = setting(
-        1.2, 'Heading error above which the drone stops to turn.', 'rad', 0.0, 3.2
-    )
-    go_within: float = setting(
-        0.5, 'Heading error below which a stopped drone flies on.', 'rad', 0.0, 3.2
-    )
+    cell: float = setting(0.02, 'm', 1e-3, 10.0)
+    """Side length of a cell of the light map."""
+    least: float = setting(30.0, '1', 3.0, float(PAIRS))
+    """Number of brightness samples taken before the first plane is fitted to them."""
+    arc: float = setting(0.5, 'rad/s', -2.0, 2.0)
+    """Turn rate while the first brightness samples are taken."""
+    commanded_heading: bool = setting(False)
+    """Whether to dead-reckon by the commanded heading instead of that of the IMU."""
+    centred: bool = setting(True)
+    """Whether the fitted plane passes through the mean of the samples instead of the origin."""
+    ridge: float = setting(1e-3, 'm2', 1e-9, 10.0)
+    """Regularisation of the plane fit, added to the mean square of positions."""
+    computing: float = setting(1.0, 's', 0.0, 60.0)
+    """Delay from measuring the light to using the heading computed from it."""
+    stop_beyond: float = setting(1.2, 'rad', 0.0, 3.2)
+    """Heading error above which the drone stops to turn."""
+    go_within: float = setting(0.5, 'rad', 0.0, 3.2)
+    """Heading error below which a stopped drone flies on."""
 
 
 class GradientState(NamedTuple):

@@ -65,132 +65,65 @@ ARRIVAL_HYSTERESIS = 2.0  # of the arrival range: hysteresis, so that wind does 
 class HomingSettings(Settings):
     """Prior knowledge of lamp, wind and drone, and the time limits of homing."""
 
-    top_speed: float = setting(0.7, 'Highest commanded airspeed.', 'm/s', 0.05, 20.0)
-    brightness: float = setting(
-        2100.0,
-        'Expected brightness of the lamp at 1 m, with a resistor of 100 kohm in the '
-        'photodiode amplifiers.',
-        unit='counts',
-        low=1.0,
-        high=1e9,
-    )
-    unsure: float = setting(
-        0.5,
-        'Uncertainty of the expected lamp brightness: standard deviation of its logarithm.',
-        unit='1',
-        low=0.01,
-        high=5.0,
-    )
-    bearing_noise: float = setting(
-        0.03, 'Standard deviation added to the one reported with each bearing.', 'rad', 1e-4, 1.0
-    )
-    strength_noise: float = setting(
-        0.15,
-        'Noise of a measured lamp brightness: standard deviation of its logarithm.',
-        unit='1',
-        low=0.01,
-        high=5.0,
-    )
-    wind: float = setting(
-        0.4, 'Standard deviation of the wind drift assumed at the start.', 'm/s', 0.0, 10.0
-    )
-    gusts: float = setting(
-        0.03, 'Expected random change of the wind drift in one second.', 'm/s', 0.0, 5.0
-    )
-    settling: float = setting(
-        6.0,
-        'Time for the airspeed estimate to settle after take-off; until then, larger '
-        'changes of the drift are expected (see unsettled).',
-        unit='s',
-        low=0.1,
-        high=60.0,
-    )
-    unsettled: float = setting(
-        0.6,
-        'Expected random change of the wind drift in one second, just after take-off.',
-        unit='m/s',
-        low=0.0,
-        high=5.0,
-    )
-    gate: float = setting(
-        4.0,
-        'Number of standard deviations beyond which a light measurement is rejected as an '
-        'outlier.',
-        unit='1',
-        low=1.0,
-        high=20.0,
-    )
-    echo: float = setting(
-        0.25,
-        'Smallest plausible ratio of measured to expected brightness: weaker light counts '
-        'as a reflection, and light above the inverse ratio as too bright for the lamp.',
-        unit='1',
-        low=0.0,
-        high=1.0,
-    )
-    trusted: float = setting(
-        0.5, 'Standard deviation above which a bearing is ignored.', 'rad', 0.01, 3.2
-    )
-    doubt: float = setting(
-        1.5,
-        'Time for which a light in another place must be seen before it is accepted as the lamp.',
-        unit='s',
-        low=0.1,
-        high=60.0,
-    )
-    hold: float = setting(
-        8.0, 'Longest time to fly by dead reckoning without light.', 's', 0.0, 600.0
-    )
-    certain: float = setting(
-        0.8,
-        'Largest standard deviation of the bearing with which dead reckoning is allowed.',
-        unit='rad',
-        low=0.05,
-        high=3.2,
-    )
-    arrival: float = setting(
-        0.8, 'Horizontal distance to the lamp that counts as arrival.', 'm', 0.1, 100.0
-    )
-    approach: float = setting(
-        0.5,
-        'Without brake: ground speed per metre of remaining distance, near the lamp.',
-        unit='1/s',
-        low=0.05,
-        high=5.0,
-    )
-    brake: bool = setting(
-        True, 'Whether to brake ahead of the lamp and stay there, instead of flying past it.'
-    )
-    deceleration: float = setting(
-        0.12,
-        'With brake: deceleration by thrust against the motion and drag that is planned with.',
-        unit='m/s2',
-        low=0.001,
-        high=10.0,
-    )
-    turn_rate: float = setting(
-        0.48,
-        'With brake: mean rate of a turn about, the time to begin and end it included.',
-        unit='rad/s',
-        low=0.01,
-        high=6.0,
-    )
-    coasting: float = setting(
-        5.0,
-        'With brake: distance through the air in which drag alone divides the airspeed by e; '
-        'mass, with the air that moves along, by quadratic drag.',
-        unit='m',
-        low=0.01,
-        high=1000.0,
-    )
-    shade: float = setting(
-        0.85,
-        'With brake: smallest ratio of measured to expected brightness near the lamp; below it '
-        'the hull hides a part of it.',
-        unit='1',
-        low=0.0,
-        high=1.0,
-    )
+    top_speed: float = setting(0.7, 'm/s', 0.05, 20.0)
+    """Highest commanded airspeed."""
+    brightness: float = setting(2100.0, 'counts', 1.0, 1e9)
+    """
+    Expected brightness of the lamp at 1 m, with a resistor of 100 kohm in the photodiode
+    amplifiers.
+    """
+    unsure: float = setting(0.5, '1', 0.01, 5.0)
+    """Uncertainty of the expected lamp brightness: standard deviation of its logarithm."""
+    bearing_noise: float = setting(0.03, 'rad', 1e-4, 1.0)
+    """Standard deviation added to the one reported with each bearing."""
+    strength_noise: float = setting(0.15, '1', 0.01, 5.0)
+    """Noise of a measured lamp brightness: standard deviation of its logarithm."""
+    wind: float = setting(0.4, 'm/s', 0.0, 10.0)
+    """Standard deviation of the wind drift assumed at the start."""
+    gusts: float = setting(0.03, 'm/s', 0.0, 5.0)
+    """Expected random change of the wind drift in one second."""
+    settling: float = setting(6.0, 's', 0.1, 60.0)
+    """
+    Time for the airspeed estimate to settle after take-off; until then, larger changes of the
+    drift are expected (see unsettled).
+    """
+    unsettled: float = setting(0.6, 'm/s', 0.0, 5.0)
+    """Expected random change of the wind drift in one second, just after take-off."""
+    gate: float = setting(4.0, '1', 1.0, 20.0)
+    """Number of standard deviations beyond which a light measurement is rejected as an outlier."""
+    echo: float = setting(0.25, '1', 0.0, 1.0)
+    """
+    Smallest plausible ratio of measured to expected brightness: weaker light counts as a
+    reflection, and light above the inverse ratio as too bright for the lamp.
+    """
+    trusted: float = setting(0.5, 'rad', 0.01, 3.2)
+    """Standard deviation above which a bearing is ignored."""
+    doubt: float = setting(1.5, 's', 0.1, 60.0)
+    """Time for which a light in another place must be seen before it is accepted as the lamp."""
+    hold: float = setting(8.0, 's', 0.0, 600.0)
+    """Longest time to fly by dead reckoning without light."""
+    certain: float = setting(0.8, 'rad', 0.05, 3.2)
+    """Largest standard deviation of the bearing with which dead reckoning is allowed."""
+    arrival: float = setting(0.8, 'm', 0.1, 100.0)
+    """Horizontal distance to the lamp that counts as arrival."""
+    approach: float = setting(0.5, '1/s', 0.05, 5.0)
+    """Without brake: ground speed per metre of remaining distance, near the lamp."""
+    brake: bool = setting(True)
+    """Whether to brake ahead of the lamp and stay there, instead of flying past it."""
+    deceleration: float = setting(0.12, 'm/s2', 0.001, 10.0)
+    """With brake: deceleration by thrust against the motion and drag that is planned with."""
+    turn_rate: float = setting(0.48, 'rad/s', 0.01, 6.0)
+    """With brake: mean rate of a turn about, the time to begin and end it included."""
+    coasting: float = setting(5.0, 'm', 0.01, 1000.0)
+    """
+    With brake: distance through the air in which drag alone divides the airspeed by e; mass, with
+    the air that moves along, by quadratic drag.
+    """
+    shade: float = setting(0.85, '1', 0.0, 1.0)
+    """
+    With brake: smallest ratio of measured to expected brightness near the lamp; below it the hull
+    hides a part of it.
+    """
 
 
 class HomingState(NamedTuple):

@@ -44,10 +44,10 @@ class SteeringCommand(NamedTuple):
 class CruiseSettings(Settings):
     """Settings of every strategy."""
 
-    speed: float = setting(0.5, 'Commanded forward airspeed.', 'm/s', 0.0, 3.0)
-    search_rate: float = setting(
-        0.3, 'Turn rate of the search when no lamp is seen.', 'rad/s', 0.0, 2.0
-    )
+    speed: float = setting(0.5, 'm/s', 0.0, 3.0)
+    """Commanded forward airspeed."""
+    search_rate: float = setting(0.3, 'rad/s', 0.0, 2.0)
+    """Turn rate of the search when no lamp is seen."""
 
 
 def keep_memory(

@@ -11,13 +11,11 @@ from lta_control.strategies.protocol import CruiseSettings
 class StrategySettings(CruiseSettings):
     """The cruise settings, and those of each strategy."""
 
-    bag: BearingAngleSettings = setting(
-        BearingAngleSettings(), 'Settings of the strategy BAG, bearing angle guidance.'
-    )
-    des: DitherSettings = setting(
-        DitherSettings(), 'Settings of the strategy DES, dither extremum seeking.'
-    )
-    dga: GradientSettings = setting(
-        GradientSettings(), 'Settings of the strategy DGA, dither-free gradient ascent.'
-    )
-    homing: HomingSettings = setting(HomingSettings(), 'Settings of the strategy homing.')
+    bag: BearingAngleSettings = setting(BearingAngleSettings())
+    """Settings of the strategy BAG, bearing angle guidance."""
+    des: DitherSettings = setting(DitherSettings())
+    """Settings of the strategy DES, dither extremum seeking."""
+    dga: GradientSettings = setting(GradientSettings())
+    """Settings of the strategy DGA, dither-free gradient ascent."""
+    homing: HomingSettings = setting(HomingSettings())
+    """Settings of the strategy homing."""

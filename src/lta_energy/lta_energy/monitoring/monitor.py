@@ -115,21 +115,14 @@ CURRENT_DEVIATION = 1e-3  # A; two counts of the meter and its offset
 class MonitorSettings(EnergyReserveSettings):
     """Reserve, smoothing and filter settings of the energy monitor."""
 
-    smoothing: float = setting(
-        5.0, 'Time constant with which the displayed power is smoothed.', 's', 0.0, 600.0
-    )
-    outlook: float = setting(
-        120.0,
-        'Time constant of the mean power from which the time to empty is predicted.',
-        's',
-        0.0,
-        3600.0,
-    )
-    belief: SocFilterSettings = setting(
-        SocFilterSettings(),
-        'Assumed differences between the real battery cell and the vehicle file.',
-    )
-    way: WayHomeSettings = setting(WayHomeSettings(), 'Assumptions about the flight home.')
+    smoothing: float = setting(5.0, 's', 0.0, 600.0)
+    """Time constant with which the displayed power is smoothed."""
+    outlook: float = setting(120.0, 's', 0.0, 3600.0)
+    """Time constant of the mean power from which the time to empty is predicted."""
+    belief: SocFilterSettings = setting(SocFilterSettings())
+    """Assumed differences between the real battery cell and the vehicle file."""
+    way: WayHomeSettings = setting(WayHomeSettings())
+    """Assumptions about the flight home."""
 
 
 def update_estimate(

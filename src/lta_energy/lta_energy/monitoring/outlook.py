@@ -149,28 +149,16 @@ def _energy_over_power(
 class EnergyReserveSettings(Settings):
     """Energy reserve that the drone must keep."""
 
-    reserve: float = setting(
-        0.25, 'State of charge (0 to 1) at which the energy reserve is reached.', low=0.0, high=0.9
-    )
-    hysteresis: float = setting(
-        0.05,
-        'Rise of the state of charge above the reserve at which the alarm clears.',
-        low=0.0,
-        high=0.1,
-    )
-    caution: float = setting(
-        1.0,
-        'Safety margin subtracted from the state of charge, in standard deviations of its '
-        'estimate.',
-        low=0.0,
-        high=5.0,
-    )
-    doubt: float = setting(
-        0.15,
-        'Standard deviation above which the state of charge is reported as unreliable.',
-        low=0.01,
-        high=0.3,
-    )
+    reserve: float = setting(0.25, low=0.0, high=0.9)
+    """State of charge (0 to 1) at which the energy reserve is reached."""
+    hysteresis: float = setting(0.05, low=0.0, high=0.1)
+    """Rise of the state of charge above the reserve at which the alarm clears."""
+    caution: float = setting(1.0, low=0.0, high=5.0)
+    """
+    Safety margin subtracted from the state of charge, in standard deviations of its estimate.
+    """
+    doubt: float = setting(0.15, low=0.01, high=0.3)
+    """Standard deviation above which the state of charge is reported as unreliable."""
 
 
 class ReserveMargin(NamedTuple):
@@ -204,28 +192,18 @@ def is_reserve_reached(
 class WayHomeSettings(Settings):
     """Assumptions about the way home that hold until measured or cannot be measured."""
 
-    power: float = setting(
-        1.4, 'Power assumed for the flight home until it has been measured.', 'W', 0.0, 1000.0
-    )
-    speed: float = setting(
-        0.5, 'Airspeed assumed for the flight home until it has been measured.', 'm/s', 0.05, 30.0
-    )
-    moving: float = setting(
-        0.1,
-        'Airspeed above which power and speed count towards their means in flight.',
-        'm/s',
-        0.01,
-        10.0,
-    )
-    head_wind: float = setting(
-        0.1, 'Head wind assumed for the flight home; it cannot be measured.', 'm/s', 0.0, 10.0
-    )
-    slowest: float = setting(
-        0.05, 'Lowest ground speed assumed for the flight home.', 'm/s', 0.01, 10.0
-    )
-    smoothing: float = setting(
-        30.0, 'Time constant of the mean power and airspeed in flight.', 's', 0.0, 3600.0
-    )
+    power: float = setting(1.4, 'W', 0.0, 1000.0)
+    """Power assumed for the flight home until it has been measured."""
+    speed: float = setting(0.5, 'm/s', 0.05, 30.0)
+    """Airspeed assumed for the flight home until it has been measured."""
+    moving: float = setting(0.1, 'm/s', 0.01, 10.0)
+    """Airspeed above which power and speed count towards their means in flight."""
+    head_wind: float = setting(0.1, 'm/s', 0.0, 10.0)
+    """Head wind assumed for the flight home; it cannot be measured."""
+    slowest: float = setting(0.05, 'm/s', 0.01, 10.0)
+    """Lowest ground speed assumed for the flight home."""
+    smoothing: float = setting(30.0, 's', 0.0, 3600.0)
+    """Time constant of the mean power and airspeed in flight."""
 
 
 class TravelEstimate(NamedTuple):

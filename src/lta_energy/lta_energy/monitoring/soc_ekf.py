@@ -40,30 +40,18 @@ Row = tuple[float, float, float, float, float]
 class SocFilterSettings(Settings):
     """Spread of cells about their vehicle file, as standard deviations."""
 
-    capacity_spread: float = setting(
-        0.05, 'Assumed relative standard deviation of the battery capacity.', low=0.0, high=0.5
-    )
-    resistance_spread: float = setting(
-        0.3,
-        'Assumed relative standard deviation of the battery resistances, from temperature '
-        'and age.',
-        low=0.0,
-        high=1.0,
-    )
-    chart_error: float = setting(
-        0.010,
-        'Assumed standard deviation of the open-circuit voltage, from the discharge curve '
-        'and the meter.',
-        'V',
-        1e-4,
-        0.2,
-    )
-    voltage_noise: float = setting(
-        0.010, 'Standard deviation of one reading of the battery voltage.', 'V', 1e-4, 0.2
-    )
-    recent_current: float = setting(
-        0.2, 'Battery current assumed before the monitor started.', 'A', 0.0, 50.0
-    )
+    capacity_spread: float = setting(0.05, low=0.0, high=0.5)
+    """Assumed relative standard deviation of the battery capacity."""
+    resistance_spread: float = setting(0.3, low=0.0, high=1.0)
+    """Assumed relative standard deviation of the battery resistances, from temperature and age."""
+    chart_error: float = setting(0.010, 'V', 1e-4, 0.2)
+    """
+    Assumed standard deviation of the open-circuit voltage, from the discharge curve and the meter.
+    """
+    voltage_noise: float = setting(0.010, 'V', 1e-4, 0.2)
+    """Standard deviation of one reading of the battery voltage."""
+    recent_current: float = setting(0.2, 'A', 0.0, 50.0)
+    """Battery current assumed before the monitor started."""
 
 
 @final

@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 class EnergyMonitorParameters(MonitorSettings):
     """Parameters of the energy monitor node."""
 
-    vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
+    vehicle: str = setting('gtmab', fixed=True)
+    """Vehicle name or file."""
 
 
 class EnergyMonitor(GraphNode):

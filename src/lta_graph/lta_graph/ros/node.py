@@ -45,23 +45,17 @@ NO_INPUT_TIME = 5.0  # wall seconds without any input after which the node logs 
 class GraphSettings(Settings):
     """Settings that all nodes of a graph must share."""
 
-    time: Literal['realtime', 'lockstep'] = setting(
-        'realtime',
-        'Time mode: realtime runs at the pace of the wall clock, lockstep as fast as the nodes '
-        'answer.',
-        fixed=True,
-    )
-    source: Literal['sim', 'replay', 'crazyflie'] = setting(
-        'sim',
-        'Where the data of the vehicle comes from: sim (the simulator), replay (a recording) or '
-        'crazyflie (a real drone).',
-        fixed=True,
-    )
-    frame_prefix: str = setting(
-        '',
-        'Prefix of all frames but map, in headers and on /tf, such as lta1/, for several drones.',
-        fixed=True,
-    )
+    time: Literal['realtime', 'lockstep'] = setting('realtime', fixed=True)
+    """
+    Time mode: realtime runs at the pace of the wall clock, lockstep as fast as the nodes answer.
+    """
+    source: Literal['sim', 'replay', 'crazyflie'] = setting('sim', fixed=True)
+    """
+    Where the data of the vehicle comes from: sim (the simulator), replay (a recording) or
+    crazyflie (a real drone).
+    """
+    frame_prefix: str = setting('', fixed=True)
+    """Prefix of all frames but map, in headers and on /tf, such as lta1/, for several drones."""
 
 
 class FramePublisher(Publisher):

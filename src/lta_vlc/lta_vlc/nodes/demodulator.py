@@ -24,10 +24,10 @@ from std_msgs.msg import Header
 class DemodulatorParameters(DemodulationSettings):
     """The beacon to detect, and the prior on its lamp."""
 
-    vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
-    prior: LampPrior = setting(
-        LampPrior(), 'Assumed distance, height and brightness of the lamp before it is detected.'
-    )
+    vehicle: str = setting('gtmab', fixed=True)
+    """Vehicle name or file."""
+    prior: LampPrior = setting(LampPrior())
+    """Assumed distance, height and brightness of the lamp before it is detected."""
 
 
 class Demodulator(GraphNode):
