@@ -14,7 +14,6 @@ from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 import math
-import time
 from typing import Final
 
 from lta_config.errors import BadInput
@@ -38,17 +37,12 @@ class Figure:
     peer: str = ''  # program and version of a peer
 
 
-def measure_pace(count: float, begin: float) -> float:
-    """Return a rate on all cores by the processor time since `begin`. [1/s]"""
-    return count * count_cores() / (time.process_time() - begin)
-
-
 # Where the figures of each kind are: a function of the kind's name
 KINDS: Final = {
     'kernel': 'bench_kernel', 'loop': 'bench_loop', 'vlc': 'bench_loop',
     'graph': 'bench_graph', 'recorder': 'bench_graph', 'command': 'bench_graph',
     'reading': 'bench_reading', 'tables': 'bench_reading',
-    'mujoco': 'bench_simulators', 'crazyflow': 'bench_simulators',
+    'mujoco': 'bench_simulators',
 }  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""Measure the kernel: one vehicle on one core, and many on all. The vehicle is GT-MAB."""
+"""Measure the kernel: one vehicle on one core. The vehicle is GT-MAB."""
 
 from functools import cache
 import os
@@ -10,14 +10,12 @@ import time
 
 from lta_model.effects import initial_memory
 from lta_model.model import VehicleModel
-from lta_model.state import pack_state, ROTOR_PLACE
+from lta_model.state import pack_state
 from lta_model.vehicle import load_vehicle
-from lta_sim.kernels.cpu_batch import advance_many
 from lta_sim.kernels.kernel import advance
-from lta_sim.kernels.vehicle_batch import VehicleBatch
 import numpy as np
 
-from campaigns.bench import Figure, measure_pace
+from campaigns.bench import Figure
 
 STEP = 2e-3
 DUTY = np.array([0.145, 0.145, 0.2, 0.2])  # forward, and slowly up
@@ -48,29 +46,6 @@ def build_start() -> np.ndarray:
     return pack_state((0.0, 0.0, 1.0), memory=initial_memory())
 
 
-@cache
-def scatter_vehicles(count: int) -> tuple[np.ndarray, VehicleBatch, np.ndarray]:
-    """Return states, different vehicles, and their duties."""
-    generator = np.random.default_rng(1)
-
-    def about(values: np.ndarray, size: int) -> np.ndarray:
-        return values * generator.uniform(0.95, 1.05, (count, size))
-
-    model = build_vehicle()
-    parameters = about(model.parameters, len(model.parameters))
-    # Heavier or lighter as a whole, air and inertia with it: the mass matrix stays consistent.
-    heavier = generator.uniform(0.95, 1.05, (count, 1))
-    body = np.repeat(model.body[np.newaxis], count, axis=0)
-    body[:, :ROTOR_PLACE] *= heavier
-    fleet = VehicleBatch(
-        parameters, np.repeat(model.on[np.newaxis], count, axis=0), body, model.inverse / heavier
-    )
-    states = np.repeat(build_start()[np.newaxis], count, axis=0)
-    states[:, :3] += generator.uniform(-0.3, 0.3, (count, 3))
-    states[:, 7:13] = generator.uniform(-0.3, 0.3, (count, 6))
-    return states, fleet, about(DUTY, len(DUTY))
-
-
 def check_flight(states: np.ndarray) -> None:
     """Raise `FloatingPointError` where what was measured is no flight."""
     if not np.isfinite(states).all():
@@ -87,17 +62,6 @@ def measure_single(steps: int = 300_000) -> float:
     return steps / taken
 
 
-def measure_batch(count: int = 10_000, steps: int = 500) -> float:
-    """Return the pace of many vehicles together, on all cores. [steps/s]"""
-    states, fleet, duties = scatter_vehicles(count)
-    around = np.tile(SURROUNDED, (count, 1))
-    begin = time.process_time()
-    last = advance_many(states, fleet, duties, around, STEP, steps)
-    reached = measure_pace(count * steps, begin)
-    check_flight(last)
-    return reached
-
-
 def measure_first_step() -> float:
     """Return the time of a new process from import to its first step, with no cache. [s]"""
     path = os.pathsep.join(filter(None, sys.path))
@@ -112,8 +76,6 @@ def list_kernel() -> list[Figure]:
     return [
         Figure('kernel.single', 'steps/s', measure_single,
                "one vehicle on one core, RK4 in double precision, with GT-MAB's effects on"),
-        Figure('kernel.batched', 'vehicle-steps/s', measure_batch,
-               'many vehicles on all cores; each equals a single run to the last bit'),
         Figure('kernel.cold', 's', measure_first_step,
                'from the first import to the first step with an empty cache', min),
     ]  # fmt: skip

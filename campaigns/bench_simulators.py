@@ -3,24 +3,13 @@ Measure other simulators (requirements-bench.txt), all in steps of 2 ms.
 
 MuJoCo has a lighter-than-air vehicle as well as its fluid model can: an ellipsoid hull of 1 m x
 0.6 m with drag, lift and added mass, buoyancy as a constant force, a gondola, four rotors with a
-lag, wind and a floor. crazyflow has many Crazyflies side by side in single precision, with rotor
-speeds as states, thrust and linear drag; no hull, no added mass, no wind. It runs in a process of
-its own, as JAX has threads.
+lag, wind and a floor.
 """
 
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
-from contextlib import redirect_stdout
-from functools import cache, partial
-from importlib.metadata import version
-import io
-from multiprocessing import get_context
+from functools import partial
 import time
-from typing import Any
-import warnings
 
-from lta_config.machine import count_cores
-
-from campaigns.bench import Figure, measure_pace
+from campaigns.bench import Figure
 
 STEP = 2e-3
 STEPS = 20_000  # of MuJoCo
@@ -54,26 +43,19 @@ VEHICLE = f"""
   </worldbody>
   <actuator>{ACTUATORS}</actuator>
 </mujoco>"""
-WORLDS, WORLD_STEPS = 10_000, 100  # of crazyflow
-ROTOR_SPEED = 20_000.0  # above hover, so that they fly and do not lie on the floor [1/min]
 
 
-def step_balloons(integrator: str, cores: int) -> float:
-    """Return the pace of so many balloons together, each on a core. [1/s]"""
+def step_balloon(integrator: str) -> float:
+    """Return the pace of a balloon. [1/s]"""
     import mujoco
 
     model = mujoco.MjModel.from_xml_string(VEHICLE.replace('INTEGRATOR', integrator))
-    flights = [mujoco.MjData(model) for _ in range(cores)]
-    for data in flights:
-        data.ctrl[:] = (0.1, 0.1, 0.2, 0.2)
-        data.body('hull').xfrc_applied[2] = BUOYANCY
+    data = mujoco.MjData(model)
+    data.ctrl[:] = (0.1, 0.1, 0.2, 0.2)
+    data.body('hull').xfrc_applied[2] = BUOYANCY
     begin = time.process_time()
-    if cores == 1:
-        mujoco.mj_step(model, flights[0], STEPS)
-        return STEPS / (time.process_time() - begin)
-    with ThreadPoolExecutor(cores) as pool:
-        list(pool.map(lambda data: mujoco.mj_step(model, data, STEPS), flights))
-    return measure_pace(cores * STEPS, begin)
+    mujoco.mj_step(model, data, STEPS)
+    return STEPS / (time.process_time() - begin)
 
 
 def list_mujoco() -> list[Figure]:
@@ -84,56 +66,7 @@ def list_mujoco() -> list[Figure]:
     for integrator in ('RK4', 'Euler'):
         peer, name = f'MuJoCo {mujoco.__version__}, {integrator}', integrator.lower()
         figures += [
-            Figure(f'mujoco.single_{name}', 'steps/s', partial(step_balloons, integrator, 1),
+            Figure(f'mujoco.single_{name}', 'steps/s', partial(step_balloon, integrator),
                    of='kernel.single', peer=peer),
-            Figure(f'mujoco.batched_{name}', 'vehicle-steps/s',
-                   partial(step_balloons, integrator, count_cores()), of='kernel.batched',
-                   peer=peer),
         ]  # fmt: skip
     return figures
-
-
-@cache
-def build_worlds(integrator: str) -> Any:
-    """Return crazyflow's vehicles, their rotors commanded; made once, as each compiles."""
-    with redirect_stdout(io.StringIO()), warnings.catch_warnings():
-        warnings.simplefilter('ignore')
-        from crazyflow.control import Control
-        from crazyflow.sim import Sim
-        from crazyflow.sim.sim import Dynamics
-        import jax.numpy as jnp
-        import mujoco
-
-        mujoco.set_mju_user_warning(lambda text: None)
-        sim = Sim(
-            n_worlds=WORLDS, dynamics=Dynamics.first_principles, integrator=integrator,
-            control=Control.rotor_vel, freq=round(1.0 / STEP), device='cpu',
-        )  # fmt: skip
-    sim.rotor_vel_control(jnp.full((WORLDS, 1, 4), ROTOR_SPEED))
-    return sim
-
-
-def step_worlds(integrator: str) -> float:
-    """Return the pace of all Crazyflies together. [1/s]"""
-    sim = build_worlds(integrator)
-    begin = time.process_time()
-    sim.step(WORLD_STEPS)
-    sim.data.states.pos.block_until_ready()
-    return measure_pace(WORLDS * WORLD_STEPS, begin)
-
-
-@cache
-def start_process() -> ProcessPoolExecutor:
-    """Return the process, kept to the end: one let go of earlier may be in the way of exit."""
-    return ProcessPoolExecutor(1, mp_context=get_context('spawn'))
-
-
-def list_crazyflow() -> list[Figure]:
-    """Return the figures of crazyflow."""
-    program = f'crazyflow {version("crazyflow")}'
-    return [
-        Figure(f'crazyflow.batched_{integrator}', 'vehicle-steps/s',
-               lambda name=integrator: start_process().submit(step_worlds, name).result(),
-               of='kernel.batched', peer=f'{program}, {integrator}, fp32')
-        for integrator in ('euler', 'rk4')
-    ]  # fmt: skip

@@ -23,7 +23,6 @@ from functools import cache
 import inspect
 import math
 from pathlib import Path
-import re
 from types import FunctionType, ModuleType
 from typing import Any, final, NamedTuple, TypeGuard
 
@@ -358,15 +357,6 @@ class SourceExtract:
         if self._pieces.setdefault(own, piece) != piece:
             raise BadInput(_describe_clash(own))
         return own
-
-    def is_in_pieces(self, prefix: str, pattern: str) -> bool:
-        """Return whether a regular expression matches in the pieces of one prefix."""
-        expression = re.compile(pattern, re.MULTILINE)
-        return any(
-            expression.search(piece)
-            for own, piece in self._pieces.items()
-            if own.startswith(f'{prefix}_')
-        )
 
     def render_pieces(self, decorator: str, entry: str = '', entries: Collection[str] = ()) -> str:
         """Return all pieces, the functions with `decorator`, those in `entries` with `entry`."""

@@ -1,12 +1,14 @@
-"""One vehicle compiled, many side by side, and the text as plain Python: the same to the bit."""
+"""One vehicle compiled, and the text as plain Python: the same to the bit."""
 
 from functools import cache
+import os
+import subprocess
+import sys
 
+from lta_config.errors import BadInput
 from lta_model.effects import EFFECTS
-from lta_sim.kernels import kernel, row
+from lta_sim.kernels import kernel, row, thread
 from lta_sim.kernels.compose import render_kernel_source
-from lta_sim.kernels.cpu_batch import advance_many
-from lta_sim.kernels.vehicle_batch import VehicleBatch
 from lta_sim.simulated_vehicle import LAYOUT
 import numpy as np
 import pytest
@@ -23,7 +25,7 @@ def names_of(kind, generator):
     return [name for name in EFFECTS if generator.random() < share]
 
 
-@cache  # both forms are compared on the same fleet
+@cache
 def fleet(seed, kinds):
     """Return vehicles with random sets of effects on, and random states, commands and air."""
     generator = np.random.default_rng(seed)
@@ -52,15 +54,6 @@ def text():
     space = {'njit': lambda **_: lambda function: function}
     exec(source, space)
     return space['advance']
-
-
-# Mixed kinds share a block of the batched kernel, which runs what any vehicle in it has on.
-@pytest.mark.parametrize('kinds', [SETS, *((kind,) for kind in SETS)])
-@pytest.mark.parametrize('seed', range(4))
-def test_side_by_side_as_alone(seed, kinds, steps):
-    models, states, commands, around = fleet(seed, kinds)
-    many = advance_many(states, VehicleBatch.from_models(models), commands, around, STEP, steps)
-    np.testing.assert_array_equal(many, alone(models, states, commands, around, steps))
 
 
 def in_python(advance, model, state, command, around, steps):
@@ -95,3 +88,24 @@ def test_the_flights_are_of_different_sets():
     assert len({model.on.tobytes() for model in models}) > COUNT // 2
     assert any(model.on.all() for model in models)
     assert np.isfinite(alone(models, states, commands, around, 100)).all()
+
+
+def test_without_numba_cuda_a_gpu_says_what_to_do(monkeypatch):
+    monkeypatch.setitem(sys.modules, 'numba.cuda', None)
+    with pytest.raises(BadInput, match=r'Cannot import numba-cuda .*; install the packages'):
+        thread.require_cuda()
+
+
+def test_without_a_gpu_it_says_what_to_do():
+    pytest.importorskip('numba.cuda')
+    script = 'from lta_sim.kernels.thread import require_cuda; require_cuda()'
+    done = subprocess.run(
+        [sys.executable, '-c', script],
+        env=os.environ
+        | {'PYTHONPATH': os.pathsep.join(filter(None, sys.path))}
+        | {'NUMBA_ENABLE_CUDASIM': '0', 'CUDA_VISIBLE_DEVICES': '-1'},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert 'numba-cuda finds no GPU; use a machine with an NVIDIA GPU' in done.stderr

@@ -15,7 +15,7 @@ from lta_flight.batch.batch_flight import BatchFlight, build_schedule
 from lta_flight.batch.codegen import build_source
 from lta_flight.batch.flight_loop import FIGURES
 from lta_flight.batch.targets import CPU, GPU
-from lta_sim.kernels.gpu import require_cuda, THREADS
+from lta_sim.kernels.thread import require_cuda, THREADS
 from lta_sim.simulated_vehicle import LAYOUT
 import numpy as np
 from numpy.typing import NDArray

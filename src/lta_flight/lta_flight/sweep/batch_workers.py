@@ -24,7 +24,7 @@ from lta_flight.sweep.job_runner import build_failed_row, SweepRow
 from lta_flight.sweep.plan import convert_to_si, SweepJob, SweepPlan
 from lta_model.model import build_divergence_error
 from lta_report.json_value import replace_nonfinite
-from lta_sim.kernels.gpu import require_cuda
+from lta_sim.kernels.thread import require_cuda
 from lta_sim.readings import FlightOutcome
 from lta_sim.termination import OUTCOMES
 import numpy as np

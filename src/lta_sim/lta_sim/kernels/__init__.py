@@ -1,1 +1,1 @@
-"""Compiled vehicle dynamics: one vehicle, many on a CPU, many on a GPU."""
+"""Compiled vehicle dynamics: one vehicle, and each of many on a CPU or a GPU."""

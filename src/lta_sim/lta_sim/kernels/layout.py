@@ -2,7 +2,7 @@
 Layout of parameters, memory and flags of the effects, and the stages of the model.
 
 A compilation target defines how its source accesses a number (`KernelAccess`): in a row for one
-vehicle (`row`), in columns for many (`columns`), in tuples for one a thread (`thread`).
+vehicle (`row`), in tuples for each of many (`thread`).
 """
 
 from collections.abc import Iterable, Mapping
@@ -11,10 +11,6 @@ from typing import final, Protocol
 
 from lta_model.effects.protocol import ActuatorEffect, KernelEffect, WrenchEffect
 from lta_model.state import ACTUATORS, BODY, COMMAND, RIGID, SURROUNDINGS
-
-# Variables passed between stages, with their sizes.
-# r: rotation matrix; ground: velocity in the map; flow: rate of the wind; u: duties, then thrusts
-VARIABLES = {'r': 9, 'ground': 3, 'wind': 3, 'flow': 3, 'airspeed': 3, 'u': ACTUATORS, 'total': 6}
 
 # Values that stay constant during a call, after the parameters, with their sizes.
 FIXED = {'body': BODY, 'inverse': 36, 'command': COMMAND, 'surroundings': SURROUNDINGS}
@@ -48,16 +44,10 @@ class ModelStage:
     """One stage of the state derivative."""
 
     lines: tuple[str, ...]  # source that computes it
-    # Which of VARIABLES it needs and sets
-    reads: tuple[str, ...] = ()
-    writes: tuple[str, ...] = ()
     effect: str = ''  # effect whose flag controls it; '' if it always runs
     memory: tuple[tuple[int, str], ...] = ()  # places in the state and the source of their rates
-    # Lines needed first where the locals of earlier stages are not available
-    prelude: tuple[str, ...] = ()
     each: bool = False  # whether its lines are for one rotor j
-    # Whether a loop over vehicles may hold it together with its neighbours
-    joins: bool = False
+    actuates: bool = False  # whether they set the duties of the rotors, in the end their thrusts
 
 
 @final

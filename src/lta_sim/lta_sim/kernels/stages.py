@@ -1,11 +1,11 @@
 """
 Generate the stages of the state derivative: a few lines of source per effect.
 
-The order is physical: air, actuators, wrenches, then the acceleration of the body. A stage
-declares the variables that it reads and writes, so that the same lines work for one vehicle in
-local variables and for many vehicles in arrays. Rotors are a loop, or unrolled lines for targets
-without arrays: a loop needs an eighth of the source to compile, and is vectorised over one
-vehicle's rotors.
+The order is physical: air, actuators, wrenches, then the acceleration of the body. Stages pass on
+local variables: `r`, the rotation matrix, `ground`, the velocity in the map, `wind` and its rate
+`flow`, `airspeed`, `u`, duties and then thrusts, and `total`, the wrench. Rotors are a loop, or
+unrolled lines for targets without arrays: a loop needs an eighth of the source to compile, and is
+vectorised over one vehicle's rotors.
 """
 
 from typing import final
@@ -22,12 +22,6 @@ from lta_model.state import ACTUATORS, WIND, WIND_RATE
 from lta_sim.kernels.layout import EffectLayout, format_tuple, KernelAccess, ModelStage
 
 
-def is_straight(name: str, extract: SourceExtract) -> bool:
-    """Return whether the functions of an effect have no loop and call nothing but sqrt."""
-    # What the compiler cannot vectorise would keep it from vectorising its neighbours
-    return not extract.is_in_pieces(name, r'^ *(for|while) |math\.(?!sqrt|pi)')
-
-
 def build_command_stage(layout: EffectLayout, access: KernelAccess) -> ModelStage:
     """Return the first actuator stage: the commanded duties."""
     if access.loops:
@@ -35,9 +29,9 @@ def build_command_stage(layout: EffectLayout, access: KernelAccess) -> ModelStag
             f'{access.format_number("u", 0, layout, 1)} = '
             f'{access.format_number("command", 0, layout, 1)}'
         )
-        return ModelStage((line,), each=True, joins=True)
+        return ModelStage((line,), each=True)
     duties = format_tuple(access.format_number('command', i, layout) for i in range(ACTUATORS))
-    return ModelStage((f'u = {duties}',), (), ('u',))
+    return ModelStage((f'u = {duties}',), actuates=True)
 
 
 def _format_rotor_inputs(
@@ -77,8 +71,7 @@ def build_actuator_stage(
                 for k in range(size)
             ]
         lines.append(f'{u} = {output}(p, m, duty, {around})')
-        joins = is_straight(name, extract)
-        return ModelStage(tuple(lines), effect=name, each=True, joins=joins)
+        return ModelStage(tuple(lines), name, each=True)
     lines, rates = [], []
     for i in range(ACTUATORS):
         lines += _format_rotor_inputs(name, effect, layout, access, i)
@@ -89,11 +82,7 @@ def build_actuator_stage(
     if rate:
         lines.append(f'R_{name} = {format_tuple(rates)}')
     lines.append(f'u = {format_tuple(f"u_{i}" for i in range(ACTUATORS))}')
-    return ModelStage(tuple(lines), ('u',), ('u',), name)
-
-
-# Parameters of an effect that may share a loop: longer ones run out of registers
-JOINED_PARAMETERS = 8
+    return ModelStage(tuple(lines), name, actuates=True)
 
 
 @final
@@ -110,13 +99,10 @@ class _StageWriter:
         items = (self._access.format_number(name, first + k, self._layout) for k in range(count))
         return format_tuple(items)
 
-    def format_motion(self, user: str = '') -> str:
-        """Return the source of the motion for wrench effects, or only what `user` reads of it."""
+    def format_motion(self) -> str:
+        """Return the source of the motion for wrench effects."""
         body, command, around = (
             self._access.format_all_numbers(name, self._layout)
-            # Omit the tuples that `user` does not read
-            if not user or self._extract.is_in_pieces(user, rf'\.{name}')
-            else '()'
             for name in ('body', 'command', 'surroundings')
         )
         position, v, w = (
@@ -137,23 +123,16 @@ class _StageWriter:
             f'flow = {self.format_numbers("surroundings", WIND_RATE, 3)}',
             'total = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)',
         )
-        written = ('r', 'ground', 'wind', 'flow', 'total')
-        return ModelStage(lines, (), written, joins=True)
+        return ModelStage(lines)
 
     def build_airspeed_stage(self) -> ModelStage:
         """Return the velocity through the air."""
         v = self.format_numbers('state', 7, 3)
-        return ModelStage(
-            (f'airspeed = rigid_body_airspeed(r, {v}, wind)',),
-            ('r', 'wind'),
-            ('airspeed',),
-            joins=True,
-        )
+        return ModelStage((f'airspeed = rigid_body_airspeed(r, {v}, wind)',))
 
     def build_acceleration_stage(self) -> ModelStage:
         """Return the last stage: the rate of the rigid body."""
         q, w = self.format_numbers('state', 3, 4), self.format_numbers('state', 10, 3)
-        motion = self.format_motion('rigid_body')
         inverse = self._access.format_all_numbers('inverse', self._layout)
         lines = (
             'f = ground',
@@ -162,8 +141,7 @@ class _StageWriter:
         )
         names = [*(f'f[{i}]' for i in range(3)), *(f'g[{i}]' for i in range(4))]
         places = enumerate([*names, *(f'a[{i}]' for i in range(6))])
-        reads = ('r', 'ground', 'flow', 'airspeed', 'total')
-        return ModelStage(lines, reads, (), memory=tuple(places), prelude=(motion,))
+        return ModelStage(lines, memory=tuple(places))
 
     def _format_inputs(self, name: str, effect: AirEffect | WrenchEffect) -> list[str]:
         """Return the lines that load an effect's parameters and memory."""
@@ -197,13 +175,7 @@ class _StageWriter:
             lines.append(
                 f'R_{name} = {self._extract.add_function(effect.rate, name)}(p, m, place)'
             )
-        return ModelStage(
-            tuple(lines),
-            ('ground', 'wind', 'flow'),
-            ('wind', 'flow'),
-            name,
-            self._memory_rates(name, count),
-        )
+        return ModelStage(tuple(lines), name, self._memory_rates(name, count))
 
     def build_wrench_stage(self, name: str, effect: WrenchEffect) -> ModelStage:
         """Return the stage of a wrench effect."""
@@ -217,15 +189,7 @@ class _StageWriter:
             lines.append(
                 f'R_{name} = {self._extract.add_function(effect.rate, name)}(p, m, motion)'
             )
-        return ModelStage(
-            tuple(lines),
-            ('r', 'airspeed', 'u', 'total'),
-            ('total',),
-            name,
-            self._memory_rates(name, count),
-            prelude=(self.format_motion(name),),
-            joins=len(effect.parameters) <= JOINED_PARAMETERS and is_straight(name, self._extract),
-        )
+        return ModelStage(tuple(lines), name, self._memory_rates(name, count))
 
 
 def build_stages(

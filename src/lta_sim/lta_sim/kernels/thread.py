@@ -1,16 +1,23 @@
 """
-One vehicle a thread: its constants are a row, all else is in tuples.
+One vehicle of many: its constants are a row, all else is in tuples.
 
-Serves the batch on a GPU and whole flights (`lta_flight.batch`) on both targets.
+For batches of flights (`lta_flight.batch`), on the CPU and with one vehicle a thread on a GPU, by
+numba-cuda and the packages in requirements-gpu.txt. Both use double precision; the GPU may fuse
+multiplications and additions, so results differ from the CPU's in the last bits.
 """
 
+from importlib import import_module
+from types import ModuleType
 from typing import final
 
+from lta_config.errors import BadInput
 from lta_sim.kernels.layout import EffectLayout, FIXED, format_tuple, indent_lines, ModelStage
+import numpy as np
 
 # Constant arrays of a vehicle, in the order of the row `fixed`, and those that are tuples
 CONSTANTS = ('parameters', 'body', 'inverse')
-OUTER = {name: count for name, count in FIXED.items() if name not in CONSTANTS}
+# Few threads per block of a GPU: each holds a whole vehicle, and they share the registers
+THREADS = 64
 
 # The model, with the arithmetic of states that are tuples
 THREAD_MODEL = '''
@@ -68,7 +75,7 @@ class ThreadAccess:
     ) -> dict[str, str]:
         """Return all stages in sequence, those of the thrusts, and the arithmetic of states."""
         size = range(layout.size)
-        thrusts = [line for part in parts if part.writes == ('u',) for line in part.lines]
+        thrusts = [line for part in parts if part.actuates for line in part.lines]
         return {
             'ahead': format_tuple(f'state[{k}] + dt * rate[{k}]' for k in size),
             # Same order of operations as in the scalar kernel, so that results agree
@@ -78,14 +85,27 @@ class ThreadAccess:
             'bare': indent_lines(line for stage in parts for line in stage.lines),
             'rate': layout.rate_source,
             'actuation': indent_lines(thrusts),
-            # Of a vehicle in row i of arrays
-            **{
-                name: format_tuple(f'{name}_rows[i, {k}]' for k in range(count))
-                for name, count in (('state', layout.size), *OUTER.items())
-            },
-            'stores': indent_lines((f'state_rows[i, {k}] = state[{k}]' for k in size), 3),
         }
 
     def _row_offset(self, name: str, layout: EffectLayout) -> int:
         counts = {'parameters': layout.parameters, **FIXED}
         return sum(counts[name_before] for name_before in CONSTANTS[: CONSTANTS.index(name)])
+
+
+def require_cuda() -> ModuleType:
+    """Return numba's CUDA target; raise BadInput if numba-cuda or a usable GPU is missing."""
+    # numba-cuda 0.30 still uses a function that numpy 2.5 removed.
+    vars(np).setdefault('row_stack', np.vstack)
+    try:
+        cuda = import_module('numba.cuda')
+    except ImportError as error:
+        raise BadInput(
+            f'Cannot import numba-cuda ({error}); install the packages in '
+            'requirements-gpu.txt, or simulate on the CPU.'
+        ) from None
+    if not cuda.is_available():
+        raise BadInput(
+            'numba-cuda finds no GPU; use a machine with an NVIDIA GPU, its driver and '
+            'the packages in requirements-gpu.txt, or simulate on the CPU.'
+        )
+    return cuda
