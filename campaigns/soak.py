@@ -238,7 +238,6 @@ def soaked(lta: Lta, folder: Path, seconds: float) -> Soaked:
             'launch', 'fly', 'time:=lockstep',
             *(f'{name}:={what}' for name, what in write_endless_flight(folder).items()),
             f'bag:={folder / "bag"}',
-            'split_size:=100',  # MB; an index of each chunk is in memory until its file is full
         )  # fmt: skip
         while flown(listener) < BEGUN:
             listener.poll(0.1)

@@ -244,8 +244,7 @@ BEGUN_WITH = {
     'controller': {'armed'},
     'navigator': {'commanded'},
     'recorder': {
-        'commanded', 'seed', 'offset_x', 'offset_y', 'split_size', 'split_duration',
-        'queue_size',
+        'commanded', 'seed', 'offset_x', 'offset_y', 'queue_size',
     },
     'live': {'port'},
     'teensy_bridge': {'peaks', 'patience', 'autostart'},

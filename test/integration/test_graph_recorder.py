@@ -199,20 +199,3 @@ def test_everything_is_found_as_its_publishers_offer_it(recording):
     words, named = facts(recording.bag, 'left out')[-1]
     assert 'common interfaces' in words
     assert named == {'/lta1/strange': 'std_srvs/srv/SetBool_Event'}
-
-
-@pytest.mark.long
-def test_some_topics_in_files_of_half_a_second(recording):
-    recording.start(topics='"odom /clock"', split_duration=0.5)
-    publisher = recording.publisher('odom')
-    for step in range(10):
-        publisher.publish(odom(START + step * 200_000_000))
-    recording.until(lambda: arrived(recording.bag, '/lta1/odom', 10))
-    assert recording.end() == (0, '')
-    assert set(described(recording.bag)) == {'/lta1/odom', '/clock'}
-    files = sorted(path.name for path in recording.bag.glob('*.mcap'))
-    assert files == [f'bag_{n}.mcap' for n in range(4)]  # 0 to 0.4 s, 0.6 to 1.0 s ...
-    assert heard(recording.bag, '/lta1/odom') == [START + k * 200_000_000 for k in range(10)]
-    assert heard(recording.bag / 'bag_1.mcap', '/lta1/odom') == [
-        START + k * 200_000_000 for k in (3, 4, 5)
-    ]

@@ -59,9 +59,5 @@ class RecorderSettings(RobotOrigin):
     Topics to record: relative or absolute names, separated by spaces; 'all' for every topic of the
     graph; empty for those marked as recorded in docs/topics.md.
     """
-    split_size: float = setting(0.0, 'MB', 0.0, 1e6, fixed=True)
-    """File size at which the recorder starts a new file; 0 for a single file."""
-    split_duration: float = setting(0.0, 's', 0.0, 1e6, fixed=True)
-    """Duration after which the recorder starts a new file; 0 for a single file."""
     queue_size: float = setting(64.0, 'MB', 1.0, 1e5, fixed=True)
     """Memory limit for messages that wait to be written to the disk."""

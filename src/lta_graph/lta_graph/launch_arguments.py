@@ -22,10 +22,6 @@ class GraphArguments(Settings):
     """Folder of the bag; it must not exist yet."""
     topics: str = setting('')
     """Topics to record, separated by spaces, or all. Empty: those that topics.yaml marks."""
-    split_size: float = setting(0.0)
-    """Size in MB at which the next file of the bag begins; 0: never."""
-    split_duration: float = setting(0.0)
-    """Seconds of flight after which the next file of the bag begins; 0: never."""
     queue_size: float = setting(64.0)
     """Memory for messages that wait for a slow disk, in MB."""
     live: bool = setting(False)

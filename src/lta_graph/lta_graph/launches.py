@@ -76,7 +76,7 @@ RECORDER_ENTRY = NodeEntry(
     'lta_bridge',
     'recorder',
     lambda a: a.record and a.recorder,
-    'use_sim_time time source replay bag topics split_size split_duration queue_size vehicle '
+    'use_sim_time time source replay bag topics queue_size vehicle '
     'scenario strategy commanded seed offset_x offset_y',
     lambda a: {'gains': a.gains_file},
     sigterm_timeout=LANDING_GRACE,

@@ -20,8 +20,13 @@ BOMB = 'a0: &a0 [x]\n' + ''.join(
 
 
 class Gains(Settings):
-    kp: float = setting(0.5, 'Proportional gain.', unit='1/s', low=0.0, high=2.0)
-    count: int = setting(3, 'Terms.', low=1, fixed=True)
+    kp: float = setting(0.5, '1/s', 0.0, 2.0)
+    """Proportional gain."""
+    count: int = setting(3, low=1, fixed=True)
+    """
+    Terms, on
+    two lines.
+    """
 
 
 class File(StrictModel):
@@ -156,7 +161,7 @@ def test_unknown_names_the_known():
 
 def test_a_default_outside_its_bounds_is_a_mistake():
     class Wrong(Settings):
-        kp: float = setting(3.0, 'Gain.', high=2.0)
+        kp: float = setting(3.0, high=2.0)
 
     with pytest.raises(ValidationError, match='less than or equal to 2'):
         Wrong()
@@ -167,4 +172,5 @@ def test_a_setting_carries_what_a_parameter_needs():
     assert info.description == 'Proportional gain.'
     assert info.json_schema_extra == {'unit': '1/s', 'read_only': False}
     assert Gains.model_fields['count'].json_schema_extra == {'unit': '', 'read_only': True}
+    assert Gains.model_fields['count'].description == 'Terms, on two lines.'
     assert (Gains(kp=0.0).kp, Gains(kp=2.0).kp) == (0.0, 2.0)

@@ -33,10 +33,14 @@ LAUNCH = Launch('mine', FlyArguments, list_mine)
 class TypedArguments(Settings):
     """An argument of each type."""
 
-    text: str = setting('', 'Any text.')
-    count: int = setting(7, 'A whole number.')
-    size: float = setting(0.0, 'A number.')
-    on: bool = setting(True, 'Yes or no.')
+    text: str = setting('')
+    """Any text."""
+    count: int = setting(7)
+    """A whole number."""
+    size: float = setting(0.0)
+    """A number."""
+    on: bool = setting(True)
+    """Yes or no."""
 
 
 TYPED = Launch(

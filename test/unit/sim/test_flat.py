@@ -20,7 +20,8 @@ class Outer(NamedTuple):
 
 
 class Weights(Settings):
-    heavy: float = setting(2.0, 'A weight.', low=0.0)
+    heavy: float = setting(2.0, low=0.0)
+    """A weight."""
 
 
 class Constants(NamedTuple):

@@ -120,7 +120,7 @@ class McapFile:
         self.counts.update(counts)
         self.summary_size += CHUNK_INDEX + CHUNK_INDEX_CHANNEL * len(counts)
 
-    def close(self, *, sync: bool = True) -> None:
+    def close(self) -> None:
         """Finish and close the file, with a summary if it is right; see `RecordFile.close`."""
         try:
             if self._intact:
@@ -133,7 +133,7 @@ class McapFile:
                 with suppress(StorageFault):
                     self._file.write(encode_end_without_summary())
                     self._file.flush()
-            self._file.close(sync=sync)
+            self._file.close()
 
     @contextmanager
     def _change_writer(self) -> Iterator[None]:

@@ -1,11 +1,11 @@
 """Write the `metadata.yaml` of a rosbag2 folder, version 9 (ROS 2 Jazzy), and its QoS profiles."""
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import final, Literal, TypedDict
 
+from lta_bridge.bag.mcap_file import McapFile
 from lta_bridge.bag.schemas import MessageDefinition
 from lta_bridge.bag.storage import to_storage_fault
 from lta_config.atomic_file import replace_atomically
@@ -84,22 +84,6 @@ class TopicRecord:
     written: int = 0
 
 
-@final
-@dataclass(frozen=True, slots=True)
-class BagFileEntry:
-    """One file of a bag: name, first and last log time [ns], message counts by channel."""
-
-    name: str
-    start: int
-    end: int
-    counts: Mapping[int, int]
-
-    @property
-    def message_count(self) -> int:
-        """Number of messages in the file."""
-        return sum(self.counts.values())
-
-
 def build_topic_metadata(topic: TopicRecord, count: int) -> dict[str, object]:
     """Return one entry of `topics_with_message_count`."""
     return {
@@ -115,35 +99,22 @@ def build_topic_metadata(topic: TopicRecord, count: int) -> dict[str, object]:
 
 
 def build_bag_metadata(
-    parts: Sequence[BagFileEntry], topics: Sequence[TopicRecord], provenance: Mapping[str, str]
+    file: McapFile, topics: Sequence[TopicRecord], provenance: Mapping[str, str]
 ) -> dict[str, object]:
-    """
-    Return the content of `metadata.yaml`; the provenance becomes `custom_data`.
-
-    `parts` holds at least one file, in the order of recording.
-    """
-    counts: Counter[int] = Counter()
-    for part in parts:
-        counts.update(part.counts)
-    # An empty file has no log times: its zeros must not become the start of the bag.
-    filled = [part for part in parts if part.message_count]
-    start = min((part.start for part in filled), default=0)
-    end = max((part.end for part in filled), default=0)
+    """Return the content of `metadata.yaml`; the provenance becomes `custom_data`."""
+    time_range = build_time_range(file.start, file.end, file.counts.total())
     return {
         'rosbag2_bagfile_information': {
             'version': 9,
             'storage_identifier': 'mcap',
-            **build_time_range(start, end, counts.total()),
+            **time_range,
             'topics_with_message_count': [
-                build_topic_metadata(topic, counts[topic.channel]) for topic in topics
+                build_topic_metadata(topic, file.counts[topic.channel]) for topic in topics
             ],
             'compression_format': '',
             'compression_mode': '',
-            'relative_file_paths': [part.name for part in parts],
-            'files': [
-                {'path': part.name, **build_time_range(part.start, part.end, part.message_count)}
-                for part in parts
-            ],
+            'relative_file_paths': [file.path.name],
+            'files': [{'path': file.path.name, **time_range}],
             # rosbag2 writes null, not an empty map
             'custom_data': dict(provenance) or None,
             'ros_distro': 'jazzy',
@@ -152,7 +123,7 @@ def build_bag_metadata(
 
 
 def build_time_range(start: int, end: int, messages: int) -> dict[str, object]:
-    """Return the time range and message count of a file or of the bag; log times in ns."""
+    """Return the time range and message count of the bag and its file; log times in ns."""
     return {
         'duration': {'nanoseconds': end - start},
         'starting_time': {'nanoseconds_since_epoch': start},

@@ -1,7 +1,6 @@
 """Append records to a file that never ends in a partial record, even if the disk fails."""
 
 from contextlib import suppress
-from dataclasses import dataclass
 import errno
 import os
 from pathlib import Path
@@ -9,22 +8,6 @@ import shutil
 from typing import final
 
 DISK_MARGIN = 4_000_000  # bytes left free on the disk beyond what closing needs
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class SplitLimits:
-    """Limits of one file of a bag; 0 means no limit."""
-
-    size: int = 0  # size on the disk; a file exceeds it by one chunk at most [bytes]
-    duration_ns: int = 0  # log time since the first message of the file [ns]
-
-    def is_exceeded(self, size: int, age_ns: int) -> bool:
-        """Return whether a file of a size [bytes] and an age [ns] is full."""
-        return 0 < self.size <= size or 0 < self.duration_ns <= age_ns
-
-
-UNSPLIT = SplitLimits()
 
 
 class StorageFault(OSError):
@@ -172,11 +155,10 @@ class RecordFile:
         """Forget what was written since the last flush."""
         self._waiting.clear()
 
-    def close(self, *, sync: bool = True) -> None:
-        """Close the file; with `sync`, wait until it survives a power cut."""
+    def close(self) -> None:
+        """Close the file, and wait until it survives a power cut."""
         try:
-            if sync:
-                os.fsync(self._fd)
+            os.fsync(self._fd)
         except OSError as error:
             raise to_storage_fault(error, self.path) from error
         finally:

@@ -1,19 +1,17 @@
 """
 Write a rosbag2 bag that stays readable after a crash or a full disk.
 
-The bag is a folder with metadata.yaml (version 9) and one or more MCAP files, each readable on
-its own: profile ros2, CDR messages, message definitions, zstd chunks with CRC, chunk and message
-indexes. Everything up to the last `flush` survives the death of the process.
+The bag is a folder with metadata.yaml (version 9) and one MCAP file, readable on its own: profile
+ros2, CDR messages, message definitions, zstd chunks with CRC, chunk and message indexes.
+Everything up to the last `flush` survives the death of the process.
 """
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import final, Self
 
 from lta_bridge.bag.mcap_file import McapFile
 from lta_bridge.bag.metadata import (
-    BagFileEntry,
     build_bag_metadata,
     format_offered_qos,
     NAME,
@@ -22,7 +20,7 @@ from lta_bridge.bag.metadata import (
     write_metadata,
 )
 from lta_bridge.bag.schemas import generate_definition, MessageDefinition
-from lta_bridge.bag.storage import check_room, fsync_file, SplitLimits, StorageFault, UNSPLIT
+from lta_bridge.bag.storage import check_room, fsync_file, StorageFault
 from lta_config.atomic_file import remove_dead_parts
 from lta_config.errors import BadInput
 
@@ -61,9 +59,7 @@ class BagWriter:
     path : Path
         Folder of the bag; created if missing, must be empty.
     provenance : mapping of str to str
-        Origin of the data (commit, seed, scenario); stored in metadata.yaml and each MCAP file.
-    split : SplitLimits
-        When to start the next file; by default never.
+        Origin of the data (commit, seed, scenario); stored in metadata.yaml and the MCAP file.
 
     Raises
     ------
@@ -74,27 +70,23 @@ class BagWriter:
 
     """
 
-    def __init__(
-        self, path: Path, provenance: Mapping[str, str], split: SplitLimits = UNSPLIT
-    ) -> None:
+    def __init__(self, path: Path, provenance: Mapping[str, str]) -> None:
         self.path = prepare_empty_folder(Path(path))
         self._provenance = dict(provenance)
-        self._split = split
         self._topics: dict[str, TopicRecord] = {}
         self._described = 0
         self._fault: StorageFault | None = None
         self._open = True
-        self._parts: list[BagFileEntry] = []
-        self._first: int | None = None
-        self._mcap = self._create_file(0)
+        # rosbag2's naming; resolve() gives '.' and '..' a name
+        name = f'{self.path.resolve().name}_0.mcap'
+        self._mcap = McapFile(self.path / name, LIBRARY, self._provenance)
         self._write_metadata()
 
     @property
     def required_closing_space(self) -> int:
         """Space that `close` needs: stop recording before less is left. [bytes]"""
-        # Upper bound of metadata.yaml: head and topics, then the list of files.
-        described = 1024 * (4 + len(self._topics)) + 256 * len(self._parts)
-        return self._mcap.summary_size + described
+        # Upper bound of metadata.yaml: head and topics
+        return self._mcap.summary_size + 1024 * (4 + len(self._topics))
 
     def add_topic(
         self, name: str, type_name: str | MessageDefinition, qos: Sequence[OfferedQos]
@@ -128,7 +120,7 @@ class BagWriter:
         self._topics[name] = TopicRecord(name, definition, list(qos), channel)
 
     def update_qos(self, name: str, qos: Sequence[OfferedQos]) -> None:
-        """Update a topic's offered QoS profiles, for metadata.yaml and the next file."""
+        """Update a topic's offered QoS profiles, for metadata.yaml."""
         self._topics[name].qos = list(qos)
 
     def write(
@@ -163,8 +155,6 @@ class BagWriter:
         # Counted before writing, so that lost_count includes a message whose write fails
         record.written += 1
         try:
-            if self._split is not UNSPLIT:
-                self._split_if_due(log_time_ns)
             self._mcap.add_message(
                 record.channel, record.written, log_time_ns, data, publish_time_ns
             )
@@ -215,7 +205,12 @@ class BagWriter:
         self._open = False
         earlier_fault = self._fault
         # Try every step even after a fault: each makes the bag more complete.
-        for step in (self._mcap.flush, self._mcap.close, self._write_metadata, self._fsync_files):
+        for step in (
+            self._mcap.flush,
+            self._mcap.close,
+            self._write_metadata,
+            self._fsync_metadata,
+        ):
             try:
                 step()
             except StorageFault as fault:
@@ -226,8 +221,8 @@ class BagWriter:
 
     @property
     def message_count(self) -> int:
-        """Number of messages in the files."""
-        return sum(part.message_count for part in self._parts) + self._mcap.counts.total()
+        """Number of messages in the file."""
+        return self._mcap.counts.total()
 
     @property
     def lost_count(self) -> int:
@@ -240,44 +235,14 @@ class BagWriter:
         if self._fault is not None:
             raise self._fault
 
-    def _create_file(self, number: int) -> McapFile:
-        """Create a file with all metadata and channels, so that it can be read on its own."""
-        # rosbag2's naming; resolve() gives '.' and '..' a name
-        name = f'{self.path.resolve().name}_{number}.mcap'
-        mcap = McapFile(self.path / name, LIBRARY, self._provenance)
-        for record in self._topics.values():  # in the order of the channel numbers
-            mcap.add_channel(record.name, record.definition, format_offered_qos(record.qos))
-        return mcap
-
-    def _split_if_due(self, log_time_ns: int) -> None:
-        """Start the next file before a message of this log time, if a limit is exceeded."""
-        self._first = log_time_ns if self._first is None else self._first
-        size = self._mcap.size if self._mcap.counts else 0  # the file's head alone never splits
-        if self._split.is_exceeded(size, log_time_ns - self._first):
-            self._mcap.flush()
-            # Create the next file before closing the old one, and list it in metadata.yaml before
-            # it gets a message: whenever the process dies, the bag is complete.
-            following, full = self._create_file(len(self._parts) + 1), self._mcap
-            self._parts.append(self._describe_file(full))
-            self._mcap = following
-            self._first = log_time_ns
-            full.close(sync=False)  # a sync on a slow disk would delay the next messages
-            self._write_metadata()
-
-    def _describe_file(self, mcap: McapFile) -> BagFileEntry:
-        """Return the metadata.yaml entry of a file."""
-        return BagFileEntry(mcap.path.name, mcap.start, mcap.end, Counter(mcap.counts))
-
-    def _fsync_files(self) -> None:
-        """Sync all files, so that the bag survives a power cut; slow on a slow disk."""
-        for name in (*(part.name for part in self._parts), NAME):
-            fsync_file(self.path / name)
+    def _fsync_metadata(self) -> None:
+        """Sync metadata.yaml, so that the bag survives a power cut; slow on a slow disk."""
+        fsync_file(self.path / NAME)
 
     def _write_metadata(self) -> None:
-        """Write metadata.yaml with the present topics and files."""
+        """Write metadata.yaml with the present topics and messages."""
         topics = list(self._topics.values())
-        parts = [*self._parts, self._describe_file(self._mcap)]
-        write_metadata(self.path, build_bag_metadata(parts, topics, self._provenance))
+        write_metadata(self.path, build_bag_metadata(self._mcap, topics, self._provenance))
         self._described = len(topics)
 
     def __enter__(self) -> Self:

@@ -16,7 +16,7 @@ from typing import Any, Unpack
 from lta_bridge.bag.background_writer import BackgroundWriter
 from lta_bridge.bag.metadata import has_mixed_durability, OfferedQos
 from lta_bridge.bag.schemas import is_jazzy_type
-from lta_bridge.bag.storage import SplitLimits, StorageFault
+from lta_bridge.bag.storage import StorageFault
 from lta_bridge.bag.writer import BagWriter
 from lta_bridge.crazyflie.safety import LEAVE
 from lta_bridge.intake import MessageIntake
@@ -130,9 +130,7 @@ class Recorder(GraphNode):
 
     def _open_writer(self, path: Path, origin: dict[str, str]) -> BackgroundWriter:
         """Create the bag."""
-        settings = self._settings
-        split = SplitLimits(int(settings.split_size * MB), int(settings.split_duration * 1e9))
-        return BackgroundWriter(BagWriter(path, origin, split), int(settings.queue_size * MB))
+        return BackgroundWriter(BagWriter(path, origin), int(self._settings.queue_size * MB))
 
     def _expected_profile(self, name: str) -> QoSProfile:
         """Return the expected QoS profile of a topic."""

@@ -42,14 +42,19 @@ import worker_functions
 
 
 class Inner(Settings):
-    kd: float = setting(0.2, 'Damping.', unit='s', low=0.0, high=3.0)
+    kd: float = setting(0.2, 's', 0.0, 3.0)
+    """Damping."""
 
 
 class Toy(Settings):
-    kp: float = setting(1.0, 'Stiffness.', unit='1/s', low=0.5, high=2.0)
-    limit: float = setting(5.0, 'Largest output.', low=0.0, high=9.0)
-    off: float = setting(0.0, 'Not used.', low=0.0, high=1.0)
-    inner: Inner = setting(Inner(), 'Within.')
+    kp: float = setting(1.0, '1/s', 0.5, 2.0)
+    """Stiffness."""
+    limit: float = setting(5.0, low=0.0, high=9.0)
+    """Largest output."""
+    off: float = setting(0.0, low=0.0, high=1.0)
+    """Not used."""
+    inner: Inner = setting(Inner())
+    """Within."""
 
 
 def test_numbers_are_found_with_their_bounds():
