@@ -247,7 +247,7 @@ def test_a_state_that_is_not_a_number_begins_again_where_the_drone_was():
     assert after.restarts == 1
     assert after.position == pytest.approx(flown.position, abs=1.0)
     assert after.position_covariance[0] >= 100.0  # m2
-    assert np.isfinite(np.array(after.rows)).all()
+    assert np.isfinite(after.rows).all()
 
 
 def sight(**changes):

@@ -58,7 +58,7 @@ WIND_X, WIND_Y = -0.3, 0.1
 VARIANCES = (0.04, 0.09, 0.0025, 0.01, 0.01, 0.01, 0.0, 0.0, 0.0)
 GROUND = GroundMotion(
     (2.0, 1.0, -0.2, 0.1, WIND_X, WIND_Y, 0.0, 0.0, 0.0),
-    tuple(tuple(row) for row in np.diag(VARIANCES).tolist()),
+    np.diag(VARIANCES),
     air=(0.4, 0.05),
 )
 
@@ -141,7 +141,7 @@ def test_an_estimate_that_is_not_ready_is_unknown():
 def test_a_position_that_is_lost_is_no_reason_to_stop_the_motors():
     lost = np.diag(VARIANCES)
     lost[:2, :2] = [[4e9, 1e9], [1e9, 2e9]]  # m2, after a day without a lamp
-    lost = GROUND._replace(rows=tuple(tuple(row) for row in lost.tolist()))
+    lost = GROUND._replace(rows=lost)
     message = odometry(FLYING, lost)
     assert to_cascade_measurement(message) is not None
     planar = message.pose.covariance.reshape(6, 6)[:2, :2]

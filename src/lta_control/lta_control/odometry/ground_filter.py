@@ -33,9 +33,8 @@ and the process noise then grows with them (covariance matching: Mehra, Approach
 filtering, IEEE Trans. Autom. Control 17, 1972).
 """
 
-from collections.abc import Sequence
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from lta_control.cascade import wrap_angle
 from lta_control.odometry.airspeed import HullDragModel
@@ -48,8 +47,8 @@ from lta_control.odometry.ground_state import (
     GroundMotion,
     GroundSettings,
     LOG_DISTANCE,
+    Matrix,
     Row,
-    scale_unit_row,
     slip_variance,
     WIND_X,
     WIND_Y,
@@ -57,6 +56,7 @@ from lta_control.odometry.ground_state import (
     Y,
 )
 from lta_control.sighting import LampSighting, NEAREST_SIGHTING
+import numpy as np
 
 POSITION_WALK = 0.03  # m in one second: error of the position beyond that of the velocity
 DRAG_ERROR = 0.2  # relative error of the drag's slope
@@ -117,29 +117,18 @@ def predict_motion(
         (dt * to_x, dt * to_y),
     )
     # F P F^T, by rows and then by columns
-    half = _transform_rows(transition, rows)
-    after = [list(row) for row in _transform_rows(transition, tuple(zip(*half, strict=True)))]
+    after = _transform_rows(transition, _transform_rows(transition, rows).T)
     excess = min(max(state.innovation**2 - EXPECTED, 0.0), MOST_EXCESS)
     model = settings.thrust_noise**2 + 2.0 * (DRAG_ERROR * 0.5 * (ahead + aside)) ** 2 * error
     if state.on_ground:
         model += CONTACT * CONTACT
     model += GUST_DRIFT * GUST_DRIFT * excess
     gusts = settings.gusts * settings.gusts + GUST_WIND * GUST_WIND * excess
-    noise = (
-        POSITION_WALK * POSITION_WALK,
-        POSITION_WALK * POSITION_WALK,
-        model,
-        model,
-        gusts,
-        gusts,
-        0.0,
-        0.0,
-        0.0,
-    )
-    for i, density in enumerate(noise):
-        after[i][i] += dt * density
+    walk = POSITION_WALK * POSITION_WALK
+    noise = np.array((walk, walk, model, model, gusts, gusts, 0.0, 0.0, 0.0))
+    after += np.diag(dt * noise)
     if seen:
-        after[8][8] += dt * (
+        after[BRIGHTNESS, BRIGHTNESS] += dt * (
             BRIGHTNESS_WALK * BRIGHTNESS_WALK + 2.0 * ASPECT_TIME * (ASPECT * turn_rate) ** 2
         )
     lamp = mean[BEARING], mean[LOG_DISTANCE]
@@ -159,7 +148,7 @@ def predict_motion(
             *lamp,
             mean[BRIGHTNESS],
         ),
-        rows=tuple([tuple(row) for row in after]),
+        rows=after,
         moved=(0.0, 0.0),
         elapsed=0.0,
     )
@@ -172,17 +161,13 @@ def hold_still(before: GroundMotion, after: GroundMotion) -> GroundMotion:
     Its velocity over ground is zero within `STANDS`, and independent of all else, such as of a
     wind against which the floor holds it. So its position has the covariance that it had.
     """
-    rows = [list(row) for row in after.rows]
+    rows = after.rows.copy()
     for i in (X, Y, DRIFT_X, DRIFT_Y):
         is_place = i in (X, Y)
-        for j in range(len(rows)):
-            rows[i][j] = rows[j][i] = before.rows[i][j] if is_place else 0.0
-        rows[i][i] += STANDS * STANDS * (before.elapsed if is_place else 1.0)
+        rows[i] = rows[:, i] = before.rows[i] if is_place else 0.0
+        rows[i, i] += STANDS * STANDS * (before.elapsed if is_place else 1.0)
     drift = -after.air[0], -after.air[1]
-    return after._replace(
-        mean=(*after.mean[:DRIFT_X], *drift, *after.mean[WIND_X:]),
-        rows=tuple(map(tuple, rows)),
-    )
+    return after._replace(mean=(*after.mean[:DRIFT_X], *drift, *after.mean[WIND_X:]), rows=rows)
 
 
 class _Transition(NamedTuple):
@@ -194,21 +179,20 @@ class _Transition(NamedTuple):
     toward: tuple[float, float]  # unit vector to the lamp over the distance; zero without one
 
 
-def _transform_rows(f: _Transition, rows: tuple[Any, ...]) -> tuple[Any, ...]:
+def _transform_rows(f: _Transition, rows: Matrix) -> Matrix:
     """Return F times a matrix."""
-    r0, r1, r2, r3, r4, r5, r6, r7, r8 = rows
     dt, (kxx, kxy, kyy), (same, turn), (x, y) = f
-    return (
-        [a + dt * b for a, b in zip(r0, r2, strict=True)],
-        [a + dt * b for a, b in zip(r1, r3, strict=True)],
-        [a - kxx * (a - c) - kxy * (b - d) for a, b, c, d in zip(r2, r3, r4, r5, strict=True)],
-        [b - kxy * (a - c) - kyy * (b - d) for a, b, c, d in zip(r2, r3, r4, r5, strict=True)],
-        r4,
-        r5,
-        [same * p + turn * q + y * a - x * b for p, q, a, b in zip(r6, r7, r2, r3, strict=True)],
-        [same * q - turn * p - x * a - y * b for p, q, a, b in zip(r6, r7, r2, r3, strict=True)],
-        r8,
-    )
+    a, b = rows[DRIFT_X], rows[DRIFT_Y]
+    p, q = rows[BEARING], rows[LOG_DISTANCE]
+    slip_x, slip_y = a - rows[WIND_X], b - rows[WIND_Y]
+    after = rows.copy()
+    after[X] += dt * a
+    after[Y] += dt * b
+    after[DRIFT_X] = a - kxx * slip_x - kxy * slip_y
+    after[DRIFT_Y] = b - kxy * slip_x - kyy * slip_y
+    after[BEARING] = same * p + turn * q + y * a - x * b
+    after[LOG_DISTANCE] = same * q - turn * p - x * a - y * b
+    return after
 
 
 def correct_motion(
@@ -232,7 +216,7 @@ def correct_motion(
     )
     turn = wrap_angle(bearing - mean[BEARING])
     gap = math.log(sighting.strength) - _expect_log_strength(mean)
-    turn_size = rows[BEARING][BEARING] + bearing_noise
+    turn_size = rows[BEARING, BEARING] + bearing_noise
     gap_size = _measure_strength(rows)[1] + strength_noise
     if turn * turn > GATE * GATE * turn_size or gap * gap > GATE * GATE * gap_size:
         if doubted > DOUBT:
@@ -256,7 +240,7 @@ def correct_place(
     """Return the state after a position that a tracker has measured. [m, odom]"""
     mean, rows = state.mean, state.rows
     for axis, value in zip((X, Y), place, strict=True):
-        size = rows[axis][axis] + deviation * deviation
+        size = rows[axis, axis] + deviation * deviation
         mean, rows = _update(mean, rows, rows[axis], (value - mean[axis]) / size, size)
     return state._replace(mean=mean, rows=rows)
 
@@ -265,22 +249,17 @@ def _expect_log_strength(mean: Row) -> float:
     return mean[BRIGHTNESS] - 2.0 * mean[LOG_DISTANCE]
 
 
-def _measure_strength(rows: tuple[Row, ...]) -> tuple[list[float], float]:
+def _measure_strength(rows: Matrix) -> tuple[Matrix, float]:
     """Return P H^T of the logarithm of the strength, and its variance without noise."""
-    gains = [b - 2.0 * a for a, b in zip(rows[LOG_DISTANCE], rows[BRIGHTNESS], strict=True)]
+    gains = rows[BRIGHTNESS] - 2.0 * rows[LOG_DISTANCE]
     return gains, gains[BRIGHTNESS] - 2.0 * gains[LOG_DISTANCE]
 
 
 def _update(
-    mean: Row, rows: tuple[Row, ...], gains: Sequence[float], step: float, size: float
-) -> tuple[Row, tuple[Row, ...]]:
+    mean: Row, rows: Matrix, gains: Matrix, step: float, size: float
+) -> tuple[Row, Matrix]:
     """Return mean and covariance after a measurement; `step` is the innovation over its `size`."""
-    scaled = [g / size for g in gains]
-    after = [
-        tuple([p - g * h for p, h in zip(row, scaled, strict=True)])
-        for row, g in zip(rows, gains, strict=True)
-    ]
-    return tuple([m + step * g for m, g in zip(mean, gains, strict=True)]), tuple(after)
+    return tuple((mean + step * gains).tolist()), rows - np.outer(gains, gains / size)
 
 
 def _restart_lamp(
@@ -291,19 +270,16 @@ def _restart_lamp(
     lamp = bearing, distance, math.log(sighting.strength) + 2.0 * distance
     variance = sighting.spread * sighting.spread
     turn = sighting.deviation**2 + settings.bearing_noise**2
-    rows = [(*row[:BEARING], 0.0, 0.0, 0.0) for row in state.rows[:BEARING]]
+    rows = np.zeros_like(state.rows)
+    rows[:BEARING, :BEARING] = state.rows[:BEARING, :BEARING]
     # A brighter lamp is farther away
-    rows += [
-        scale_unit_row(BEARING, turn),
-        (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, variance, 2.0 * variance),
-        (
-            0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
-            2.0 * variance, 4.0 * variance + settings.strength_noise**2,
-        ),
-    ]  # fmt: skip
+    noise = settings.strength_noise**2
+    rows[BEARING, BEARING], rows[LOG_DISTANCE, LOG_DISTANCE] = turn, variance
+    rows[LOG_DISTANCE, BRIGHTNESS] = rows[BRIGHTNESS, LOG_DISTANCE] = 2.0 * variance
+    rows[BRIGHTNESS, BRIGHTNESS] = 4.0 * variance + noise
     return state._replace(
         mean=(*state.mean[:BEARING], *lamp),
-        rows=tuple(rows),
+        rows=rows,
         frequency=sighting.frequency,
         doubted=0.0,
     )

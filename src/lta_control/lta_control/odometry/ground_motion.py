@@ -2,7 +2,7 @@
 Estimate the motion over ground in each step: velocity and position, with their covariance.
 
 The position is advanced in each step, the covariance every `PERIOD` by `ground_filter`, which
-describes the model. Plain Python numbers, so that all nodes and loops get the same bits.
+describes the model. It is not compiled, so that all nodes and loops get the same bits.
 """
 
 from collections.abc import Iterable
@@ -31,6 +31,7 @@ from lta_control.odometry.ground_state import (
 )
 from lta_control.odometry.tracked_motion import OdomMotion
 from lta_control.sighting import LampSighting
+import numpy as np
 
 if TYPE_CHECKING:
     from lta_control.estimator import MotionEstimate
@@ -130,7 +131,7 @@ def ground_step(
     `tracked` is the position by a tracker at this step [m, odom], if there is one. It is used
     where the covariance is advanced, which sets `elapsed` to 0.
     """
-    if not state.rows:
+    if not state.rows.size:
         state = start_ground_motion(settings)
     ready, yaw, yaw_rate, surge, sway, on_ground, stands = motion
     cos, sin = math.cos(yaw), math.sin(yaw)
@@ -139,17 +140,12 @@ def ground_step(
     way = dt * (air[0] + mean[DRIFT_X]), dt * (air[1] + mean[DRIFT_Y])
     # The frame begins where the drone stands when the estimate is ready
     place = (mean[X] + way[0], mean[Y] + way[1]) if ready else (0.0, 0.0)
-    state = GroundMotion(
-        (*place, *mean[DRIFT_X:]),
-        state.rows,
-        air,
-        (moved[0] + way[0], moved[1] + way[1]),
-        state.elapsed + dt,
-        state.frequency,
-        state.doubted,
-        state.restarts,
-        on_ground,
-        state.innovation,
+    state = state._replace(
+        mean=(*place, *mean[DRIFT_X:]),
+        air=air,
+        moved=(moved[0] + way[0], moved[1] + way[1]),
+        elapsed=state.elapsed + dt,
+        on_ground=on_ground,
     )
     if not ready:
         sighting = None
@@ -158,15 +154,16 @@ def ground_step(
     # A bearing holds for the middle of its block
     bearing = 0.0 if sighting is None else yaw - yaw_rate * sighting.age + sighting.bearing
     try:
-        after = predict_motion(settings, hull, state, (cos, sin))
-        if stands:
-            after = hold_still(state, after)
-        if tracked is not None and ready:
-            after = correct_place(after, tracked, TRACKER_SIGMA)
-        if sighting is not None:
-            after = correct_motion(
-                settings, after, sighting, bearing, state.doubted + state.elapsed
-            )
+        with np.errstate(all='ignore'):  # judged by `is_computable`
+            after = predict_motion(settings, hull, state, (cos, sin))
+            if stands:
+                after = hold_still(state, after)
+            if tracked is not None and ready:
+                after = correct_place(after, tracked, TRACKER_SIGMA)
+            if sighting is not None:
+                after = correct_motion(
+                    settings, after, sighting, bearing, state.doubted + state.elapsed
+                )
     except (OverflowError, ZeroDivisionError, ValueError):
         # Sightings that contradict each other: the drone flies on without
         return restart_ground_motion(settings, state)

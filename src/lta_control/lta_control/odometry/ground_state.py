@@ -8,8 +8,11 @@ import math
 from typing import NamedTuple
 
 from lta_config.settings import setting, Settings
+import numpy as np
+from numpy.typing import NDArray
 
 Row = tuple[float, ...]  # one number per state
+Matrix = NDArray[np.float64]  # shape (9, 9)
 Covariance = tuple[float, float, float]  # xx, xy, yy of a vector in the plane
 
 X, Y, DRIFT_X, DRIFT_Y, WIND_X, WIND_Y, BEARING, LOG_DISTANCE, BRIGHTNESS = range(9)
@@ -38,11 +41,11 @@ class GroundSettings(Settings):
 
 
 class GroundMotion(NamedTuple):
-    """State of the filter; `rows` is empty before the first step."""
+    """State of the filter; it has no covariance before the first step."""
 
     # States in the order of the module's constants, and their covariance
     mean: Row = ZERO_ROW
-    rows: tuple[Row, ...] = ()
+    rows: Matrix = np.zeros((0, 0))
     air: tuple[float, float] = (0.0, 0.0)  # velocity of the drag model [m/s, odom]
     moved: tuple[float, float] = (0.0, 0.0)  # way since the last prediction [m, odom]
     elapsed: float = 0.0  # time since the last prediction [s]
@@ -60,7 +63,7 @@ class GroundMotion(NamedTuple):
     @property
     def position_covariance(self) -> Covariance:
         """Covariance of the position. [m2, odom]"""
-        return self.rows[X][X], self.rows[X][Y], self.rows[Y][Y]
+        return self.rows[X, X], self.rows[X, Y], self.rows[Y, Y]
 
     @property
     def velocity(self) -> tuple[float, float]:
@@ -71,7 +74,7 @@ class GroundMotion(NamedTuple):
     def velocity_covariance(self) -> Covariance:
         """Covariance of the velocity over ground. [m2/s2, odom]"""
         r = self.rows
-        return r[DRIFT_X][DRIFT_X], r[DRIFT_X][DRIFT_Y], r[DRIFT_Y][DRIFT_Y]
+        return r[DRIFT_X, DRIFT_X], r[DRIFT_X, DRIFT_Y], r[DRIFT_Y, DRIFT_Y]
 
     @property
     def airspeed(self) -> tuple[float, float]:
@@ -85,7 +88,7 @@ class GroundMotion(NamedTuple):
         r = self.rows
         return (
             slip_variance(r, DRIFT_X, WIND_X),
-            r[DRIFT_X][DRIFT_Y] - r[DRIFT_X][WIND_Y] - r[WIND_X][DRIFT_Y] + r[WIND_X][WIND_Y],
+            r[DRIFT_X, DRIFT_Y] - r[DRIFT_X, WIND_Y] - r[WIND_X, DRIFT_Y] + r[WIND_X, WIND_Y],
             slip_variance(r, DRIFT_Y, WIND_Y),
         )
 
@@ -103,38 +106,25 @@ def rotate_covariance(covariance: Covariance, angle: float) -> Covariance:
 def start_ground_motion(settings: GroundSettings) -> GroundMotion:
     """Return the state at rest at the origin, in an unknown wind."""
     wind = settings.wind * settings.wind
-    variances = (
-        START_DEVIATION * START_DEVIATION,
-        START_DEVIATION * START_DEVIATION,
-        0.0,
-        0.0,
-        wind,
-        wind,
-        0.0,
-        0.0,
-        0.0,
-    )
-    return GroundMotion(
-        rows=tuple([scale_unit_row(i, variances[i]) for i in range(len(variances))])
-    )
+    place = START_DEVIATION * START_DEVIATION
+    return GroundMotion(rows=np.diag((place, place, 0.0, 0.0, wind, wind, 0.0, 0.0, 0.0)))
 
 
 def is_computable(state: GroundMotion) -> bool:
     """Return whether all numbers are finite and all variances positive."""
-    variances = [row[i] for i, row in enumerate(state.rows)]
-    return math.isfinite(sum(map(sum, state.rows)) + sum(state.mean)) and min(variances) >= 0.0
+    is_finite = bool(np.isfinite(state.rows).all() and np.isfinite(state.mean).all())
+    return is_finite and bool(state.rows.diagonal().min() >= 0.0)
 
 
 def restart_ground_motion(settings: GroundSettings, state: GroundMotion) -> GroundMotion:
     """Return a state that keeps the position, and knows of the motion no more than the prior."""
     place = [each if math.isfinite(each) else 0.0 for each in state.position]
     fresh = start_ground_motion(settings)
-    lost, wind = RESTART_DEVIATION * RESTART_DEVIATION, fresh.rows[WIND_X][WIND_X]
-    variances = (lost, lost, wind, wind, wind, wind, 0.0, 0.0, 0.0)
+    lost, wind = RESTART_DEVIATION * RESTART_DEVIATION, fresh.rows[WIND_X, WIND_X]
     air = state.air if all(map(math.isfinite, state.air)) else (0.0, 0.0)
     return fresh._replace(
         mean=(*place, *ZERO_ROW[DRIFT_X:]),
-        rows=tuple([scale_unit_row(i, variances[i]) for i in range(len(variances))]),
+        rows=np.diag((lost, lost, wind, wind, wind, wind, 0.0, 0.0, 0.0)),
         air=air,
         restarts=state.restarts + 1,
     )
@@ -142,21 +132,12 @@ def restart_ground_motion(settings: GroundSettings, state: GroundMotion) -> Grou
 
 def place_origin(state: GroundMotion) -> GroundMotion:
     """Return the state at the origin, of which nothing else depends on the position."""
-    rows = [(0.0, 0.0, *row[DRIFT_X:]) for row in state.rows]
-    rows[X], rows[Y] = (
-        scale_unit_row(X, START_DEVIATION * START_DEVIATION),
-        scale_unit_row(Y, START_DEVIATION * START_DEVIATION),
-    )
-    return state._replace(mean=(0.0, 0.0, *state.mean[DRIFT_X:]), rows=tuple(rows))
+    rows = state.rows.copy()
+    rows[:DRIFT_X] = rows[:, :DRIFT_X] = 0.0
+    rows[X, X] = rows[Y, Y] = START_DEVIATION * START_DEVIATION
+    return state._replace(mean=(0.0, 0.0, *state.mean[DRIFT_X:]), rows=rows)
 
 
-def scale_unit_row(index: int, value: float) -> Row:
-    """Return a row of zeros with one value."""
-    row = [0.0] * len(ZERO_ROW)
-    row[index] = value
-    return tuple(row)
-
-
-def slip_variance(rows: tuple[Row, ...], drift: int, wind: int) -> float:
+def slip_variance(rows: Matrix, drift: int, wind: int) -> float:
     """Return the variance of a drift less a wind. [m2/s2]"""
-    return max(rows[drift][drift] + rows[wind][wind] - 2.0 * rows[drift][wind], 0.0)
+    return max(float(rows[drift, drift] + rows[wind, wind] - 2.0 * rows[drift, wind]), 0.0)

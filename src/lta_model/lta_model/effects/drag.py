@@ -226,12 +226,12 @@ def _strip_parameters(i: int) -> tuple[EffectParameter, ...]:
     )
 
 
-def _cross_product(a: Vector, b: Vector) -> Vector:
+def _cross_product(a: Values, b: Values) -> Vector:
     """Return a x b."""
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
-def _strip_drag(drag: Vector, u: Vector, share: float) -> Vector:
+def _strip_drag(drag: Values, u: Vector, share: float) -> Vector:
     """Return the drag of a share of a strip at the velocity u."""
     return (
         -share * drag[0] * abs(u[0]) * u[0],
@@ -240,7 +240,7 @@ def _strip_drag(drag: Vector, u: Vector, share: float) -> Vector:
     )
 
 
-def strip_wrench(u: Vector, w: Vector, centre: Vector, half: Vector, drag: Vector) -> Wrench:
+def strip_wrench(u: Vector, w: Vector, centre: Values, half: Values, drag: Values) -> Wrench:
     """
     Return the drag of one strip and its moment about the hull centre, body frame. [N, N m]
 
