@@ -5,14 +5,13 @@ from hypothesis import strategies as st
 from lta_model.effects import EFFECTS, initial_memory
 from lta_model.effects.protocol import WrenchEffect
 from lta_model.model import VehicleModel
-from lta_model.state import POSITION, QUATERNION, RIGID, VELOCITY
+from lta_model.state import pack_state, POSITION, QUATERNION, RIGID, VELOCITY
 from lta_sim.kernels.kernel import advance
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from .test_effects import kind, laws, memories, motions, of, parameters, thrusts, vectors
-from .test_effects_together import begin
 
 # The floor has no heading, so that its contact counts as free of places; but it stands still.
 GROUNDED = {'floor_contact'}
@@ -27,6 +26,10 @@ BODY = {
     'thrust_curve': {'a_1': 0.09, 'b_1': 0.07, 'a_2': 0.09, 'b_2': 0.07},
     'linear_drag': {'surge': 0.02, 'sway': 0.02, 'heave': 0.05},
 }
+
+
+def begin(memory):
+    return pack_state((1.0, 2.0, 0.33), 0.3, (0.3, -0.2, -0.1), (0.4, 0.5, -0.6), memory)
 
 
 @pytest.mark.parametrize('effect', FREE, ids=of)

@@ -12,20 +12,6 @@ import pytest
 TINY = 'def answer():\n    return 42\n'
 COMPILED = f'from numba import njit\n\n\n@njit(cache=True)\n{TINY}'
 
-# Run twice: the second process finds the kernel on disk, and then compiles another one
-LOADED = f"""
-from pathlib import Path
-import sys
-
-from lta_config.compilation.kernel_cache import load_kernel
-
-text, root = {COMPILED!r}, Path(sys.argv[1])
-one = load_kernel(text, root).answer()
-filled = 'numba.np.linalg' in sys.modules
-two = load_kernel(text.replace('42', '6 * round(7.4)'), Path(sys.argv[2])).answer()
-print(one, filled, two, *(name in sys.modules for name in ('coverage', 'scipy.linalg')))
-"""
-
 EFFECT = '''
     """A push along x, from another package."""
 
@@ -99,16 +85,6 @@ def test_it_is_known_whether_a_kernel_has_to_be_compiled(tmp_path):
     assert kernel.answer() == 42
     assert is_cached(COMPILED, tmp_path)
     assert not is_cached(COMPILED.replace('42', '43'), tmp_path)
-
-
-def test_a_kernel_from_disk_is_loaded_without_what_only_the_compiler_needs(tmp_path):
-    words = [sys.executable, '-c', LOADED, tmp_path / 'kept']
-    environment = os.environ | {'PYTHONPATH': os.pathsep.join(filter(None, sys.path))}
-    printed = [
-        subprocess.check_output([*words, tmp_path / name], env=environment, text=True)
-        for name in ('first', 'second')
-    ]
-    assert printed == ['42 True 42 False False\n', '42 False 42 False False\n']
 
 
 def test_a_broken_file_is_mended(tmp_path):

@@ -12,7 +12,6 @@ from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point
 from lta_bridge.description.scene import draw_static_scene
 from lta_bridge.description.shapes import (
-    ArrowShape,
     BillboardText,
     BoxShape,
     CylinderShape,
@@ -62,9 +61,6 @@ def build_marker(shape: Shape) -> Marker:
             # Markers have no cones
             marker = place_marker(Marker.TRIANGLE_LIST, shape.place, shape.turn, ONES)
             marker.points = [to_point(each) for each in list_cone_triangles(shape)]
-        case ArrowShape():
-            size = (shape.length, shape.thickness, shape.thickness)
-            marker = place_marker(Marker.ARROW, shape.place, shape.turn, size)
         case PolylineShape():
             kind = Marker.LINE_LIST if shape.pairs else Marker.LINE_STRIP
             marker = place_marker(kind, ORIGIN, LEVEL, (shape.thickness, 0.0, 0.0))

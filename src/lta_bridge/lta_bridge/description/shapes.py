@@ -1,8 +1,8 @@
 """
 Simple shapes to draw a scene: bodies with a position, a size and a colour.
 
-Lengths in metres, quaternions x y z w, colours red green blue and opacity from 0 to 1. A body has
-the axes that Foxglove gives it: an arrow points along its x, a cylinder stands along its z.
+Lengths in metres, quaternions x y z w, colours red green blue and opacity from 0 to 1. A
+cylinder stands along its z.
 """
 
 from collections.abc import Sequence
@@ -48,16 +48,6 @@ class CylinderShape(NamedTuple):
     top: float = 1.0
 
 
-class ArrowShape(NamedTuple):
-    """An arrow from its position along its own x."""
-
-    place: Three
-    length: float
-    thickness: float
-    colour: Colour
-    turn: Turn = LEVEL
-
-
 class PolylineShape(NamedTuple):
     """A line through points; with `pairs`, separate strokes between pairs of points."""
 
@@ -76,7 +66,7 @@ class BillboardText(NamedTuple):
     colour: Colour
 
 
-Shape = EllipsoidShape | BoxShape | CylinderShape | ArrowShape | PolylineShape | BillboardText
+Shape = EllipsoidShape | BoxShape | CylinderShape | PolylineShape | BillboardText
 
 
 class ShapeEntity(NamedTuple):
