@@ -68,7 +68,7 @@ def to_world(q: Quaternion, v: Vector) -> Vector:
         v[0] + w * tx + y * tz - z * ty,
         v[1] + w * ty + z * tx - x * tz,
         v[2] + w * tz + x * ty - y * tx,
-    )  # fmt: skip
+    )
 
 
 def to_body(q: Quaternion, v: Vector) -> Vector:

@@ -58,9 +58,7 @@ def steady_wind_at(wind: SteadyWind, x: float) -> Vector:
     # Share of the hull that is beyond the wall
     share = min(max(0.5 + 0.5 * (x - wind.wall) / wind.radius, 0.0), 1.0)
     inside, step = wind.inside, wind.step
-    return (
-        inside[0] + share * step[0], inside[1] + share * step[1], inside[2] + share * step[2]
-    )  # fmt: skip
+    return (inside[0] + share * step[0], inside[1] + share * step[1], inside[2] + share * step[2])
 
 
 @final

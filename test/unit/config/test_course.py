@@ -47,9 +47,7 @@ def test_motors_are_shaken_between_the_rows_alone_and_never_started():
     assert course.excite_duties(3.49, duties, (False, False))[0] == first
 
 
-@given(
-    st.floats(0.0, 10.0), st.floats(-1.0, 1.0), st.booleans(), st.floats(0.01, 0.5)
-)  # fmt: skip
+@given(st.floats(0.0, 10.0), st.floats(-1.0, 1.0), st.booleans(), st.floats(0.01, 0.5))
 def test_no_duty_leaves_what_a_rotor_can(time, duty, reversible, size):
     if not reversible:
         duty = abs(duty)

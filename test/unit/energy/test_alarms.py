@@ -58,12 +58,12 @@ def test_what_is_worst_is_said_first():
     assert said(**low) == (
         HealthLevel.WARN,
         'energy reserve reached: 50% +- 2% of the charge left; reserve 25%, flight home 1.2%',
-    )  # fmt: skip
+    )
     assert said(reserve=True) == (
         HealthLevel.WARN,
         'the estimated charge of 50% +- 2% is too uncertain, so the energy reserve counts as '
         'reached',
-    )  # fmt: skip
+    )
     critical = {'critical': Latch(True, 0.0), **low}
     assert said(**critical) == (HealthLevel.ERROR, 'the battery voltage is only 3.80 V: land now')
     dead = update_detectors(
@@ -77,7 +77,7 @@ def test_what_is_worst_is_said_first():
     assert report_energy(SETTINGS, CELL, WELL._replace(watch=gap)).meters == (
         HealthLevel.WARN,
         'gap: no battery reading for more than 1 s: the estimate of the charge is less certain',
-    )  # fmt: skip
+    )
     for missing in ('belief', 'last', 'stock'):
         assert said(**{missing: None})[0] is HealthLevel.ERROR
 

@@ -76,9 +76,7 @@ class GradientState(NamedTuple):
 
 def start(heading: float) -> GradientState:
     """Return the memory before the first light."""
-    return GradientState(
-        heading, 0.0, 0.0, 0.0, heading, heading, 0.0, False, 0.0, EMPTY_SAMPLES
-    )  # fmt: skip
+    return GradientState(heading, 0.0, 0.0, 0.0, heading, heading, 0.0, False, 0.0, EMPTY_SAMPLES)
 
 
 def steer(
