@@ -4,7 +4,7 @@ from collections import Counter
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from light_frames import build_frame, crc, frame_bytes, sign_frame
+from light_frames import build_frame, frame_bytes, sign_frame
 from lta_bridge.teensy.block_assembler import FrameParser
 from lta_emulation.teensy.emulated_board import EmulatedBoard, FrameFaults
 import numpy as np
@@ -87,33 +87,6 @@ def test_a_million_malformed_bytes_are_each_looked_at_once(kind, monkeypatch):
     # No byte is taken for a frame's beginning twice, but for one that waits for its end.
     assert looked['at'] <= len(data) + len(pieces)
     assert read(frame * 3, framing)[0]  # and it goes on
-
-
-def test_a_frame_byte_by_byte():
-    """The layout of MAVLink 2: the CRC covers all bytes but the marker, and CRC_EXTRA (50)."""
-    assert crc(b'123456789') == b'\x91\x6f'  # 0x6F91 of the catalogue of CRCs
-    head = bytes.fromhex('09 00 00 02 03 bf 00 00 00')  # length, flags, 258 modulo 256, 3, 191
-    body = head + bytes.fromhex('44332211 12 08 51 04 03')
-    values = {'type': 0x12, 'autopilot': 8, 'base_mode': 0x51, 'system_status': 4}
-    frame = build_frame(
-        'HEARTBEAT', 258, 3, 191, custom_mode=0x11223344, mavlink_version=3, **values
-    )
-    assert frame == b'\xfd' + body + crc(body + bytes([50]))
-    empty = build_frame('LTA_LIGHT_STATUS', 0, 1, 2)
-    body = bytes.fromhex('01 00 00 00 01 02 9ad000 00')  # 53402; one zero at least is sent
-    assert empty == b'\xfd' + body + crc(body + bytes([193]))
-
-
-def test_a_payload_is_filled_up_with_zeros_and_cut_at_its_last_field():
-    whole = bytes([5, 0, 0, 0, 7, 8, 9, 10, 11])
-    for payload, fields in (
-        (whole + b'\1\2', (5, 7, 8, 9, 10, 11)),
-        (whole[:5], (5, 7, 0, 0, 0, 0)),
-        (whole[:1], (5, 0, 0, 0, 0, 0)),
-    ):
-        (one,) = FrameParser().parse_frames(frame_bytes(0, payload, 50))
-        found = [getattr(one, name) for name in one.ordered_fieldnames]
-        assert tuple(found) == fields
 
 
 def test_a_stream_of_all_kinds_byte_by_byte():

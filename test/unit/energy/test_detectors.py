@@ -13,7 +13,6 @@ from lta_energy.monitoring.faults import (
     update_detectors,
 )
 from lta_energy.monitoring.meters import MeterReading
-from lta_graph.health import HealthLevel
 from lta_model.electrical.battery import BatteryModel
 import pytest
 
@@ -35,25 +34,6 @@ def sees(name, now, before=WELL, dt=0.1, memory=None, **other):
     memory = detector.start if memory is None else memory
     message, after = detector.find(memory, MeterObservation(now, before, dt, CELL, **other))
     return bool(message), after
-
-
-def test_what_each_does_and_how_long_it_takes():
-    """ERROR brings the drone down; a reading that is spoilt does not reach the filter."""
-    assert [(d.name, d.level, d.spoils, d.rise, d.fall) for d in DETECTORS] == [
-        ('not a number', HealthLevel.ERROR, True, 0.0, 2.0),
-        ('dropout', HealthLevel.ERROR, True, 0.0, 2.0),
-        ('clock', HealthLevel.ERROR, False, 0.0, 2.0),
-        ('frozen', HealthLevel.ERROR, True, 0.0, 2.0),
-        ('implausible', HealthLevel.ERROR, True, 0.3, 2.0),
-        ('reversed current', HealthLevel.ERROR, True, 0.3, 5.0),
-        ('brown-out', HealthLevel.ERROR, False, 0.2, 5.0),
-        ('swapped', HealthLevel.ERROR, True, 0.3, 10.0),
-        ('gap', HealthLevel.WARN, False, 0.0, 5.0),
-        ('set back', HealthLevel.WARN, False, 0.0, 5.0),
-        ('panel not measured', HealthLevel.WARN, False, 0.0, 1.0),
-        ('panel short', HealthLevel.WARN, False, 1.0, 2.0),
-        ('panel frozen', HealthLevel.WARN, False, 0.0, 2.0),
-    ]
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,5 @@
-"""A vehicle in its row: what it writes there is what the functions of the kernel return."""
+"""A vehicle in its row: a commanded wrench acts on it as the mass matrix says."""
 
-from lta_sim.kernels import kernel
 from lta_sim.simulated_vehicle import SimulatedVehicle
 import numpy as np
 import pytest
@@ -20,40 +19,6 @@ def craft():
     flown.command[: len(DUTIES)] = DUTIES
     flown.surroundings[: len(WIND)] = WIND
     return flown
-
-
-def test_it_moves_in_place_as_the_kernel_says(craft):
-    state, model = craft.state, balloon.model(balloon.EVERYTHING)
-    later = kernel.advance(state, model, DUTIES, WIND, 2e-3, 20)
-    assert not np.array_equal(later, state)
-    for _ in range(4):
-        craft.advance(2e-3, 5)
-    assert craft.state is state
-    np.testing.assert_array_equal(state, later)
-
-
-def test_looking_changes_neither_state_nor_future(craft):
-    looked = SimulatedVehicle(balloon.model(balloon.EVERYTHING))
-    for name in ('state', 'command', 'surroundings'):
-        getattr(looked, name)[:] = getattr(craft, name)
-    looked.evaluate_state()
-    np.testing.assert_array_equal(looked.state, craft.state)
-    for flown in (looked, craft):
-        flown.advance(2e-3, 10)
-    np.testing.assert_array_equal(looked.state, craft.state)
-
-
-def test_a_look_is_of_the_present_state_alone(craft):
-    model = balloon.model(balloon.EVERYTHING)
-    craft.evaluate_state()
-    craft.advance(2e-3, 10)
-    craft.evaluate_state()
-    look = kernel.evaluate_model(craft.state, model, DUTIES, WIND)
-    np.testing.assert_array_equal(craft.wrenches, list(look.wrenches.values()))
-    np.testing.assert_array_equal(craft.thrusts, look.thrusts)
-    np.testing.assert_array_equal(craft.wind, WIND)
-    rate = kernel.state_derivative(craft.state, model, DUTIES, WIND)
-    np.testing.assert_array_equal(craft.rate, rate)
 
 
 def test_a_commanded_wrench_accelerates_the_body_and_nothing_else(craft):

@@ -149,12 +149,6 @@ def angular_response(eye: DiodeResponse, axis: Vector, towards: Vector) -> float
     return part
 
 
-def plane_illuminance(lamp: LampBeam, point: Vector, normal: Vector) -> float:
-    """Return the light [lx] of a lamp on a small plane while it is on, reflections included."""
-    light, towards = direct_light(lamp, point)
-    return light * angular_response(DiodeResponse(1.0, 0.0), normal, towards) + lamp.diffuse
-
-
 def unpack_beam(row: Row) -> LampBeam:
     """Return a lamp from its numbers in a row."""
     return LampBeam(
