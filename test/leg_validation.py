@@ -14,7 +14,7 @@ from typing import NamedTuple
 from lta_config.quantity import Quantity
 from lta_config.topics import load_topic_table
 from lta_control.phases import Phase
-from lta_energy.irradiance import DARK
+from lta_energy.irradiance import NO_IRRADIANCE
 from lta_flight.closed_loop import ClosedLoop
 from lta_model.electrical.charger import resting_flow
 from lta_sim.world import World
@@ -51,7 +51,7 @@ def measure_leg(
     scenes: MissionScene, beacon: str, start: LegStart, seed: int
 ) -> tuple[float, float]:
     """Return the energy consumed [J] and the time [s] of a compiled leg."""
-    made = scenes.build_beacon_flight(beacon, DARK, 1.0)
+    made = scenes.build_beacon_flight(beacon, NO_IRRADIANCE, 1.0)
     leg = LegPlan(GO, LIMIT, 0.0, 0.0, 1.0, 0.0)
     pilot = LegPilot(made, leg)
     place = (start.x, start.y, scenes.vehicle.hull_height_on_floor)
@@ -76,7 +76,7 @@ def build_full_loop(scenes: MissionScene, beacon: str, start: LegStart, seed: in
         update={'several': {beacon: lamp}, 'alone': None, 'route': (), 'start': begin}
     )
     # The leg homes on the brightness of this beacon; give the full loop the same one.
-    known = scenes.build_beacon_flight(beacon, DARK, 1.0).craft.mission.homing.brightness
+    known = scenes.build_beacon_flight(beacon, NO_IRRADIANCE, 1.0).craft.mission.homing.brightness
     homing = policy.mission.homing.model_copy(update={'brightness': known})
     policy = replace(
         policy,

@@ -35,7 +35,7 @@ TOOLS: Final = {
     'arm-none-eabi-g++': 'gcc-arm-none-eabi libstdc++-arm-none-eabi-newlib',
 }
 HOST_TOOLS: Final = ('make', 'gcc')
-PORT: Final = emulated_hardware.PORT  # that cflib scans first
+PORT: Final = emulated_hardware.FIRST_PORT  # that cflib scans first
 BENCH: Final = 19870  # motors and sensors of the firmware
 
 

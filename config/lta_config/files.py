@@ -119,7 +119,7 @@ READER_ERRORS = (ValueError, ArithmeticError, LookupError, TypeError, AttributeE
 CACHED_LENGTH = 50_000  # characters; larger texts are not cached
 NUMERAL = re.compile('[-+.:_0-9A-Fa-fxXoO]+')  # text that YAML may read as a number
 # Folders of the shipped files, by kind as error messages name it
-FOLDERS = {
+KIND_FOLDERS = {
     'aero': 'aero',
     'tunnel': 'tunnels',
     'vehicle': 'vehicles',
@@ -215,7 +215,7 @@ def find_file(kind: str, name: str, suffix: str = '.yaml') -> Path:
     """
     Return the path of a file given by name or path.
 
-    `kind`: what the file describes: a key of `FOLDERS`. `name`: a shipped name, or a path (it has
+    `kind`: what it describes: a key of `KIND_FOLDERS`. `name`: a shipped name, or a path (it has
     a slash or ends in `.yaml`). Raise `BadInput` if there is no such file; the message lists the
     shipped names.
     """
@@ -224,7 +224,7 @@ def find_file(kind: str, name: str, suffix: str = '.yaml') -> Path:
         if not path.is_file():
             raise BadInput(f'There is no {kind} file {path}; check the path.')
         return path
-    folder = FOLDERS[kind]
+    folder = KIND_FOLDERS[kind]
     names = list_shipped_names(folder, suffix)
     if name not in names:
         own = Path(f'{name}{suffix}')

@@ -25,14 +25,16 @@ YAML_DIGITS: Final = 400  # of a number; the largest double has 309
 # Recordings
 CHUNK_BYTES: Final = 1 << 27  # of a chunk or message, unpacked
 NOTE_BYTES: Final = 1 << 24  # of a schema, channel or metadata record
-CHANNELS: Final = 4000  # of a recording; the largest robots have hundreds
+MOST_CHANNELS: Final = 4000  # of a recording; the largest robots have hundreds
 SUMMARY_BYTES: Final = 1 << 28  # of the directory at the end of a recording
-GRID: Final = 150_000  # points of a time grid, 25 min at 100 Hz; more if a recording has more
+GRID_POINTS: Final = (
+    150_000  # points of a time grid, 25 min at 100 Hz; more if a recording has more
+)
 DEFINITION_BYTES: Final = 250_000  # of the text that defines a message type
 ARRAY_PARTS: Final = 4096  # elements of its fixed arrays, which the reader unrolls into code
 # Logs of others
 LOG_BYTES: Final = 1 << 29  # of a log that is read whole: text, ULog, Crazyflie's card
-COLUMNS: Final = 5000  # of a log; an autopilot's export has hundreds
+LOG_WIDTH: Final = 5000  # of a log; an autopilot's export has hundreds
 INFLATION: Final = 200  # bytes out of one byte of gzip or zstd; text with columns has up to 20
 INFLATED_FREELY: Final = 1 << 26  # bytes after which the ratio is checked
 READER_MEMORY: Final = 1 << 31  # bytes that a third-party reader may allocate
@@ -43,9 +45,9 @@ STL_TRIANGLES: Final = 500_000
 
 def check_column_count(path: Path, count: int) -> None:
     """Raise BadInput for a log with more columns than the limit."""
-    if count > COLUMNS:
+    if count > LOG_WIDTH:
         raise BadInput(
-            f"'{path}' has {count} columns, and LTA reads up to {COLUMNS}; save only those that "
+            f"'{path}' has {count} columns, and LTA reads up to {LOG_WIDTH}; save only those that "
             'you need.'
         )
 
@@ -63,7 +65,7 @@ ENOUGH_ADDRESS_SPACE: Final = 4 << 30  # address space that suffices for any com
 FULL_TABLES: Final = {errno.EMFILE, errno.ENFILE}
 # Of a library that cannot be loaded or a thread that cannot start, which do not say why
 VAGUE_ERRORS: Final = (ImportError, OSError, RuntimeError, SystemError)
-LONGEST_REASON: Final = 160  # characters of the error that are repeated
+REASON_LENGTH: Final = 160  # characters of the error that are repeated
 
 
 @contextmanager
@@ -100,7 +102,7 @@ def describe_shortage(error: BaseException) -> str | None:
         soft for soft, _ in map(resource.getrlimit, (resource.RLIMIT_NOFILE, resource.RLIMIT_AS))
     )
     vague = isinstance(error, VAGUE_ERRORS)
-    why = to_one_line(f'{type(error).__name__}: {error}')[:LONGEST_REASON]
+    why = to_one_line(f'{type(error).__name__}: {error}')[:REASON_LENGTH]
     if numbers & FULL_TABLES or (vague and 0 <= files < ENOUGH_FILES):
         return (
             f'The command failed with a limit of {files} open files ({why}); raise it with '

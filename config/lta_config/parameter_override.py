@@ -12,7 +12,7 @@ from typing import Any, Final, NamedTuple
 import zlib
 
 from lta_config.errors import BadInput, unknown_name_error
-from lta_config.quantity import Quantity, UNITS
+from lta_config.quantity import Quantity, SI_UNITS
 from lta_config.schema.spectrum_file import read_light
 import numpy as np
 from pydantic import ValidationError
@@ -167,7 +167,7 @@ def _copy_with_element(
     quantity: dict[str, Any], index: int, new: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Return a quantity with one element replaced, in its original unit."""
-    factor = UNITS[new['unit']][1] / UNITS[quantity['unit']][1]
+    factor = SI_UNITS[new['unit']][1] / SI_UNITS[quantity['unit']][1]
     numbers = list(quantity['value'])
     # Not multiplied for an equal unit, to avoid a rounding error
     numbers[index] = new['value'] if new['unit'] == quantity['unit'] else new['value'] * factor
@@ -212,9 +212,11 @@ def _check_same_unit(
             f'{where} is {format_value(value)}, but must be a number with a unit, such as '
             f'"1 {unit}".'
         )
-    if now['unit'] not in UNITS:
-        raise BadInput(f'{where} has the unknown unit "{now["unit"]}"; known: {", ".join(UNITS)}.')
-    if UNITS[now['unit']][0] != UNITS.get(unit, (unit,))[0]:
+    if now['unit'] not in SI_UNITS:
+        raise BadInput(
+            f'{where} has the unknown unit "{now["unit"]}"; known: {", ".join(SI_UNITS)}.'
+        )
+    if SI_UNITS[now['unit']][0] != SI_UNITS.get(unit, (unit,))[0]:
         raise BadInput(f'{where} is in {now["unit"]}, but must be in {unit} or a compatible unit.')
     return now
 

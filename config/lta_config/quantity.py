@@ -18,7 +18,7 @@ from pydantic import (
     WrapValidator,
 )
 
-UNITS: dict[str, tuple[str, float]] = {
+SI_UNITS: dict[str, tuple[str, float]] = {
     # unit as written: (SI unit, factor)
     '1': ('1', 1.0),
     '%': ('1', 0.01),
@@ -182,8 +182,8 @@ class Quantity(BaseModel):
 
     @model_validator(mode='after')
     def _check_value(self) -> 'Quantity':
-        if self.unit not in UNITS:
-            raise ValueError(f'has the unknown unit "{self.unit}"; known: {", ".join(UNITS)}')
+        if self.unit not in SI_UNITS:
+            raise ValueError(f'has the unknown unit "{self.unit}"; known: {", ".join(SI_UNITS)}')
         if not all(math.isfinite(number) for number in self.vector):
             raise ValueError(f'is {self.value}, which is not a finite number')
         return self
@@ -194,18 +194,18 @@ class Quantity(BaseModel):
     @property
     def dimension(self) -> str:
         """The SI unit of `si`."""
-        return UNITS[self.unit][0]
+        return SI_UNITS[self.unit][0]
 
     @property
     def si(self) -> float:
         """The number in SI; raises an error if the quantity is a list."""
         (number,) = self._value_as_tuple()  # a list of several numbers fails here
-        return number * UNITS[self.unit][1]
+        return number * SI_UNITS[self.unit][1]
 
     @property
     def vector(self) -> tuple[float, ...]:
         """All numbers in SI; of length 1 for a single number."""
-        factor = UNITS[self.unit][1]
+        factor = SI_UNITS[self.unit][1]
         return tuple(number * factor for number in self._value_as_tuple())
 
 
@@ -224,7 +224,7 @@ def si_quantity(
     Parameters
     ----------
     dimension : str
-        The SI unit that the unit must convert to; one of the right-hand sides of `UNITS`.
+        The SI unit that the unit must convert to; one of the right-hand sides of `SI_UNITS`.
     low, high : float
         Closed bounds of every number. [SI]
     above : float or None
@@ -288,7 +288,7 @@ def format_with_unit(text: str, unit: str) -> str:
 
 def format_bounds(low: float | None, above: float | None, high: float, unit: str) -> str:
     """Return bounds, which are in SI, in words and in a unit."""
-    factor = UNITS[unit][1]
+    factor = SI_UNITS[unit][1]
     least, floor, most = (
         None if number is None or math.isinf(number) else f'{number / factor:.6g}'
         for number in (low, above, high)

@@ -59,10 +59,10 @@ LINK = StringLink
 HELD = """
 from lta_bridge.crazyflie.connection_manager import ConnectionManager
 from lta_bridge.crazyflie.links import create_link
-from lta_bridge.crazyflie.log_table import BLOCKS
+from lta_bridge.crazyflie.log_table import LOG_BLOCKS
 from lta_config.schema.crazyflie_file import ExpectedParameter
 
-link = create_link('string://12m', BLOCKS, int)
+link = create_link('string://12m', LOG_BLOCKS, int)
 expected = ExpectedParameter(value=7, write=False, why='a test')
 manager = ConnectionManager(link, {'any.thing': expected})
 print(link.events.get(timeout=PATIENCE))

@@ -20,13 +20,13 @@ from lta_flight.flight_stack import FlightStack
 from lta_model.scenario import load_scenario
 from lta_model.state import RIGID
 from lta_model.vehicle import load_vehicle
-from lta_sim.simulated_vehicle import LAYOUT
+from lta_sim.simulated_vehicle import SIM_LAYOUT
 from lta_sim.world import World
 import numpy as np
 
 STORED = Path(__file__).with_name('flight.csv')
 SEED = 2
-LAG = LAYOUT.remembers['motor_lag']
+LAG = SIM_LAYOUT.remembers['motor_lag']
 STEPS, EVERY = 1200, 50  # 12 s, every 0.5 s
 COLUMNS = ['t', 'x', 'y', 'z', 'qx', 'qy', 'qz', 'qw', 'vx', 'vy', 'vz', 'wx', 'wy', 'wz']
 COLUMNS += ['u1', 'u2', 'u3', 'u4']

@@ -15,7 +15,7 @@ import time
 from lta_bridge.crazyflie import readings
 from lta_bridge.crazyflie.cflib_link import CflibLink
 from lta_bridge.crazyflie.link import LinkFailed, LogPacket
-from lta_bridge.crazyflie.log_table import BLOCKS
+from lta_bridge.crazyflie.log_table import LOG_BLOCKS
 from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 from lta_emulation.crazyflie.firmware import Firmware
 from lta_emulation.crazyflie.parameters import FirmwareBuild
@@ -52,7 +52,7 @@ class Drone:
     """One connection, what was heard over it, and orders."""
 
     def __init__(self, uri: str) -> None:
-        self.link = CflibLink(uri, BLOCKS, time.time_ns)
+        self.link = CflibLink(uri, LOG_BLOCKS, time.time_ns)
         self.heard: dict[str, list[LogPacket]] = {}
         for attempt in range(3):
             try:

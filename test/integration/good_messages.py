@@ -3,7 +3,7 @@
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from lta_bridge.crazyflie.messages import RANGE
+from lta_bridge.crazyflie.messages import RANGE_SETTINGS
 from lta_control.cascade import Setpoint
 from lta_control.estimator import MotionEstimate
 from lta_control.messages import from_airspeed, from_duties, from_estimate, from_setpoint
@@ -47,7 +47,7 @@ def good(name: str, stamp_ns: int) -> Any:
     header = Header(stamp=stamp, frame_id=TABLE[name].frame)
     made = {
         'imu': lambda: messages.build_imu_message(stamp, (0.0, 0.0, 9.81), (0.0, 0.0, 0.0), NOISE),
-        'range': lambda: messages.build_range_message(stamp, 1.0, RANGE),
+        'range': lambda: messages.build_range_message(stamp, 1.0, RANGE_SETTINGS),
         'pressure': lambda: messages.build_pressure_message(stamp, 101325.0, 1.0),
         'photodiodes': lambda: messages.build_light_block_message(stamp, BLOCK),
         'illuminance': lambda: messages.build_illuminance_message(stamp, 300.0),

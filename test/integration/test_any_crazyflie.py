@@ -10,7 +10,7 @@ import os
 from random import random
 
 from lta_bridge.crazyflie import duties_packet
-from lta_bridge.crazyflie.log_table import BLOCKS
+from lta_bridge.crazyflie.log_table import LOG_BLOCKS
 from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 from lta_config.schema.crazyflie_file import REQUIRED
 from lta_config.topics import load_topic_table
@@ -54,8 +54,8 @@ def drone(uri):
 
 
 def test_every_log_block_comes_at_its_rate(drone):
-    drone.until(lambda: all(len(drone.heard.get(block.name, ())) > 10 for block in BLOCKS))
-    for block in BLOCKS:
+    drone.until(lambda: all(len(drone.heard.get(block.name, ())) > 10 for block in LOG_BLOCKS))
+    for block in LOG_BLOCKS:
         stamps = [packet.stamp_ms for packet in drone.heard[block.name]]
         assert np.median(np.diff(stamps)) == pytest.approx(block.period_ms, abs=1)
 

@@ -4,7 +4,7 @@ from lta_windtunnel.flow_plan import TunnelFlow
 from lta_windtunnel.flow_solvers import ThreadedFlowSolver
 from lta_windtunnel.openfoam.programs import has_openfoam
 from lta_windtunnel.solve import solve_sweep
-from lta_windtunnel.tunnel import build_steady_wind_case, COARSE
+from lta_windtunnel.tunnel import build_steady_wind_case, COARSE_MESH
 from lta_windtunnel.validation import build_sphere_model, compare_sphere_drag
 import pytest
 
@@ -17,7 +17,10 @@ SLOW = 0.2  # m/s, where the steady model is right
 def test_a_slow_sphere_brakes_as_spheres_do(tmp_path):
     model = build_sphere_model()
     flow = TunnelFlow(
-        'wind', 'surge', build_steady_wind_case(model, 'surge', AIR[1], COARSE, (SLOW,)), (SLOW,)
+        'wind',
+        'surge',
+        build_steady_wind_case(model, 'surge', AIR[1], COARSE_MESH, (SLOW,)),
+        (SLOW,),
     )
     crew = ThreadedFlowSolver(tmp_path, 1, lambda *_: None)
     axes, _, refused, _ = solve_sweep(crew, model, [flow], AIR, lambda _: None)

@@ -7,10 +7,10 @@ from hypothesis import strategies as st
 from lta_control.allocation import (
     allocate,
     create_working_array,
+    DUTY_SCRATCH,
     EQUAL_WEIGHTS,
     RIDGE,
     Rotors,
-    SCRATCH,
     thrusts_to_duties,
     WEIGHTS,
 )
@@ -95,7 +95,7 @@ def test_allocation_is_the_bounded_least_squares_solution(rotors, wrench, start)
 
 def test_the_scratch_numbers_do_not_matter():
     wrench, start = (0.3, 0.0, 0.2, 0.0, 0.0, 0.01), pad_to_slots((0.1, 0.0, 0.05))
-    spoiled = [math.nan] * SCRATCH
+    spoiled = [math.nan] * DUTY_SCRATCH
     for rotors in FLEET.values():
         once = allocate(rotors, wrench, start, create_working_array())
         assert allocate(rotors, wrench, start, spoiled) == once

@@ -8,7 +8,7 @@ import textwrap
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lta_config.quantity import UNITS
+from lta_config.quantity import SI_UNITS
 from lta_discovery.model.candidates import companion_values, DESIGN, NO_CANDIDATE, TOGETHER
 from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import (
@@ -16,7 +16,7 @@ from lta_model.effects.protocol import (
     AirEffect,
     AirEffectInput,
     BodyEffect,
-    CHANNELS,
+    CHANNEL_SIZES,
     InertiaEffect,
     MeasurementEffect,
     RigidBody,
@@ -135,7 +135,7 @@ def test_parameters_are_declared_in_full(effect):
     names = [parameter.name for parameter in effect.parameters]
     assert len(set(names)) == len(names) > 0
     for parameter in effect.parameters:
-        assert UNITS.get(parameter.unit) == (parameter.unit, 1.0), (
+        assert SI_UNITS.get(parameter.unit) == (parameter.unit, 1.0), (
             f"'{parameter.unit}' is no SI unit of config/lta_config/quantity.py; a new one is a "
             'line there'
         )
@@ -240,7 +240,7 @@ def test_null_leaves_the_body_alone(effect, data):
 @laws
 @given(data=st.data(), time=st.floats(0.0, 1e4))
 def test_null_leaves_the_reading_alone(effect, data, time):
-    reading = data.draw(some(CHANNELS[effect.channel]))
+    reading = data.draw(some(CHANNEL_SIZES[effect.channel]))
     assert effect.reading(nulls(effect), reading, time) == reading
 
 
@@ -341,7 +341,7 @@ def anything(effect, generator):
         case BodyEffect():
             return (RigidBody(1.0, number(3), number(6), 0.4),)
         case MeasurementEffect():
-            return number(CHANNELS[effect.channel]), *number(1, 0.0, 1e4)
+            return number(CHANNEL_SIZES[effect.channel]), *number(1, 0.0, 1e4)
 
 
 def answers(effect, values, given):

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from lta_config.compilation.flat import compile_core, TupleLayout
 from lta_config.files import list_shipped_names
-from lta_control.allocation import create_working_array, SCRATCH
+from lta_control.allocation import create_working_array, DUTY_SCRATCH
 from lta_control.attitude import quaternion_from_angles
 from lta_control.cascade import Setpoint
 from lta_control.gains_file import load_law_gains
@@ -74,5 +74,5 @@ def test_compiled_it_is_the_same_to_the_last_bit(name, flight):
     memory, scratch = found.start, create_working_array()
     for heard in flight:
         memory = found.step(constants, memory, heard, scratch)
-        step(numbers, array, HEARD.write(heard), np.zeros(SCRATCH))
+        step(numbers, array, HEARD.write(heard), np.zeros(DUTY_SCRATCH))
         assert form.write(memory).tobytes() == array.tobytes()

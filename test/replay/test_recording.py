@@ -49,7 +49,7 @@ from lta_vlc.direction import DirectionFinder
 from lta_vlc.lamp import estimate_lamp_position, LampPrior
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks, to_block
 from lta_vlc.receiver import BeaconReceiver
-from lta_vlc.settings import DemodulationSettings, NO_WISH
+from lta_vlc.settings import ANY_BEACON, DemodulationSettings
 import numpy as np
 import pytest
 from rclpy.serialization import deserialize_message
@@ -148,7 +148,7 @@ def answered(folder, demodulation=None, mission=None):
                 ('light/estimate', from_lamp(message.header, lamp)),
                 ('setpoint/pose', pose),
                 ('setpoint/velocity', velocity),
-                ('light/beacon', Float64(data=NO_WISH)),
+                ('light/beacon', Float64(data=ANY_BEACON)),
             ):
                 writer.write(f'/lta1/{name}', encode_message(answer, TABLE[name].type), now)
     return folder

@@ -10,7 +10,7 @@ from lta_bridge.bag.schemas import load_jazzy_types
 from lta_config.compilation.flat import render_core_source
 from lta_config.compilation.kernel_cache import load_kernel
 from lta_control import autopilot
-from lta_windtunnel.openfoam.programs import PROGRAMS
+from lta_windtunnel.openfoam.programs import OPENFOAM_PROGRAMS
 from numba.core import config
 import numpy as np
 import pytest
@@ -55,7 +55,7 @@ def fake(tmp_path, monkeypatch):
     """Return a folder of cases that stand-ins for OpenFOAM will solve."""
     programs = tmp_path / 'bin'
     programs.mkdir()
-    for name in PROGRAMS:
+    for name in OPENFOAM_PROGRAMS:
         (programs / name).write_text(f'#!/bin/sh\nexec {sys.executable} -IS {FAKE} {name}\n')
         (programs / name).chmod(0o755)
     monkeypatch.setenv('PATH', f'{programs}:/usr/bin:/bin')

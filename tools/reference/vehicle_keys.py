@@ -6,7 +6,7 @@ import re
 from typing import Any, Final, get_args, get_origin, Literal, Union
 
 from lta_config.quantity import format_bounds as format_quantity_bounds
-from lta_config.quantity import Quantity, UNITS
+from lta_config.quantity import Quantity, SI_UNITS
 from lta_config.schema.vehicle_file import VehicleFile
 from lta_config.settings import format_bounds
 from pydantic import BaseModel, WrapValidator
@@ -101,7 +101,7 @@ def _describe_quantity(validator: WrapValidator) -> str:
     low = limits['low'] if limits['above'] is None else None
     file_unit = next(
         word
-        for word, (kind, factor) in UNITS.items()
+        for word, (kind, factor) in SI_UNITS.items()
         if (kind == unit and factor == 1.0) or word == unit_label
     )
     bounds = format_quantity_bounds(low, limits['above'], limits['high'], file_unit)

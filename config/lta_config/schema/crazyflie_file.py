@@ -12,7 +12,7 @@ import zlib
 from lta_config.errors import BadInput
 from lta_config.files import (
     find_file,
-    FOLDERS,
+    KIND_FOLDERS,
     list_shipped_names,
     load_yaml,
     SchemaVersion,
@@ -23,7 +23,7 @@ from lta_config.quantity import Quantity, si_quantity
 from lta_config.schema.vehicle_file import VehicleFile
 from pydantic import Field, model_validator
 
-MOTORS = ('m1', 'm2', 'm3', 'm4')
+CF_MOTORS = ('m1', 'm2', 'm3', 'm4')
 CRAZYFLIE_SUFFIX = '.crazyflie.yaml'  # replaces the suffix of the vehicle file
 
 
@@ -86,7 +86,7 @@ class CrazyflieFile(StrictModel):
 
     @model_validator(mode='after')
     def _check_motors(self) -> 'CrazyflieFile':
-        if tuple(self.motors) != MOTORS or len(set(self.motors.values())) != len(MOTORS):
+        if tuple(self.motors) != CF_MOTORS or len(set(self.motors.values())) != len(CF_MOTORS):
             raise ValueError(
                 f'has the motors {dict(self.motors)}; assign a different rotor to each of m1, m2, '
                 'm3 and m4, in this order'
@@ -167,7 +167,7 @@ def find_crazyflie(vehicle: str, name: str, other: str = '') -> CrazyflieFile:
         return load_crazyflie(other, name)
     if beside.is_file():
         return load_crazyflie(str(beside), name)
-    if name not in (names := list_shipped_names(FOLDERS['crazyflie'])):
+    if name not in (names := list_shipped_names(KIND_FOLDERS['crazyflie'])):
         raise BadInput(
             f'The vehicle {name} has no Crazyflie file (motor wiring and flight limits); create '
             f'{beside.name} next to the vehicle file, starting from a copy in config/crazyflies '

@@ -16,7 +16,7 @@ from lta_config.files import (
     SchemaVersion,
     StrictModel,
 )
-from lta_config.quantity import Quantity, UNITS
+from lta_config.quantity import Quantity, SI_UNITS
 from pydantic import ConfigDict, Field, field_validator, model_validator
 
 Column = Annotated[str, Field(min_length=1)]
@@ -38,7 +38,7 @@ FIELD_AXES: dict[str, tuple[str, str, str]] = {
 }
 LATEST_STAMP = 2.0**31  # s; the first time after those that a ROS time stamp can hold
 NANOSECOND = 1e-9  # s; the resolution of a ROS time stamp
-SIGNED_AXES = ('x', 'y', 'z', '-x', '-y', '-z')
+SOURCE_AXES = ('x', 'y', 'z', '-x', '-y', '-z')
 
 
 def _parse_axes(value: object) -> tuple[str, ...]:
@@ -51,7 +51,7 @@ def _parse_axes(value: object) -> tuple[str, ...]:
             )
         return FIELD_AXES[value]
     listed = tuple(value) if isinstance(value, list | tuple) else ()
-    fits = len(listed) == 3 and all(axis in SIGNED_AXES for axis in listed)
+    fits = len(listed) == 3 and all(axis in SOURCE_AXES for axis in listed)
     # The last character is the axis without its sign
     if not fits or len({str(axis)[-1] for axis in listed}) != 3:
         raise ValueError(
@@ -88,8 +88,10 @@ class _InUnit(StrictModel):
     @field_validator('unit')
     @classmethod
     def _check_unit(cls, unit: str) -> str:
-        if unit not in UNITS:
-            raise ValueError(f'is "{unit}", which is not a known unit; known: {", ".join(UNITS)}')
+        if unit not in SI_UNITS:
+            raise ValueError(
+                f'is "{unit}", which is not a known unit; known: {", ".join(SI_UNITS)}'
+            )
         return unit
 
     @field_validator('within', mode='before')
@@ -270,7 +272,7 @@ class TimeColumn(StrictModel):
             raise ValueError('has "fraction" without the "column" that it is added to')
         if self.align is not None and self.start is not None:
             raise ValueError('has both "align" and "start"; give one of them')
-        if UNITS.get(self.unit, ('', 0.0))[0] != 's':
+        if SI_UNITS.get(self.unit, ('', 0.0))[0] != 's':
             raise ValueError(f'has the unit "{self.unit}", but must be in s, ms, us or ns')
         for name, quantity, unit in (('rate', self.rate, 'Hz'), ('step', self.step, 's')):
             if quantity is not None and (quantity.dimension != unit or quantity.si <= 0.0):

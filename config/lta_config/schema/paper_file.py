@@ -22,7 +22,7 @@ from lta_config.files import (
     SchemaVersion,
     StrictModel,
 )
-from lta_config.quantity import Quantity, UNITS
+from lta_config.quantity import Quantity, SI_UNITS
 from pydantic import AliasChoices, Field, model_validator
 
 BINARY_OPERATORS: Final[dict[type[ast.operator], Callable[[float, float], float]]] = {
@@ -73,14 +73,14 @@ class PaperMeasure(StrictModel):
 
     @model_validator(mode='after')
     def _check_unit(self) -> Self:
-        if self.unit is not None and self.unit not in UNITS:
-            raise ValueError(f'has the unknown unit "{self.unit}"; known: {", ".join(UNITS)}')
+        if self.unit is not None and self.unit not in SI_UNITS:
+            raise ValueError(f'has the unknown unit "{self.unit}"; known: {", ".join(SI_UNITS)}')
         return self
 
     @property
     def factor(self) -> float:
         """The unit in SI."""
-        return 1.0 if self.unit is None else UNITS[self.unit][1]
+        return 1.0 if self.unit is None else SI_UNITS[self.unit][1]
 
     @property
     def rounding(self) -> float:
@@ -267,7 +267,7 @@ class PaperRow(StrictModel):
                 'measure without a unit (text), and "within", "least" or "most" for one with a '
                 'unit'
             )
-        dimension = None if measure.unit is None else UNITS[measure.unit][0]
+        dimension = None if measure.unit is None else SI_UNITS[measure.unit][0]
         for bound in (rule.least, rule.most, statement.value):
             if bound is not None and dimension is not None and bound.dimension != dimension:
                 raise ValueError(

@@ -17,7 +17,7 @@ Mass = Annotated[Quantity, si_quantity('kg', above=0.0, high=100.0, sourced=True
 Fraction = Annotated[Quantity, si_quantity('1', low=0.0, high=1.0, sourced=True)]
 
 # Required keys of each shape of hull
-SHAPES: dict[str, tuple[str, ...]] = {
+SHAPE_SIZES: dict[str, tuple[str, ...]] = {
     'balloon': ('diameter', 'height', 'volume_factor', 'purity'),
     'spheroid': ('diameter', 'length', 'axis', 'purity'),
     'sphere': ('diameter', 'purity'),
@@ -54,7 +54,7 @@ class HullBlock(StrictModel):
 
     @model_validator(mode='after')
     def _check_shape(self) -> 'HullBlock':
-        needed = SHAPES[self.shape]
+        needed = SHAPE_SIZES[self.shape]
         keys = [
             key
             for key in ('diameter', 'height', 'length', 'axis', 'volume_factor', 'purity')

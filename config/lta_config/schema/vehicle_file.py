@@ -31,7 +31,7 @@ Vector = tuple[float, float, float]
 UPWARD_AXIS = (0.0, 0.0, 1.0)
 ROTORS = 8  # the model's arrays have this size
 # Quantities of a motion that a region of validity limits
-MOTION = ('speed', 'roll', 'pitch', 'roll_rate', 'pitch_rate', 'yaw_rate')
+REGION_QUANTITIES = ('speed', 'roll', 'pitch', 'roll_rate', 'pitch_rate', 'yaw_rate')
 
 
 class ControlBlock(StrictModel):
@@ -110,7 +110,7 @@ class ValidityBlock(StrictModel):
     @property
     def limits(self) -> dict[str, Quantity]:
         """The limits of all quantities, by name."""
-        return {**{name: getattr(self, name) for name in MOTION}, **self.commands}
+        return {**{name: getattr(self, name) for name in REGION_QUANTITIES}, **self.commands}
 
 
 class VehicleFile(StrictModel):

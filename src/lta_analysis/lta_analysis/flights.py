@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, final, get_args, Literal, TYPE_CHECKING
 
 from lta_analysis.console import print_lines
-from lta_bridge.live.origin_gate import PORT
+from lta_bridge.live.origin_gate import LIVE_PORT
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
 from lta_config.files import list_shipped_names
@@ -89,7 +89,9 @@ class FlyRequest(Action, command='fly', json=True):
     )
     out: Folder | None = OUT_OPTION
     live: bool = option('Stream the flight live to Foxglove.', default=False)
-    live_port: int = option('Port for Foxglove, with --live.', default=PORT, low=1, high=65535)
+    live_port: int = option(
+        'Port for Foxglove, with --live.', default=LIVE_PORT, low=1, high=65535
+    )
     page: bool = option('Write an HTML report.', default=True)
 
     def run(self, console: Console) -> Outcome[FlightRun]:

@@ -29,7 +29,7 @@ class UsbKind(NamedTuple):
 RADIO: Final = UsbKind('1915', '7777', 'Crazyradio')
 DRONE: Final = UsbKind('0483', '5740', 'Crazyflie on a cable')
 BOARD: Final = UsbKind('16c0', '0483', 'Teensy')
-KINDS: Final = (RADIO, DRONE, BOARD)
+DEVICE_KINDS: Final = (RADIO, DRONE, BOARD)
 
 
 class UsbDevice(NamedTuple):
@@ -54,7 +54,7 @@ def find_devices(usb: Path = USB, dev: Path = DEV) -> Iterator[UsbDevice]:
     for place in sorted(usb.glob('*')) if usb.is_dir() else ():
         # Interfaces and hubs are listed too; without these files the texts are empty
         ids = {name: _read_text(place / name) for name in ('idVendor', 'idProduct')}
-        for kind in KINDS:
+        for kind in DEVICE_KINDS:
             if (ids['idVendor'], ids['idProduct']) == (kind.vendor, kind.product):
                 numbers = (_read_text(place / 'busnum'), _read_text(place / 'devnum'))
                 # Such as /dev/bus/usb/001/004
@@ -84,7 +84,7 @@ def format_udev_rules() -> str:
         f'ATTRS{{idProduct}}=="{kind.product}", MODE="0660", GROUP="plugdev", TAG+="uaccess", '
         # Keeps ModemManager from sending modem commands to the port
         'ENV{ID_MM_DEVICE_IGNORE}="1"'
-        for kind in KINDS
+        for kind in DEVICE_KINDS
     ]
     return '\n'.join([head, *lines]) + '\n'
 

@@ -8,7 +8,7 @@ from types import NoneType, UnionType
 from typing import Annotated, Any, Final, get_args, get_origin, Literal, Union
 
 from lta_analysis.console import plain_console
-from lta_config.files import FOLDERS, list_shipped_names
+from lta_config.files import KIND_FOLDERS, list_shipped_names
 from lta_report.request import Action, build_request, ReportRequest, Request
 from pydantic import BeforeValidator
 import typer
@@ -22,7 +22,9 @@ def complete_names(kind: str) -> Callable[[str], list[str]]:
     """Return the function with which a shell completes the name of a shipped file."""
 
     def find(incomplete: str) -> list[str]:
-        return [name for name in list_shipped_names(FOLDERS[kind]) if name.startswith(incomplete)]
+        return [
+            name for name in list_shipped_names(KIND_FOLDERS[kind]) if name.startswith(incomplete)
+        ]
 
     return find
 

@@ -17,24 +17,24 @@ from lta_control.per_rotor import PerRotor, SLOTS
 import numpy as np
 from numpy.typing import NDArray
 
-AXES = 6
+WRENCH_AXES = 6
 
-ROUNDS = 60  # iteration limit; four rotors need fewer than a dozen from any start
+ALLOCATION_ROUNDS = 60  # iteration limit; four rotors need fewer than a dozen from any start
 RIDGE = 1e-9  # of the mean stiffness; keeps thrusts that affect no weighted axis where they are
 INWARD = 1e-12  # smallest pull that releases a rotor from its limit [N]
 
 # Offsets into the scratch array; the first two parts are matrices of SLOTS by SLOTS.
 STIFFNESS = 0
-ROWS = 64
+ROWS_AT = 64
 TARGET = 128
 PULL = 136
 RIGHT = 144
-STEP = 152
-THRUSTS = 160
-FREE = 168  # 1 where a rotor is away from its limits, else 0
-GIVEN = 176
+STEP_AT = 152
+THRUSTS_AT = 160
+FREE_AT = 168  # 1 where a rotor is away from its limits, else 0
+WRENCH_AT = 176
 DUTIES = 182
-SCRATCH = 190
+DUTY_SCRATCH = 190
 
 Wrench = tuple[float, float, float, float, float, float]
 Column = tuple[float, float, float, float, float, float]
@@ -70,7 +70,7 @@ class Rotors(NamedTuple):
 
 def create_working_array() -> list[float]:
     """Return a working array for `allocate`; its content does not matter."""
-    return [0.0] * SCRATCH
+    return [0.0] * DUTY_SCRATCH
 
 
 def deliver_wrench(
@@ -88,35 +88,35 @@ def allocate(
     Return rotor thrusts [N] and the wrench that they produce.
 
     `wrench` is the wanted force and moment about the hull centre in the body frame [N, N m]. The
-    search begins at `start`, the thrusts of the last step [N]. `scratch` has at least `SCRATCH`
-    numbers and is overwritten.
+    search begins at `start`, the thrusts of the last step [N]. `scratch` has at least
+    `DUTY_SCRATCH` numbers and is overwritten.
     """
     s, count, low, high = scratch, rotors.number, rotors.low, rotors.high
     # One round: step to the minimum over the free rotors, stop at the first limit on the way
     _write_problem(rotors, wrench, start, s)
-    for _ in range(ROUNDS):
+    for _ in range(ALLOCATION_ROUNDS):
         _write_gradient(count, s)
         _solve_step(count, s)
         # The feasible share of the step, and the rotor that limits it
         share, stop = 1.0, -1
         for j in range(count):
-            room = abs((high[j] if s[STEP + j] > 0.0 else low[j]) - s[THRUSTS + j])
-            if share * abs(s[STEP + j]) > room:
-                share, stop = room / abs(s[STEP + j]), j
+            room = abs((high[j] if s[STEP_AT + j] > 0.0 else low[j]) - s[THRUSTS_AT + j])
+            if share * abs(s[STEP_AT + j]) > room:
+                share, stop = room / abs(s[STEP_AT + j]), j
         for j in range(count):
-            moved = s[THRUSTS + j] + share * s[STEP + j]
-            s[THRUSTS + j] = min(max(moved, low[j]), high[j])
+            moved = s[THRUSTS_AT + j] + share * s[STEP_AT + j]
+            s[THRUSTS_AT + j] = min(max(moved, low[j]), high[j])
         if stop >= 0:
             # Exactly at the limit, free of rounding, and no longer free to move
-            s[THRUSTS + stop] = high[stop] if s[STEP + stop] > 0.0 else low[stop]
-            s[FREE + stop] = 0.0
+            s[THRUSTS_AT + stop] = high[stop] if s[STEP_AT + stop] > 0.0 else low[stop]
+            s[FREE_AT + stop] = 0.0
             continue
         _write_gradient(count, s)
         # At the constrained minimum: release a rotor whose multiplier points inward, or finish
         stop = _find_rotor_to_free(rotors, s)
         if stop < 0:
             break
-        s[FREE + stop] = 1.0
+        s[FREE_AT + stop] = 1.0
     return _read_solution(rotors, s)
 
 
@@ -128,20 +128,20 @@ def _write_problem(rotors: Rotors, wrench: Wrench, start: PerRotor, s: Scratch) 
         for k in range(count):
             # Normal equations: B^T W B t = B^T W wrench
             product = 0.0
-            for axis in range(AXES):
+            for axis in range(WRENCH_AXES):
                 product += weights[axis] * columns[j][axis] * columns[k][axis]
             s[STIFFNESS + SLOTS * j + k] = product
         ridge += RIDGE * s[STIFFNESS + SLOTS * j + j] / count
     for j in range(count):
         thrust = min(max(start[j], low[j]), high[j])
-        s[THRUSTS + j] = thrust
+        s[THRUSTS_AT + j] = thrust
         product = 0.0
-        for axis in range(AXES):
+        for axis in range(WRENCH_AXES):
             product += weights[axis] * columns[j][axis] * wrench[axis]
         # The ridge pulls towards the start, so undetermined thrusts do not drift
         s[TARGET + j] = product + ridge * thrust
         s[STIFFNESS + SLOTS * j + j] += ridge
-        s[FREE + j] = 1.0 if low[j] < thrust < high[j] else 0.0
+        s[FREE_AT + j] = 1.0 if low[j] < thrust < high[j] else 0.0
 
 
 def _write_gradient(count: int, s: Scratch) -> None:
@@ -149,7 +149,7 @@ def _write_gradient(count: int, s: Scratch) -> None:
     for j in range(count):
         pull = s[TARGET + j]
         for i in range(count):
-            pull -= s[STIFFNESS + SLOTS * j + i] * s[THRUSTS + i]
+            pull -= s[STIFFNESS + SLOTS * j + i] * s[THRUSTS_AT + i]
         s[PULL + j] = pull
 
 
@@ -157,25 +157,25 @@ def _solve_step(count: int, s: Scratch) -> None:
     """Write the step to the minimum over the free thrusts by Gaussian elimination; else 0."""
     for j in range(count):
         s[RIGHT + j] = s[PULL + j]
-        s[STEP + j] = 0.0
+        s[STEP_AT + j] = 0.0
         for i in range(count):
-            s[ROWS + SLOTS * j + i] = s[STIFFNESS + SLOTS * j + i]
+            s[ROWS_AT + SLOTS * j + i] = s[STIFFNESS + SLOTS * j + i]
     for j in range(count):
-        pivot = s[ROWS + SLOTS * j + j]
+        pivot = s[ROWS_AT + SLOTS * j + j]
         for k in range(j + 1, count):
-            if s[FREE + j] > 0.0 and s[FREE + k] > 0.0 and pivot > 0.0:
-                factor = s[ROWS + SLOTS * k + j] / pivot
+            if s[FREE_AT + j] > 0.0 and s[FREE_AT + k] > 0.0 and pivot > 0.0:
+                factor = s[ROWS_AT + SLOTS * k + j] / pivot
                 s[RIGHT + k] -= factor * s[RIGHT + j]
                 for i in range(j, count):
-                    s[ROWS + SLOTS * k + i] -= factor * s[ROWS + SLOTS * j + i]
+                    s[ROWS_AT + SLOTS * k + i] -= factor * s[ROWS_AT + SLOTS * j + i]
     # Back substitution
     for j in range(count - 1, -1, -1):
-        pivot = s[ROWS + SLOTS * j + j]
-        if s[FREE + j] > 0.0 and pivot > 0.0:
+        pivot = s[ROWS_AT + SLOTS * j + j]
+        if s[FREE_AT + j] > 0.0 and pivot > 0.0:
             rest = s[RIGHT + j]
             for i in range(j + 1, count):
-                rest -= s[ROWS + SLOTS * j + i] * s[STEP + i]
-            s[STEP + j] = rest / pivot
+                rest -= s[ROWS_AT + SLOTS * j + i] * s[STEP_AT + i]
+            s[STEP_AT + j] = rest / pivot
 
 
 def _find_rotor_to_free(rotors: Rotors, s: Scratch) -> int:
@@ -183,10 +183,10 @@ def _find_rotor_to_free(rotors: Rotors, s: Scratch) -> int:
     most, rotor = INWARD, -1
     for j in range(rotors.number):
         stiffness = s[STIFFNESS + SLOTS * j + j]
-        if s[FREE + j] > 0.0 or stiffness <= 0.0:
+        if s[FREE_AT + j] > 0.0 or stiffness <= 0.0:
             continue
         # Divided by the stiffness, the pull is in newtons of thrust and comparable between rotors.
-        inward = s[PULL + j] if s[THRUSTS + j] <= rotors.low[j] else -s[PULL + j]
+        inward = s[PULL + j] if s[THRUSTS_AT + j] <= rotors.low[j] else -s[PULL + j]
         if inward / stiffness > most:
             most, rotor = inward / stiffness, j
     return rotor
@@ -194,14 +194,14 @@ def _find_rotor_to_free(rotors: Rotors, s: Scratch) -> int:
 
 def _read_solution(rotors: Rotors, s: Scratch) -> tuple[PerRotor, Wrench]:
     """Return the thrusts (0 in unused slots) and B times them."""
-    for axis in range(AXES):
-        s[GIVEN + axis] = 0.0
+    for axis in range(WRENCH_AXES):
+        s[WRENCH_AT + axis] = 0.0
     for j in range(rotors.number):
-        for axis in range(AXES):
-            s[GIVEN + axis] += rotors.allocation[j][axis] * s[THRUSTS + j]
+        for axis in range(WRENCH_AXES):
+            s[WRENCH_AT + axis] += rotors.allocation[j][axis] * s[THRUSTS_AT + j]
     for j in range(rotors.number, SLOTS):
-        s[THRUSTS + j] = 0.0
-    t, g = THRUSTS, GIVEN
+        s[THRUSTS_AT + j] = 0.0
+    t, g = THRUSTS_AT, WRENCH_AT
     # The compiler needs tuples of fixed length.
     return (s[t], s[t + 1], s[t + 2], s[t + 3], s[t + 4], s[t + 5], s[t + 6], s[t + 7]), (
         s[g], s[g + 1], s[g + 2], s[g + 3], s[g + 4], s[g + 5],

@@ -12,7 +12,7 @@ from typing import final
 
 from lta_config.compilation.flat import Array, compile_core, TupleLayout
 from lta_config.settings import Settings
-from lta_control.allocation import SCRATCH
+from lta_control.allocation import DUTY_SCRATCH
 from lta_control.attitude import Quaternion, rotate_level_to_world, Vector, yaw_from_quaternion
 from lta_control.cascade import CascadeMeasurement, Setpoint
 from lta_control.estimator import EstimatorSettings, MotionEstimate
@@ -36,11 +36,11 @@ from lta_control.vehicle_parameters import build_estimator_model
 from lta_model.vehicle import Vehicle
 import numpy as np
 
-MEMORY = TupleLayout(DroneMemory())  # with the cascade
-ESTIMATE = TupleLayout(MotionEstimate())
-SENSED = TupleLayout(SensorInputs((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)))
-READINGS = 8  # numbers before the tracked motion: rates, force, range and pressure
-TRUTH = 13  # numbers of a tracked motion: position, quaternion, velocity, rates
+MEMORY_LAYOUT = TupleLayout(DroneMemory())  # with the cascade
+ESTIMATE_LAYOUT = TupleLayout(MotionEstimate())
+SENSED_LAYOUT = TupleLayout(SensorInputs((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)))
+READING_NUMBERS = 8  # numbers before the tracked motion: rates, force, range and pressure
+TRACKED_NUMBERS = 13  # numbers of a tracked motion: position, quaternion, velocity, rates
 
 
 def build_drone_constants(
@@ -121,24 +121,27 @@ class Autopilot:
         constants, self._layout = TupleLayout(drone), TupleLayout(begin_memory(law))
         self._constants = constants.write(drone)
         self._memory = self._layout.write(begin_memory(law))
-        self._sensed, self._scratch = np.zeros(SENSED.size), np.zeros(SCRATCH)
+        self._sensed, self._scratch = np.zeros(SENSED_LAYOUT.size), np.zeros(DUTY_SCRATCH)
         # Views of the two arrays
-        self._inputs, self._record = SENSED.view(self._sensed), self._layout.view(self._memory)
+        self._inputs, self._record = (
+            SENSED_LAYOUT.view(self._sensed),
+            self._layout.view(self._memory),
+        )
         self._estimated, self._measured = self._record['estimate'], self._record['measured']
         self._command = self._record['pilot']['law']['command']
         self._count, self._standing = drone.body.number, drone.rules.standing_height
-        self._step = compile_core(flight_step, constants, self._layout, SENSED, law=law)
+        self._step = compile_core(flight_step, constants, self._layout, SENSED_LAYOUT, law=law)
         # Packing into the buffer is faster than assigning array elements
-        self._pack = struct.Struct(f'{READINGS}d').pack_into
+        self._pack = struct.Struct(f'{READING_NUMBERS}d').pack_into
         self._tracked: ControlMotion | None = None
         self._start: tuple[float, ...] = ()
 
     def receive_tracking(self, truth: tuple[float, ...]) -> None:
         """Take the tracker's measurement, position to rates, for the next step."""
         # The first tracked motion defines the frame
-        self._start = self._start or truth[:TRUTH]
+        self._start = self._start or truth[:TRACKED_NUMBERS]
         # The rates are the gyroscope's
-        motion = motion_from_tracker(truth[:TRUTH], self._start, (0.0, 0.0, 0.0))
+        motion = motion_from_tracker(truth[:TRACKED_NUMBERS], self._start, (0.0, 0.0, 0.0))
         self._tracked = motion
         self._inputs['tracked'] = tuple(motion)
         self._inputs['is_tracked'] = 1.0
@@ -238,11 +241,11 @@ class Autopilot:
     @property
     def estimate(self) -> MotionEstimate:
         """The estimator's full state."""
-        return ESTIMATE.read(self._memory[: ESTIMATE.size])
+        return ESTIMATE_LAYOUT.read(self._memory[: ESTIMATE_LAYOUT.size])
 
     def copy_estimate(self) -> Array:
-        """Return a copy of the estimate as numbers, in the order of `ESTIMATE`."""
-        return self._memory[: ESTIMATE.size].copy()
+        """Return a copy of the estimate as numbers, in the order of `ESTIMATE_LAYOUT`."""
+        return self._memory[: ESTIMATE_LAYOUT.size].copy()
 
     @property
     def memory(self) -> DroneMemory:

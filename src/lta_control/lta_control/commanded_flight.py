@@ -41,7 +41,7 @@ from lta_control.place_hold import (
 )
 from lta_control.reserve import apply_reserve, decide_permission, FlightPermission
 from lta_control.strategies.protocol import NavigationStrategy
-from lta_vlc.settings import NO_WISH
+from lta_vlc.settings import ANY_BEACON
 
 HIGHEST_TAKE_OFF = 100.0  # m, of a take-off
 FASTEST_BEACON = 100e3  # Hz
@@ -99,7 +99,7 @@ class CommandedFlight:
         room: tuple[float, float, float] | None = None,
     ) -> None:
         self.mission, self.permission = Mission(), FlightPermission.DOWN
-        self.beacon = NO_WISH
+        self.beacon = ANY_BEACON
         self.progress = TaskProgress()
         self.limits, self._ground_height, self._room = limits, ground_height, room
         self.motors_turn = True

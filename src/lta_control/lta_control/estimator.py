@@ -44,7 +44,7 @@ from lta_control.odometry.airspeed import (
 from lta_control.odometry.ground_state import GroundSettings
 from lta_control.per_rotor import NO_ROTORS, PerRotor
 
-FASTEST_TURN = math.radians(3000.0)  # rad/s; the BMI088 measures 2000 deg/s
+GYRO_REACH = math.radians(3000.0)  # rad/s; the BMI088 measures 2000 deg/s
 HARDEST_PULL = 400.0  # m/s2; it measures 24 g
 LEVEL_COSINE = 0.1  # cosine of the tilt below which climb and heave are not separated
 REST_PATIENCE = 5.0  # rest times without motion, after which a tilt is accepted and a turn refused
@@ -146,7 +146,7 @@ def is_plausible_imu_sample(rates: Vector, force: Vector) -> bool:
     p, q, r = rates
     x, y, z = force
     # One impossible sample would corrupt the attitude for the rest of the flight
-    turning = abs(p) <= FASTEST_TURN and abs(q) <= FASTEST_TURN and abs(r) <= FASTEST_TURN
+    turning = abs(p) <= GYRO_REACH and abs(q) <= GYRO_REACH and abs(r) <= GYRO_REACH
     pulling = abs(x) <= HARDEST_PULL and abs(y) <= HARDEST_PULL and abs(z) <= HARDEST_PULL
     return turning and pulling
 

@@ -23,7 +23,7 @@ from lta_control.reserve import (
 )
 from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy
 from lta_control.strategies.strategy_file import explain_failure
-from lta_vlc.settings import NO_WISH
+from lta_vlc.settings import ANY_BEACON
 
 Chooser = TypeVar('Chooser')
 
@@ -96,7 +96,7 @@ class Guidance:
 
     def __init__(self, course: Course | None, route: Sequence[tuple[str, float]]) -> None:
         self.mission, self.permission = Mission(), FlightPermission.DOWN
-        self.beacon = NO_WISH
+        self.beacon = ANY_BEACON
         self._course, self._route = course, route
         self._begun_ns: int | None = None
 

@@ -57,7 +57,7 @@ YAW_DRIFT = 1e-3  # of the heading after the calibration [rad/s]: as measured in
 # Of the first heading [rad]: the gyroscope's noise turns it by 3e-4 rad within a second
 YAW_START = 1e-3
 # Of the range finder's constant offset [m]: an assumption, within the 2 cm of the VL53L1x
-RANGE_OFFSET = 0.01
+RANGE_DEVIATION = 0.01
 # Of the altitude filter's variance of the climb rate. Its acceleration noise covers faults of the
 # model; docs/control.md has the measured errors.
 CLIMB_SHARE = 0.2
@@ -129,7 +129,7 @@ def from_estimate(stamp: Time, estimate: MotionEstimate, ground: GroundMotion) -
     pose_covariance = _build_covariance(ground.position_covariance)
     is_known = has_height(estimate)
     pose_covariance[14] = (
-        estimate.altitude.p[0] + RANGE_OFFSET**2 if is_known else UNKNOWN_VARIANCE
+        estimate.altitude.p[0] + RANGE_DEVIATION**2 if is_known else UNKNOWN_VARIANCE
     )
     # Roll and pitch are bounded by gravity; yaw drifts with the gyroscope
     pose_covariance[21] = pose_covariance[28] = LEVEL_SIGMA**2

@@ -19,8 +19,10 @@ if TYPE_CHECKING:
     from lta_control.strategies.settings import StrategySettings
 
 CHANGE_TIME = 3.0  # s in which the velocity is to change
-FASTEST = 0.3  # m/s over ground towards a place, or the setting `speed` where that is slower
-CALM = 0.1  # m/s; in less wind a drone rests
+APPROACH_SPEED = (
+    0.3  # m/s over ground towards a place, or the setting `speed` where that is slower
+)
+REST_WIND = 0.1  # m/s; in less wind a drone rests
 CALM_TURN = 0.5  # rad ahead of the nose in calm air: slow turns push little
 REST_SPEED = 0.05  # m/s over ground, below which it begins to rest, and ...
 LEAVE_SPEED = 0.12  # m/s, above which it no longer does
@@ -64,10 +66,12 @@ def steer_to_place(
     x, y = hold.goal[0] - motion.position[0], hold.goal[1] - motion.position[1]
     away, speed = math.hypot(x, y), math.hypot(*motion.velocity)
     near, slow = (2.0, LEAVE_SPEED) if hold.resting else (1.0, REST_SPEED)
-    if wind < CALM and away < near * REST_DISTANCE and speed < slow:
+    if wind < REST_WIND and away < near * REST_DISTANCE and speed < slow:
         heading = hold.heading if hold.resting else motion.heading
         return 0.0, hold._replace(heading=heading, resting=True)
-    lead = min(settings.speed, FASTEST, stopping_speed(own, away, math.pi)) / max(away, 1e-9)
+    lead = min(settings.speed, APPROACH_SPEED, stopping_speed(own, away, math.pi)) / max(
+        away, 1e-9
+    )
     # Velocity through the air, and the force per mass for it
     ahead, left = lead * x - motion.wind[0], lead * y - motion.wind[1]
     drag = math.hypot(ahead, left) / own.coasting
@@ -75,7 +79,7 @@ def steer_to_place(
     push_y = drag * left + (lead * y - motion.velocity[1]) / CHANGE_TIME
     heading = math.atan2(push_y, push_x)
     airspeed = ahead * math.cos(heading) + left * math.sin(heading)
-    most = CALM_TURN if wind < CALM else LARGEST_TURN
+    most = CALM_TURN if wind < REST_WIND else LARGEST_TURN
     heading = limit_turn(heading, motion.heading, hold.heading, most)
     airspeed = min(max(airspeed, -own.top_speed), own.top_speed)
     return airspeed, hold._replace(heading=wrap_angle(heading), resting=False)

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from typing import final, NamedTuple
 
 from lta_config.errors import BadInput
-from lta_config.limits import GRID
+from lta_config.limits import GRID_POINTS
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -22,7 +22,7 @@ FINEST = 1e-9  # s; resolution of a ROS stamp
 def is_grid_allowed(span: float, step: float, samples: int, most: float = HOLES) -> bool:
     """Return whether a grid over so many samples may have such a span and step. [s]"""
     # Short grids are always allowed, however sparse.
-    return span / max(FINEST, step) <= max(GRID, most * samples)
+    return span / max(FINEST, step) <= max(GRID_POINTS, most * samples)
 
 
 def check_time_span(
@@ -182,7 +182,7 @@ def interpolate_on_grid(
 def hann_kernel(width: float, step: float) -> Array:
     """Return a Hann window of a width, normalised to one; of odd length, at least three."""
     # No signal has more samples within the width than the longest grid
-    half = max(1, round(min(width / max(FINEST, step) / 2, GRID)))
+    half = max(1, round(min(width / max(FINEST, step) / 2, GRID_POINTS)))
     # The first and last point of a Hann window are zero.
     window = np.hanning(2 * half + 3)[1:-1]
     return np.asarray(window / window.sum(), dtype=np.float64)

@@ -17,14 +17,14 @@ from typing import Any, Final, final, NamedTuple, TypeVar
 
 from lta_config.errors import BadInput
 from lta_config.files import (
-    FOLDERS,
     format_error,
+    KIND_FOLDERS,
     list_shipped_names,
     parse_yaml,
     validate_content,
 )
 from lta_config.parameter_override import get_parameter, parse_assignment, replace_parameter
-from lta_config.schema.vehicle_file import MOTION, VehicleFile
+from lta_config.schema.vehicle_file import REGION_QUANTITIES, VehicleFile
 from lta_config.settings import Settings
 from lta_control.estimator import EstimatorSettings
 from lta_control.mission import MissionSettings
@@ -164,7 +164,7 @@ def list_motion(quaternion: Array, velocity: Array, rates: Array) -> dict[str, A
     """
     _, pitch, roll = to_euler_angles(quaternion)
     values = (np.linalg.norm(velocity, axis=1), roll, pitch, *rates.T)
-    return dict(zip(MOTION, values, strict=True))
+    return dict(zip(REGION_QUANTITIES, values, strict=True))
 
 
 def describe_exceeded_region(vehicle: VehicleFile, motion: Mapping[str, Array]) -> str:
@@ -257,7 +257,9 @@ def find_recorded_name(provenance: Mapping[str, str], kind: str) -> str | None:
     `kind`: 'strategy', or a key of `FOLDERS`. Raise `BadInput` if it is not one of LTA's own.
     """
     name = provenance.get(kind)
-    own: Collection[str] = STRATEGIES if kind == 'strategy' else list_shipped_names(FOLDERS[kind])
+    own: Collection[str] = (
+        STRATEGIES if kind == 'strategy' else list_shipped_names(KIND_FOLDERS[kind])
+    )
     if not name or (name in own and not (kind == 'strategy' and 'strategy_file' in provenance)):
         return name or None
     raise BadInput(

@@ -29,11 +29,11 @@ from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from lta_sim.world import World
 
-PORT: Final = 19850  # first port that cflib scans
+FIRST_PORT: Final = 19850  # first port that cflib scans
 # In the working folder: in that of temporary files, any account could be there first
 LIGHT_PORT: Final = Path('lta_light_board')
 POSITION_PERIOD: Final = 0.1  # s between two checks of the drone's position
-UP: Final = 0.04  # m above the start, from which on it has taken off
+TAKEN_OFF_HEIGHT: Final = 0.04  # m above the start, from which on it has taken off
 
 
 def build_simulated_body(
@@ -102,7 +102,7 @@ def serve_hardware(
     light = BoardServer(board, light_port, beacon)
     body = build_simulated_body(vehicle, scenario, seed, light.sample_light)
     if bench_port:
-        with light, FirmwareBench(body, bench_port, port or PORT) as firmware:
+        with light, FirmwareBench(body, bench_port, port or FIRST_PORT) as firmware:
             yield EmulatedHardware(firmware, light, body)
         return
     try:
@@ -129,7 +129,7 @@ def report_flight(
     world = body.world
     floor, began, reached = world.vehicle.hull_height_on_floor, 0.0, False
     while not wait(POSITION_PERIOD):
-        up = world.state[2] > floor + UP
+        up = world.state[2] > floor + TAKEN_OFF_HEIGHT
         if up and not began:
             began, reached = world.elapsed, False
             report(f'The drone took off, {world.goal_distance:.1f} m from the lamp.')
@@ -153,7 +153,7 @@ def main(words: list[str] | None = None) -> None:
     signal.signal(signal.SIGINT, signal.default_int_handler)
     guard_streams()
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument('--port', type=int, default=PORT)
+    parser.add_argument('--port', type=int, default=FIRST_PORT)
     parser.add_argument('--light-port', type=Path, default=LIGHT_PORT)
     parser.add_argument('--beacon', type=float, default=0.0)
     parser.add_argument('--bench-port', type=int, default=0)

@@ -17,7 +17,7 @@ from typing import Final, final, NamedTuple, Self
 
 from lta_config.schema.spectrum_file import luminous_efficacy
 from lta_config.schema.vehicle_energy import EnergyBlock
-from lta_energy.irradiance import DARK, PanelIrradiance
+from lta_energy.irradiance import NO_IRRADIANCE, PanelIrradiance
 from lta_model.electrical.charger import charger_output, ChargerModel
 from lta_model.electrical.panel import (
     array_spectral_factor,
@@ -109,10 +109,10 @@ def irradiance_from_lux(lamp: LightSource, lux: float) -> PanelIrradiance:
     """Return the irradiance of a lamp whose illuminance [lx] is given for its on phase."""
     # Flickering light goes into the beacon term, because harvest is averaged over its phases
     if lamp.duty < 1.0:
-        return DARK._replace(beacon=lux / lamp.efficacy, duty=lamp.duty)
+        return NO_IRRADIANCE._replace(beacon=lux / lamp.efficacy, duty=lamp.duty)
     if lamp.spectrum == STANDARD_LIGHT:
-        return DARK._replace(sun=lux / lamp.efficacy)
-    return DARK._replace(lamps=lux / lamp.efficacy)
+        return NO_IRRADIANCE._replace(sun=lux / lamp.efficacy)
+    return NO_IRRADIANCE._replace(lamps=lux / lamp.efficacy)
 
 
 def charging_power(

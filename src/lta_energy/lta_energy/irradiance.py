@@ -32,7 +32,7 @@ class PanelIrradiance(NamedTuple):
     duty: float  # duty cycle of the flickering lamp [1]
 
 
-DARK = PanelIrradiance(0.0, 0.0, 0.0, 1.0)
+NO_IRRADIANCE = PanelIrradiance(0.0, 0.0, 0.0, 1.0)
 
 
 @final

@@ -93,7 +93,7 @@ class MissionLog:
 
 
 PERCH_STEP = 30.0  # s on the perch
-HOUR = 3600.0
+SECONDS_AN_HOUR = 3600.0
 FIRST_DEVIATION = 0.05  # initial standard deviation of the estimated charge
 
 
@@ -298,7 +298,7 @@ class MissionSimulation:
         # By night, and at dawn below 1 W/m2, the ratio is meaningless
         if due > 1.0:
             # First-order filter with a time constant of one hour
-            self._seen += (light.sun / due - self._seen) * min(dt / HOUR, 1.0)
+            self._seen += (light.sun / due - self._seen) * min(dt / SECONDS_AN_HOUR, 1.0)
 
     def _record_state(self, state: int, time: float, spent: EnergyTotals) -> None:
         """

@@ -19,7 +19,7 @@ from lta_config.parameter_override import (
     parse_quantity,
     replace_parameter,
 )
-from lta_config.quantity import UNITS
+from lta_config.quantity import SI_UNITS
 from lta_config.schema.vehicle_file import load_vehicle_content, VehicleFile
 from lta_config.settings import Settings
 from lta_config.topics import load_topic_table
@@ -98,7 +98,7 @@ class FlightSpec:
         quantity = parse_quantity(self.read_value(path))
         if quantity is not None:
             # An unknown unit is reported later, by validation
-            return UNITS.get(quantity['unit'], (quantity['unit'],))[0]
+            return SI_UNITS.get(quantity['unit'], (quantity['unit'],))[0]
         if path in NAMED_ROOTS:
             return ''
         root, below = split_path(path)

@@ -4,7 +4,7 @@ from functools import cached_property
 from typing import final, NamedTuple
 
 from lta_config.compilation.flat import Array
-from lta_control.autopilot import ESTIMATE
+from lta_control.autopilot import ESTIMATE_LAYOUT
 from lta_data.bag.recorded_flight import PointSeries
 from lta_data.scene import describe_exceeded_region, list_motion, RecordedScene
 from lta_flight.closed_loop import ClosedLoop
@@ -132,7 +132,7 @@ class LoopView:
     @cached_property
     def estimate(self) -> MotionCurve:
         """The estimated motion, aligned with the truth at the start."""
-        estimates, time = ESTIMATE.view(np.array(self._estimates)), np.array(self._times)
+        estimates, time = ESTIMATE_LAYOUT.view(np.array(self._estimates)), np.array(self._times)
         # The estimator keeps x, y and the altitude separately
         place = np.column_stack([estimates['position'], estimates['altitude']['height']])
         surge = estimates['airspeed']['surge']

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from lta_bridge.live.origin_gate import build_app_url, check_port_available, LOCAL, PORT
+from lta_bridge.live.origin_gate import build_app_url, check_port_available, LIVE_PORT, LOCAL
 from lta_config.command_line import relative_path
 from lta_config.errors import BadInput
 from lta_config.files import share_folder
@@ -24,7 +24,9 @@ def _list_live_views(plan: LaunchPlan) -> list[tuple[LaunchProcess, object, obje
         parameters = process.parameters
         # A parameter file may set another port, which is not known here
         if 'port' in parameters or not process.parameter_file:
-            views.append((process, parameters.get('host', LOCAL), parameters.get('port', PORT)))
+            views.append(
+                (process, parameters.get('host', LOCAL), parameters.get('port', LIVE_PORT))
+            )
     return views
 
 

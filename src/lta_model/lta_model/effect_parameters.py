@@ -25,7 +25,7 @@ from lta_config.quantity import describe_misfit, Quantity, UNSOURCED
 from lta_config.schema.vehicle_body import MovingMassBlock, PartBlock
 from lta_config.schema.vehicle_file import VehicleFile
 from lta_model import effects, mass_properties, propulsion
-from lta_model.effects.drag import STRIP_DAMPING, STRIPS
+from lta_model.effects.drag import MOST_STRIPS, STRIP_DAMPING
 from lta_model.effects.protocol import AXES, Vector
 from lta_model.model import RK4_LIMIT
 
@@ -71,11 +71,11 @@ def build_strips(boxes: Sequence[DragBox], density: float) -> dict[str, float]:
     Raise `BadInput` if they need more strips than the effect has.
     """
     strips = [strip for box in boxes for strip in _split_box(box, density)]
-    if len(strips) > STRIPS:
+    if len(strips) > MOST_STRIPS:
         raise BadInput(
             f'The {len(boxes)} parts with drag need {len(strips)} strips for their rotational '
-            f'damping (a wide part needs two), but the model has only {STRIPS}; in the vehicle '
-            'file, remove drag from some parts, or combine several into one box.'
+            f'damping (a wide part needs two), but the model has only {MOST_STRIPS}; in the '
+            'vehicle file, remove drag from some parts, or combine several into one box.'
         )
     # The first parameter is `translation`, 0
     numbers = [0.0, *(number for strip in strips for number in strip)]

@@ -8,7 +8,7 @@ without any reads the truth bit for bit.
 
 from collections.abc import Callable, Mapping
 
-from lta_model.effects.protocol import CHANNELS, Effect, MeasurementEffect, Values
+from lta_model.effects.protocol import CHANNEL_SIZES, Effect, MeasurementEffect, Values
 
 Reading = Callable[[Values, Values, float], Values]
 # The readings of a channel in their order, each with its parameters.
@@ -26,7 +26,7 @@ def build_chains(
     parameters: Mapping[str, Mapping[str, float]], effects: Mapping[str, Effect]
 ) -> dict[str, Chain]:
     """Return the effects of each channel."""
-    out: dict[str, Chain] = dict.fromkeys(CHANNELS, ())
+    out: dict[str, Chain] = dict.fromkeys(CHANNEL_SIZES, ())
     for name, effect in effects.items():
         if not isinstance(effect, MeasurementEffect):
             continue

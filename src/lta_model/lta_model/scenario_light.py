@@ -23,7 +23,7 @@ from pydantic import AfterValidator, BeforeValidator, Field
 Point = Annotated[Quantity, si_quantity('m', low=-1000.0, high=1000.0, length=3)]
 Share = Annotated[float, Field(ge=0.0, lt=1.0)]
 NO_SHARE = Quantity(value=0.0, unit='1')
-HALF = Quantity(value=0.5, unit='1')
+DEFAULT_SLACK = Quantity(value=0.5, unit='1')
 HALF_POWER_ANGLE = Quantity(value=60.0, unit='deg')
 LAMP_RADIUS = Quantity(value=15.0, unit='mm')
 
@@ -144,7 +144,7 @@ class DaylightScene(StrictModel):
     elevation: Annotated[Quantity, si_quantity('rad', above=0.0, high=math.pi / 2.0)]
     sky: Annotated[Quantity, si_quantity('lx', low=0.0, high=2e5)]
     efficacy: Efficacy
-    slack: Annotated[Quantity, si_quantity('1', low=0.0, high=1.0)] = HALF
+    slack: Annotated[Quantity, si_quantity('1', low=0.0, high=1.0)] = DEFAULT_SLACK
 
     def build_daylight(self, ground: float) -> Daylight:
         """Return the light over ground of some albedo. [1]"""

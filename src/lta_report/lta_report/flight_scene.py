@@ -13,7 +13,7 @@ import itertools
 from typing import Final, final
 
 from lta_bridge.description.scene import BASE, draw_body, ENVELOPE, vehicle_reach
-from lta_bridge.description.shapes import EllipsoidShape, ORIGIN, Shape, ShapeEntity
+from lta_bridge.description.shapes import EllipsoidShape, NO_SHIFT, Shape, ShapeEntity
 from lta_config.errors import BadInput
 from lta_config.schema.vehicle_file import VehicleFile
 from lta_model.mass_properties import half_axes
@@ -218,7 +218,7 @@ def draw_vehicle(file: VehicleFile | None) -> tuple[ShapeEntity, float, Vehicle 
             return draw_body(vehicle), vehicle_reach(vehicle), vehicle
     else:
         radius = DEFAULT_RADIUS
-    hull = EllipsoidShape(ORIGIN, (2 * radius, 2 * radius, 2 * radius), ENVELOPE)
+    hull = EllipsoidShape(NO_SHIFT, (2 * radius, 2 * radius, 2 * radius), ENVELOPE)
     return ShapeEntity('vehicle', BASE, (hull,)), radius, None
 
 

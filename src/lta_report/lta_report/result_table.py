@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import math
 from typing import Any, Final, final, Generic, NamedTuple, Protocol, runtime_checkable, TypeVar
 
-from lta_config.quantity import UNITS
+from lta_config.quantity import SI_UNITS
 from lta_report.formatting import format_number, MISSING
 from lta_report.json_value import to_json_value
 from lta_report.report import CellColor, TextTable
@@ -45,7 +45,7 @@ class Spread(NamedTuple):
 
 def unit_factor(unit: str) -> float:
     """Return by what a value in SI units is multiplied to have a unit, such as 'mW' or '°'."""
-    return 1.0 / UNITS[unit.strip('±').translate(TYPED)][1] if unit else 1.0
+    return 1.0 / SI_UNITS[unit.strip('±').translate(TYPED)][1] if unit else 1.0
 
 
 def format_value(value: Any, digits: int | None = None, factor: float = 1.0) -> str:  # noqa: ANN401 - any cell

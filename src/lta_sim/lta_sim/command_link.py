@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Vector = tuple[float, float, float]
-NANOSECONDS = 1e9
+NS_A_SECOND = 1e9
 
 
 @final
@@ -97,7 +97,7 @@ class CommandLink:
         # The delay is constant within a period.
         delay = elapsed - apply_chain(self._chain, (elapsed,), elapsed)[0]
         # A command cannot arrive before it is sent
-        age_ns = max(0, round(delay * NANOSECONDS))
+        age_ns = max(0, round(delay * NS_A_SECOND))
         self._coming.append((now_ns, command))
         out: list[tuple[int, Array]] = []
         while self._coming and self._coming[0][0] + age_ns < end_ns:

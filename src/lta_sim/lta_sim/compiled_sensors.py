@@ -18,7 +18,7 @@ from lta_model.sensors.imu import read_axis
 from lta_model.sensors.pressure import air_pressure, read_pressure
 from lta_model.sensors.range import height_and_tilt, noise_deviation, read_range, slant_range
 
-WORD_MASK = 0xFFFFFFFF
+MASK_32 = 0xFFFFFFFF
 # Key parity and rotation constants of Threefry-2x32, from the paper
 PARITY = 0x1BD11BDA
 ROTATIONS = (13, 15, 26, 6, 17, 29, 16, 24)
@@ -35,16 +35,16 @@ def threefry(key: int, stream: int, first: int, second: int) -> tuple[int, int]:
     sequence; 32 bits each.
     """
     keys = (key, stream, PARITY ^ key ^ stream)
-    x, y = (first + key) & WORD_MASK, (second + stream) & WORD_MASK
+    x, y = (first + key) & MASK_32, (second + stream) & MASK_32
     for group in range(ROUND_GROUPS):
         for k in range(4):
             turn = ROTATIONS[4 * (group % 2) + k]
             # The mask emulates 32-bit overflow, because Python's integers are unbounded
-            x = (x + y) & WORD_MASK
-            y = (((y << turn) & WORD_MASK) | (y >> (32 - turn))) ^ x
+            x = (x + y) & MASK_32
+            y = (((y << turn) & MASK_32) | (y >> (32 - turn))) ^ x
         # Key injection after every four rounds
-        x = (x + keys[(group + 1) % 3]) & WORD_MASK
-        y = (y + keys[(group + 2) % 3] + group + 1) & WORD_MASK
+        x = (x + keys[(group + 1) % 3]) & MASK_32
+        y = (y + keys[(group + 2) % 3] + group + 1) & MASK_32
     return x, y
 
 

@@ -10,7 +10,7 @@ from lta_model.light.view import LightView, Pose
 from lta_model.scenario import Scenario
 from lta_model.state import IRRADIANCE, NOISE, RIGID, SURROUNDINGS, VOLTAGE, WIND, WIND_RATE
 from lta_sim.scene_model import load_wind_record
-from lta_sim.simulated_vehicle import LAYOUT
+from lta_sim.simulated_vehicle import SIM_LAYOUT
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
@@ -25,7 +25,7 @@ def draw_initial_memory(
     memory = list(initial_memory())
     if 'turbulence' in parameters:
         # The layout counts from the start of the state, the memory begins after the rigid body
-        first = LAYOUT.remembers['turbulence'] - RIGID
+        first = SIM_LAYOUT.remembers['turbulence'] - RIGID
         normals = chance.standard_normal(len(TURBULENCE.memory))
         memory[first : first + len(normals)] = stationary_memory(tuple(normals.tolist()))
     return memory

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-LAYOUT = build_layout(EFFECTS)
+SIM_LAYOUT = build_layout(EFFECTS)
 
 
 def _pass_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
@@ -95,7 +95,7 @@ class SimulatedVehicle:
         self.state, self.command = self._view_part('state'), self._view_part('command')
         self.surroundings, self.body = self._view_part('surroundings'), self._view_part('body')
         self.rate, self.thrusts, self.wind = map(self._view_part, ('rate', 'thrusts', 'wind'))
-        # Of the effects of `LAYOUT`; that of a command comes last
+        # Of the effects of `SIM_LAYOUT`; that of a command comes last
         self.wrenches = self._view_part('wrenches').reshape(-1, 6)[:-1]
 
     def _view_part(self, name: str) -> Array:

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 Numbers = tuple[float, ...]  # position, quaternion, velocity, rates: the first 13 of a state
 TRACKER_CHANNELS = ('clock', 'pose_time', 'pose')
-NANOSECONDS = 1e9
+NS_A_SECOND = 1e9
 
 
 def interpolate_motion(before: Numbers, after: Numbers, part: float) -> Numbers:
@@ -65,7 +65,7 @@ class SimulatedTracker:
         now, motion = self._now_ns * 1e-9, self._motion
         if self._late:
             clock = apply_chain(self._clock, (now,), now)
-            when_ns = round(apply_chain(self._time, clock, now)[0] * NANOSECONDS)
+            when_ns = round(apply_chain(self._time, clock, now)[0] * NS_A_SECOND)
             # Positive where the tracker's clock is ahead: predict, instead of looking back
             span_ns = when_ns - self._now_ns
             self._drop_old_records(when_ns)

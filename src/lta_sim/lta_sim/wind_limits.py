@@ -34,7 +34,7 @@ from scipy.optimize import linprog
 CLEAR_HEIGHT = 1e3  # m above the floor, outside any ground effect
 FASTEST_WIND = 60.0  # m/s; bound of the winds
 SPEED_TOLERANCE = 1e-4  # m/s
-HEADINGS = tuple(math.radians(15 * k) for k in range(24))
+WIND_HEADINGS = tuple(math.radians(15 * k) for k in range(24))
 PITCHES = tuple(math.radians(3 * k) for k in range(-27, 28))
 # Pitch angles of a freely hanging hull
 LEANS = tuple(math.radians(0.5 * k) for k in range(-60, 61))
@@ -77,7 +77,7 @@ def thrust_speed(vehicle: Vehicle) -> float:
     model = vehicle.build_model()
     if vehicle.file.hull.shape == 'none' or vehicle.file.moving_mass:
         return _pitched_speed_limit(vehicle, model)
-    return max(_level_speed_limit(vehicle, model, heading) for heading in HEADINGS)
+    return max(_level_speed_limit(vehicle, model, heading) for heading in WIND_HEADINGS)
 
 
 def _level_speed_limit(vehicle: Vehicle, model: VehicleModel, heading: float) -> float:

@@ -25,7 +25,7 @@ from lta_sim.command_link import CommandLink
 from lta_sim.environment import draw_initial_memory, FlightEnvironment
 from lta_sim.readings import FlightOutcome, SensorReadings, Vector
 from lta_sim.scene_model import build_scene_model, vehicle_reach
-from lta_sim.simulated_vehicle import LAYOUT, SimulatedVehicle
+from lta_sim.simulated_vehicle import SIM_LAYOUT, SimulatedVehicle
 from lta_sim.supply import Supply
 from lta_sim.termination import FlightTermination
 from lta_sim.tracker import SimulatedTracker
@@ -239,7 +239,7 @@ class World:
     def effect_wrenches(self) -> dict[str, Array]:
         """Return the present wrench of each effect, body frame. [N, N m]."""
         self._craft.evaluate_state()
-        return dict(zip(LAYOUT.wrench_names, self._craft.wrenches.copy(), strict=True))
+        return dict(zip(SIM_LAYOUT.wrench_names, self._craft.wrenches.copy(), strict=True))
 
     def _pose(self) -> Pose:
         """Return position [m] and quaternion."""

@@ -12,7 +12,7 @@ from typing import Final, final, NamedTuple
 
 from lta_config.constants import AIR_DENSITY
 from lta_config.errors import BadInput
-from lta_config.files import find_file, FOLDERS, format_errors, list_shipped_names
+from lta_config.files import find_file, format_errors, KIND_FOLDERS, list_shipped_names
 from lta_config.schema.vehicle_file import load_vehicle_content, VehicleFile
 from lta_model import effect_parameters, mass_properties, propulsion
 from lta_model.model import STEP_NS
@@ -225,7 +225,7 @@ def _find_push_warnings(sheet: VehicleSheet) -> Iterator[str]:
 
 def _find_copied_numbers(sheet: VehicleSheet) -> Iterator[str]:
     """Warn if most numbers are those of a shipped vehicle, which `lta vehicle new` copied."""
-    names = list_shipped_names(FOLDERS['vehicle'])
+    names = list_shipped_names(KIND_FOLDERS['vehicle'])
     if sheet.vehicle.file.name in names:
         return
     own = {(each.place, each.value, each.source) for each in sheet.numbers}

@@ -242,16 +242,16 @@ def _estimate_drag(shape: HullBlock, hang: float, gondola: list[float]) -> dict[
     """Return the drag of envelope and gondola by the formulas of `lta_windtunnel.analytic`."""
     # Imported late: the surfaces need trimesh, which copying a file does not
     from lta_windtunnel.aero_fit import fit_drag, opposing_drag
-    from lta_windtunnel.flow_plan import AIR
+    from lta_windtunnel.flow_plan import TUNNEL_AIR
     from lta_windtunnel.shape import build_hull_surface
     from lta_windtunnel.solve import estimate_drag
-    from lta_windtunnel.tunnel_model import build_box_surface, HULL, TunnelModel
+    from lta_windtunnel.tunnel_model import build_box_surface, HULL_PATCH, TunnelModel
 
     box = build_box_surface((0.0, 0.0, -hang), (gondola[0], gondola[1], gondola[2]))
-    model = TunnelModel('sized', {HULL: build_hull_surface(shape), 'gondola': box}, {}, {})
+    model = TunnelModel('sized', {HULL_PATCH: build_hull_surface(shape), 'gondola': box}, {}, {})
     fits = [
         fit_drag([point.speed for point in points], opposing_drag(axis, points))
-        for axis, points in estimate_drag(model, AIR).items()
+        for axis, points in estimate_drag(model, TUNNEL_AIR).items()
     ]
     along = 'lta cfd, analytic: Hoerner 1965 for the envelope, a plate for the gondola; no fins'
     about = 'lta cfd, analytic: laminar disc and plate; no fins'

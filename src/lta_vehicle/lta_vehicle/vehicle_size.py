@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Final, final
 
 from lta_config.errors import BadInput
-from lta_config.quantity import describe_misfit, Quantity, UNITS
+from lta_config.quantity import describe_misfit, Quantity, SI_UNITS
 from pydantic import ValidationError
 
 MOTOR_LAYOUTS: Final = {
@@ -50,7 +50,7 @@ class VehicleSize:
 def parse_size(name: str, text: str) -> float:
     """Return a quantity such as '1.2m' in SI; raise `BadInput` if it is not one for `name`."""
     unit, low, high = LIMITS[name]
-    unit_names = [word for word, (kind, _) in UNITS.items() if kind == unit]
+    unit_names = [word for word, (kind, _) in SI_UNITS.items() if kind == unit]
     try:
         # Capacities are written without the space of the unit
         quantity = Quantity.model_validate(text.replace('Ah', 'A h'))

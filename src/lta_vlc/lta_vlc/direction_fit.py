@@ -20,9 +20,9 @@ from lta_vlc.reading_model import (
     ELEVATION,
     FALL,
     LEAST_ERROR,
-    MISFIT,
+    MISFIT_AT,
     NEARNESS,
-    NORMAL,
+    NORMAL_AT,
     Numbers,
     PEDESTAL,
     RESPONSE,
@@ -121,7 +121,8 @@ def variance_inflation(scratch: Scratch, errors: Numbers) -> float:
             count += 1
     # A good fit does not shrink the covariance, most of which is that of the priors
     return max(
-        1.0, (VARIANCE_WORTH + scratch[MISFIT]) / (VARIANCE_WORTH + max(count - FREE_UNKNOWNS, 0))
+        1.0,
+        (VARIANCE_WORTH + scratch[MISFIT_AT]) / (VARIANCE_WORTH + max(count - FREE_UNKNOWNS, 0)),
     )
 
 
@@ -131,7 +132,7 @@ def build_direction_fit(
     """Return a direction with its covariance, from the last corner of the Cholesky factor."""
     level = math.sqrt(x * x + y * y)
     # Rows of the lower Cholesky factor L; covariance (L L^T)^-1
-    last = NORMAL + UNKNOWNS * AZIMUTH
+    last = NORMAL_AT + UNKNOWNS * AZIMUTH
     # Standard deviation of the step to the left [rad]
     side = 1.0 / scratch[last + AZIMUTH]
     if not (level > 0.0 and side < level):
@@ -226,9 +227,9 @@ def factorize_cholesky(scratch: Scratch) -> bool:
     """Replace the normal matrix by its Cholesky factor; return whether there is one."""
     # In place, row by row, lower triangle only
     for i in range(UNKNOWNS):
-        at = NORMAL + UNKNOWNS * i
+        at = NORMAL_AT + UNKNOWNS * i
         for j in range(i + 1):
-            own = NORMAL + UNKNOWNS * j
+            own = NORMAL_AT + UNKNOWNS * j
             rest = scratch[at + j]
             for k in range(j):
                 rest -= scratch[at + k] * scratch[own + k]
@@ -247,12 +248,12 @@ def solve_cholesky(scratch: Scratch) -> None:
     for i in range(UNKNOWNS):
         rest = scratch[RIGHT_SIDE + i]
         for k in range(i):
-            rest -= scratch[NORMAL + UNKNOWNS * i + k] * scratch[RIGHT_SIDE + k]
-        scratch[RIGHT_SIDE + i] = rest / scratch[NORMAL + (UNKNOWNS + 1) * i]
+            rest -= scratch[NORMAL_AT + UNKNOWNS * i + k] * scratch[RIGHT_SIDE + k]
+        scratch[RIGHT_SIDE + i] = rest / scratch[NORMAL_AT + (UNKNOWNS + 1) * i]
     # Backward substitution with its transpose
     for back in range(UNKNOWNS):
         i = UNKNOWNS - 1 - back
         rest = scratch[RIGHT_SIDE + i]
         for k in range(i + 1, UNKNOWNS):
-            rest -= scratch[NORMAL + UNKNOWNS * k + i] * scratch[RIGHT_SIDE + k]
-        scratch[RIGHT_SIDE + i] = rest / scratch[NORMAL + (UNKNOWNS + 1) * i]
+            rest -= scratch[NORMAL_AT + UNKNOWNS * k + i] * scratch[RIGHT_SIDE + k]
+        scratch[RIGHT_SIDE + i] = rest / scratch[NORMAL_AT + (UNKNOWNS + 1) * i]

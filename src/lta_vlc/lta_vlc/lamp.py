@@ -8,7 +8,7 @@ from lta_config.settings import setting, Settings
 if TYPE_CHECKING:
     from lta_vlc.direction import Direction
 
-OFF_AXIS = 0.8  # mean cosine at which a Lambertian beam leaves a lamp that is flown to
+OFF_AXIS_COSINE = 0.8  # mean cosine at which a Lambertian beam leaves a lamp that is flown to
 OFF_AXIS_DEVIATION = 0.15  # relative, of a range by strength: the beam's angle is not known
 
 
@@ -53,8 +53,8 @@ def estimate_range(direction: 'Direction', prior: LampPrior) -> tuple[float, flo
     # Not measured: strength says nothing about the range
     if not prior.intensity > 0.0:
         return prior.distance, prior.distance_deviation
-    # Inverse-square law; OFF_AXIS is the beam's loss off its axis
-    distance = math.sqrt(prior.intensity * OFF_AXIS / direction.strength)
+    # Inverse-square law; OFF_AXIS_COSINE is the beam's loss off its axis
+    distance = math.sqrt(prior.intensity * OFF_AXIS_COSINE / direction.strength)
     # d ~ S^(-1/2), so relative errors halve
     relative = 0.5 * direction.strength_deviation / direction.strength
     return distance, distance * math.sqrt(OFF_AXIS_DEVIATION**2 + relative**2)

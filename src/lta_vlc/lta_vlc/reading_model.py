@@ -47,12 +47,12 @@ PEDESTAL, SLOPE, BEND, NEARNESS, FALL, RESPONSE = 0, 1, 4, 6, 7, 8
 STRENGTH, ELEVATION, AZIMUTH = 9, 10, 11
 UNKNOWNS = 12
 # Where each part stands in the scratch numbers.
-ROW = 0
-RIGHT_SIDE = ROW + UNKNOWNS
-NORMAL = RIGHT_SIDE + UNKNOWNS
-VALUES = NORMAL + UNKNOWNS * UNKNOWNS
-MISFIT = VALUES + ELEVATION
-FIT_SCRATCH = MISFIT + 1
+ROW_AT = 0
+RIGHT_SIDE = ROW_AT + UNKNOWNS
+NORMAL_AT = RIGHT_SIDE + UNKNOWNS
+VALUES = NORMAL_AT + UNKNOWNS * UNKNOWNS
+MISFIT_AT = VALUES + ELEVATION
+FIT_SCRATCH = MISFIT_AT + 1
 DIFFUSE_MIXING = 2.5
 # Standard deviations, parts of B
 SLOPE_DEVIATION, BEND_DEVIATION, PATTERN_DEVIATION = 0.37, 0.13, 0.02
@@ -118,7 +118,7 @@ def build_normal_equations(
     # Right side and matrix are accumulated below
     for j in range(RIGHT_SIDE, VALUES):
         scratch[j] = 0.0
-    scratch[MISFIT] = 0.0
+    scratch[MISFIT_AT] = 0.0
     strength, pedestal = scratch[VALUES + STRENGTH], scratch[VALUES + PEDESTAL]
     uneven = pedestal_unevenness(strength, pedestal)
     for i in range(len(readings)):
@@ -130,7 +130,7 @@ def build_normal_equations(
         model = seen + pedestal
         # Slope and bend enter linearly: value times derivative
         for j in range(SLOPE, NEARNESS):
-            model += scratch[VALUES + j] * scratch[ROW + j]
+            model += scratch[VALUES + j] * scratch[ROW_AT + j]
         # Standard deviation by the unknown true gain
         unequal = array.spread * gain * (seen + pedestal)
         rough = PATTERN_DEVIATION * gain * uneven
@@ -140,15 +140,15 @@ def build_normal_equations(
         # The model is for reading over gain, hence its variance over gain squared
         weight = gain * gain / variance
         missing = readings[i] / gain - model
-        scratch[MISFIT] += weight * missing * missing
+        scratch[MISFIT_AT] += weight * missing * missing
         for j in range(UNKNOWNS):
-            part = weight * scratch[ROW + j]
+            part = weight * scratch[ROW_AT + j]
             scratch[RIGHT_SIDE + j] += part * missing
-            own = NORMAL + UNKNOWNS * j
+            own = NORMAL_AT + UNKNOWNS * j
             for k in range(j + 1):
-                scratch[own + k] += part * scratch[ROW + k]
+                scratch[own + k] += part * scratch[ROW_AT + k]
     # A uniform azimuth keeps the matrix regular where the diodes say nothing
-    scratch[NORMAL + (UNKNOWNS + 1) * AZIMUTH] += 1.0 / AZIMUTH_VARIANCE
+    scratch[NORMAL_AT + (UNKNOWNS + 1) * AZIMUTH] += 1.0 / AZIMUTH_VARIANCE
     level = math.sqrt(x * x + y * y)
     # Priors on the other unknowns
     lifted = math.atan2(z, level) - expected.elevation
@@ -177,9 +177,9 @@ def add_prior(scratch: Scratch, unknown: int, off: float, deviation: float) -> N
     """Add the prior of one unknown at a deviation from its mean."""
     weight = 1.0 / (deviation * deviation)
     # Diagonal element
-    scratch[NORMAL + (UNKNOWNS + 1) * unknown] += weight
+    scratch[NORMAL_AT + (UNKNOWNS + 1) * unknown] += weight
     scratch[RIGHT_SIDE + unknown] -= weight * off
-    scratch[MISFIT] += weight * off * off
+    scratch[MISFIT_AT] += weight * off * off
 
 
 def add_harmonic_prior(
@@ -203,13 +203,13 @@ def add_harmonic_prior(
     scratch[RIGHT_SIDE + first + 1] -= weight * off * s
     scratch[RIGHT_SIDE + FALL] += weight * off * per_fall
     # Lower half of the outer product; FALL comes after both harmonics
-    scratch[NORMAL + (UNKNOWNS + 1) * first] += weight * c * c
-    scratch[NORMAL + (UNKNOWNS + 1) * (first + 1)] += weight * s * s
-    scratch[NORMAL + UNKNOWNS * (first + 1) + first] += weight * c * s
-    scratch[NORMAL + (UNKNOWNS + 1) * FALL] += weight * per_fall * per_fall
-    scratch[NORMAL + UNKNOWNS * FALL + first] -= weight * per_fall * c
-    scratch[NORMAL + UNKNOWNS * FALL + first + 1] -= weight * per_fall * s
-    scratch[MISFIT] += weight * off * off
+    scratch[NORMAL_AT + (UNKNOWNS + 1) * first] += weight * c * c
+    scratch[NORMAL_AT + (UNKNOWNS + 1) * (first + 1)] += weight * s * s
+    scratch[NORMAL_AT + UNKNOWNS * (first + 1) + first] += weight * c * s
+    scratch[NORMAL_AT + (UNKNOWNS + 1) * FALL] += weight * per_fall * per_fall
+    scratch[NORMAL_AT + UNKNOWNS * FALL + first] -= weight * per_fall * c
+    scratch[NORMAL_AT + UNKNOWNS * FALL + first + 1] -= weight * per_fall * s
+    scratch[MISFIT_AT] += weight * off * off
 
 
 def compute_jacobian_row(
@@ -240,21 +240,21 @@ def compute_jacobian_row(
     sharp = strength * beam * p * (0.5 * (cosine + edge)) ** p / edge * thinned
     # Derivative by the distance
     wide = strength * beam * (p + 2.0) * response / square
-    scratch[ROW + AZIMUTH] = sharp * (nx * ax + ny * ay) + wide * near * left
-    scratch[ROW + ELEVATION] = sharp * (nx * bx + ny * by + nz * level) + wide * near * (
+    scratch[ROW_AT + AZIMUTH] = sharp * (nx * ax + ny * ay) + wide * near * left
+    scratch[ROW_AT + ELEVATION] = sharp * (nx * bx + ny * by + nz * level) + wide * near * (
         rx * bx + ry * by + rz * level
     )
-    scratch[ROW + STRENGTH] = beam * response
-    scratch[ROW + PEDESTAL] = 1.0
-    scratch[ROW + SLOPE], scratch[ROW + SLOPE + 1], scratch[ROW + SLOPE + 2] = nx, ny, nz
-    scratch[ROW + BEND], scratch[ROW + BEND + 1] = nx * nx - ny * ny, 2.0 * nx * ny
-    scratch[ROW + NEARNESS] = (
+    scratch[ROW_AT + STRENGTH] = beam * response
+    scratch[ROW_AT + PEDESTAL] = 1.0
+    scratch[ROW_AT + SLOPE], scratch[ROW_AT + SLOPE + 1], scratch[ROW_AT + SLOPE + 2] = nx, ny, nz
+    scratch[ROW_AT + BEND], scratch[ROW_AT + BEND + 1] = nx * nx - ny * ny, 2.0 * nx * ny
+    scratch[ROW_AT + NEARNESS] = (
         wide * (wx * rx + wy * ry + wz * rz)
         - sharp * (nx * rx + ny * ry + nz * rz)
         + strength * response * fall * left
     )
-    scratch[ROW + FALL] = strength * response * near * left
+    scratch[ROW_AT + FALL] = strength * response * near * left
     # Derivative of a power by its exponent; towards the edge of the view it goes to zero
     narrower = math.log(cosine / math.sqrt(square)) if cosine > 0.0 else 0.0
-    scratch[ROW + RESPONSE] = strength * beam * response * narrower
+    scratch[ROW_AT + RESPONSE] = strength * beam * response * narrower
     return strength * beam * response

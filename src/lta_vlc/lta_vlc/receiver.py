@@ -8,7 +8,7 @@ from typing import final, NamedTuple
 
 from lta_config.errors import BadInput
 from lta_vlc.demodulation import demodulate_block, DemodulatedBlock
-from lta_vlc.settings import DemodulationSettings, NO_WISH
+from lta_vlc.settings import ANY_BEACON, DemodulationSettings
 from lta_vlc.spectral.bins import (
     BeaconBins,
     check_beacons,
@@ -201,7 +201,7 @@ class BeaconReceiver:
         Raise `BadInput` if it cannot be detected or separated from the mains; nothing is changed
         then.
         """
-        beacon_first = self._settings.frequency if beacon == NO_WISH else beacon
+        beacon_first = self._settings.frequency if beacon == ANY_BEACON else beacon
         before = [one for one in self.beacons if one != beacon_first]
         # Already received: only the order changes
         if len(before) < len(self.beacons):

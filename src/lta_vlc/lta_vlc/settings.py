@@ -5,7 +5,7 @@ from typing import Annotated
 from lta_config.settings import setting, Settings
 from pydantic import Field
 
-NO_WISH = 0.0  # Hz, of a wanted beacon: the first of the settings
+ANY_BEACON = 0.0  # Hz, of a wanted beacon: the first of the settings
 
 
 Frequency = Annotated[float, Field(ge=1.0, le=100_000.0)]

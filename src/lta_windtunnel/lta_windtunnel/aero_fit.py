@@ -19,11 +19,11 @@ from lta_windtunnel import flow_checks
 from lta_windtunnel.sweep_table import AXES, Axis, SweepPoint, TunnelSweep
 from lta_windtunnel.thrust_allocation import linearity_ratio, transform_wrench
 from lta_windtunnel.tunnel import INCIDENCES
-from lta_windtunnel.tunnel_model import HULL, QUARTER_TURN
+from lta_windtunnel.tunnel_model import HULL_PATCH, QUARTER_TURN
 import numpy as np
 from scipy.optimize import nnls
 
-ABOUT: Final[dict[Axis, int]] = {'roll': 0, 'pitch': 1, 'yaw': 2}
+TURN_AXIS: Final[dict[Axis, int]] = {'roll': 0, 'pitch': 1, 'yaw': 2}
 ALONG: Final[dict[Axis, int]] = {'surge': 0, 'sway': 1, 'heave': 2}
 # Equal after a quarter turn
 SYMMETRIC_AXES: Final[dict[Axis, Axis]] = {'sway': 'surge', 'pitch': 'roll'}
@@ -82,7 +82,7 @@ def opposing_drag(axis: Axis, points: Sequence[SweepPoint]) -> list[float]:
     if axis in ALONG:
         # The vehicle moves along +axis, so that drag is negative
         return [-point.force[ALONG[axis]] for point in points]
-    return [-point.moment[ABOUT[axis]] for point in points]
+    return [-point.moment[TURN_AXIS[axis]] for point in points]
 
 
 def fit_drag_by_axis(sweep: TunnelSweep) -> dict[Axis, DragFit]:
@@ -106,7 +106,7 @@ def select_fit_points(sweep: TunnelSweep, axis: Axis) -> Sequence[SweepPoint]:
     """
     points = select_axis_points(sweep, axis)
     # Only reference sweeps mix steady (slow) and transient (fast) points
-    if sweep.fidelity != 'reference' or not select_solved_points(sweep, axis) or axis in ABOUT:
+    if sweep.fidelity != 'reference' or not select_solved_points(sweep, axis) or axis in TURN_AXIS:
         return points
     return points if _fit_points(axis, points).error <= MAX_JOINT_ERROR else points[-1:]
 
@@ -156,7 +156,7 @@ def collect_warnings(sweep: TunnelSweep) -> list[str]:
             warnings.append(
                 f'{axis}: on a coarser mesh, the drag changes by {100 * coarser:+.0f} %'
             )
-    if any(axis in sweep.axes for axis in ABOUT):
+    if any(axis in sweep.axes for axis in TURN_AXIS):
         warnings.append(f'roll, pitch, yaw: {UNSTEADY}')
     if sweep.fidelity == 'preview':
         warnings.append(
@@ -226,7 +226,7 @@ def mesh_share(sweep: TunnelSweep, axis: Axis) -> float | None:
 def hull_share(sweep: TunnelSweep, axis: Axis) -> float | None:
     """Return the hull's share of the drag at the middle speed; None by hand. [1]."""
     parts = middle_speed_point(sweep, axis).parts
-    return parts[HULL] / sum(parts.values()) if parts else None
+    return parts[HULL_PATCH] / sum(parts.values()) if parts else None
 
 
 def sum_processor_time(sweep: TunnelSweep) -> float:

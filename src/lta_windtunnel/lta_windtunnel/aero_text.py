@@ -5,7 +5,6 @@ import math
 from typing import Any
 
 from lta_windtunnel.aero_fit import (
-    ABOUT,
     ALONG,
     collect_warnings,
     describe_side_loads,
@@ -16,6 +15,7 @@ from lta_windtunnel.aero_fit import (
     ratio_to_estimate,
     select_fit_points,
     select_solved_points,
+    TURN_AXIS,
 )
 from lta_windtunnel.sweep_table import AXES, Axis, round_digits, TunnelSweep
 from lta_windtunnel.thrust_allocation import (
@@ -25,12 +25,12 @@ from lta_windtunnel.thrust_allocation import (
 )
 import yaml
 
-NOTHING = 1e-9  # any coefficient below is zero by symmetry, except for rounding
+NO_COEFFICIENT = 1e-9  # any coefficient below is zero by symmetry, except for rounding
 
 
 def _round_to_four_digits(number: float) -> float:
     """Round to four digits; values that are zero by symmetry become exactly zero."""
-    return round_digits(number, 4) if abs(number) > NOTHING else 0.0
+    return round_digits(number, 4) if abs(number) > NO_COEFFICIENT else 0.0
 
 
 def format_quantity(value: float | Sequence[float], unit: str, source: str) -> dict[str, Any]:
@@ -52,7 +52,7 @@ def _describe_source(sweep: TunnelSweep, axes: Sequence[Axis]) -> str:
 def _format_drag(
     sweep: TunnelSweep, fits: dict[Axis, DragFit], term: Callable[[DragFit], float], square: str
 ) -> dict[str, Any]:
-    along, about = tuple(ALONG), tuple(ABOUT)
+    along, about = tuple(ALONG), tuple(TURN_AXIS)
     unit = {'': ('N s/m', 'N m s'), '2': ('N s2/m2', 'N m s2')}[square]
     return {
         'force': format_quantity(

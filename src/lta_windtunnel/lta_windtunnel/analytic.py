@@ -33,7 +33,7 @@ from typing import Final
 
 from lta_config.schema.vehicle_body import HullBlock
 from lta_model.mass_properties import added_mass, half_axes
-from lta_windtunnel.tunnel_model import HULL, TunnelModel
+from lta_windtunnel.tunnel_model import HULL_PATCH, TunnelModel
 import numpy as np
 from numpy.typing import NDArray
 
@@ -94,7 +94,7 @@ def _frontal_areas(model: TunnelModel, axis: int) -> Mapping[str, float]:
     return {
         name: float(np.prod(np.delete(mesh.extents, axis)))
         for name, mesh in model.bodies.items()
-        if name != HULL
+        if name != HULL_PATCH
     }
 
 
@@ -102,7 +102,7 @@ def _box_damping(model: TunnelModel, axis: int, density: float) -> float:
     """Return 0.5 rho Cd A r^3 of all boxes about an axis, summed in strips. [N m s2]."""
     total = 0.0
     for name, mesh in model.bodies.items():
-        if name == HULL:
+        if name == HULL_PATCH:
             continue
         for face in (each for each in range(3) if each != axis):
             # Moved along `face` at the distance along the third axis.

@@ -5,25 +5,25 @@ from dataclasses import dataclass, replace
 from typing import Final, final, Literal
 
 from lta_windtunnel.openfoam.case import FoamCase
-from lta_windtunnel.still_air import build_blowing_case, build_spinning_case, RATES
+from lta_windtunnel.still_air import build_blowing_case, build_spinning_case, TURN_RATES
 from lta_windtunnel.still_air import SPIN_AXES as SPINS
-from lta_windtunnel.thrust_allocation import maps_onto, REVERSED
+from lta_windtunnel.thrust_allocation import maps_onto, REVERSED_SUFFIX
 from lta_windtunnel.tunnel import (
     build_steady_wind_case,
     build_transient_wind_case,
     choose_mesh_fineness,
-    COARSE,
-    FAST,
+    COARSE_MESH,
+    FAST_MESH,
     INCIDENCES,
     PREVIEW,
-    ROUGH,
+    ROUGH_MESH,
     SPEEDS,
 )
 from lta_windtunnel.tunnel_model import TunnelModel
 
 Kind = Literal['wind', 'coarse', 'transient', 'spin', 'blow']
 Air = tuple[float, float]  # density [kg/m3], kinematic viscosity [m2/s]
-AIR: Final[Air] = (1.2, 1.5e-5)  # at 20 degC
+TUNNEL_AIR: Final[Air] = (1.2, 1.5e-5)  # at 20 degC
 MIDDLE_SPEED: Final = 1.0  # m/s
 SLOW_SPEED: Final = 0.2  # m/s; here the steady model is accurate for a sphere
 # Hull lengths of flow in a transient; the first ones are not averaged
@@ -65,7 +65,7 @@ def list_rotor_patterns(model: TunnelModel) -> dict[str, Mapping[str, float]]:
         ):
             singles[name] = {name: 1.0}
     # Listed last: the most informative flows are solved first
-    back = {f'{name}{REVERSED}': {name: -1.0} for name in singles}
+    back = {f'{name}{REVERSED_SUFFIX}': {name: -1.0} for name in singles}
     return {**model.patterns, **singles, **back}
 
 
@@ -124,7 +124,7 @@ def _plan_incidence(model: TunnelModel, name: str, fidelity: str, viscosity: flo
         case = build_steady_wind_case(model, name, viscosity, PREVIEW, (MIDDLE_SPEED,))
         return TunnelFlow('wind', name, case, (MIDDLE_SPEED,))
     fine = choose_mesh_fineness(model, viscosity, MIDDLE_SPEED)
-    coarse = fine if fine is FAST else ROUGH
+    coarse = fine if fine is FAST_MESH else ROUGH_MESH
     case = build_transient_wind_case(
         model, name, viscosity, coarse, MIDDLE_SPEED, TRANSIENT_LENGTHS
     )
@@ -134,7 +134,7 @@ def _plan_incidence(model: TunnelModel, name: str, fidelity: str, viscosity: flo
 def _plan_coarse_winds(model: TunnelModel, viscosity: float) -> Iterator[TunnelFlow]:
     """Yield the middle speed of each wind on a coarser mesh."""
     for axis in _wind_directions(model):
-        case = build_steady_wind_case(model, axis, viscosity, COARSE, (MIDDLE_SPEED,))
+        case = build_steady_wind_case(model, axis, viscosity, COARSE_MESH, (MIDDLE_SPEED,))
         yield TunnelFlow(
             'coarse', axis, replace(case, name=f'{axis} on a coarser mesh'), (MIDDLE_SPEED,)
         )
@@ -144,7 +144,7 @@ def _plan_rotation_flows(model: TunnelModel, viscosity: float) -> Iterator[Tunne
     for about in SPINS:
         if about == 'pitch' and model.has_quarter_symmetry:
             continue
-        yield TunnelFlow('spin', about, build_spinning_case(model, about, viscosity), RATES)
+        yield TunnelFlow('spin', about, build_spinning_case(model, about, viscosity), TURN_RATES)
 
 
 def _plan_rotor_flows(model: TunnelModel, air: Air) -> Iterator[TunnelFlow]:

@@ -82,7 +82,7 @@ def build_hull_surface(hull: HullBlock) -> trimesh.Trimesh:
 Index = NDArray[np.int64]
 PAIR_CHUNK: Final = 2_000_000  # pairs at a time
 MIN_CROSSING: Final = 1e-9  # of an edge's length: touching is not crossing
-UNITS: Final = {'m': 1.0, 'cm': 1e-2, 'mm': 1e-3}
+SHAPE_UNITS: Final = {'m': 1.0, 'cm': 1e-2, 'mm': 1e-3}
 MAX_SIZE, MIN_SIZE = 30.0, 2e-3  # m; size limits of a drone's part
 
 
@@ -113,7 +113,7 @@ def read_stl(path: Path, unit: str) -> trimesh.Trimesh:
         )
     if not np.isfinite(mesh.vertices).all():
         raise BadInput(f'{path} has infinite or NaN coordinates; export it again.')
-    mesh.vertices *= UNITS[unit]
+    mesh.vertices *= SHAPE_UNITS[unit]
     return validate_closed(mesh, str(path), unit)
 
 

@@ -9,7 +9,7 @@ from lta_config.errors import BadInput
 from lta_windtunnel.analytic import damping_moment, drag_force
 from lta_windtunnel.flow_plan import Air, TunnelFlow
 from lta_windtunnel.flow_solvers import FlowSolver, split_failed_points
-from lta_windtunnel.still_air import RATES
+from lta_windtunnel.still_air import TURN_RATES
 from lta_windtunnel.sweep_table import (
     AXES,
     Axis,
@@ -23,7 +23,7 @@ from lta_windtunnel.tunnel import INCIDENCES, SPEEDS
 from lta_windtunnel.tunnel_model import TunnelModel
 
 BYTES_A_CELL: Final = 4_000  # peak of snappyHexMesh, which needs more than the solvers
-ESTIMATE: Final = 'analytic estimate'
+ANALYTIC_METHOD: Final = 'analytic estimate'
 ESTIMATE_QUALITY: Final = FlowQuality(spread=0.0, window=0.0, cells=0, seconds=0.0)
 
 
@@ -86,7 +86,7 @@ def estimate_drag(model: TunnelModel, air: Air) -> dict[Axis, list[SweepPoint]]:
     for k, axis in enumerate(AXES):
         turning = k >= 3
         points = []
-        for speed in RATES if turning else SPEEDS:
+        for speed in TURN_RATES if turning else SPEEDS:
             wrench = [0.0] * 6
             value = (damping_moment if turning else drag_force)(model, k % 3, speed, air)
             wrench[k] = -float(f'{value:.5g}')
@@ -103,7 +103,7 @@ def estimate_drag(model: TunnelModel, air: Air) -> dict[Axis, list[SweepPoint]]:
 def build_sweep(
     model: TunnelModel, vehicle: str, fidelity: str, air: Air, axes: dict[str, list[SweepPoint]],
     blows: dict[str, Blow], refused: dict[str, str], coarse: dict[str, SweepPoint] | None = None,
-    engine: str = ESTIMATE,
+    engine: str = ANALYTIC_METHOD,
 ) -> TunnelSweep:  # fmt: skip
     """Build a sweep from the results of `solve_sweep` and the solver's name."""
     return TunnelSweep.model_validate({

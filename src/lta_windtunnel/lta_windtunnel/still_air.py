@@ -26,7 +26,7 @@ from lta_windtunnel.tunnel import build_steady_steps, format_absent
 from lta_windtunnel.tunnel_model import RotorDisk, TunnelModel
 import numpy as np
 
-RATES: Final = (0.3, 1.0, 3.0)  # rad/s
+TURN_RATES: Final = (0.3, 1.0, 3.0)  # rad/s
 STILL_ITERATIONS: Final = 200
 # Where more than two jets may meet: BEAVIS's lift still grows at 200
 COLLIDING_ITERATIONS: Final = 400
@@ -164,6 +164,6 @@ def build_spinning_case(model: TunnelModel, about: str, viscosity: float) -> Foa
     }
     functions = build_flow_records(model.bodies, model.length, ('far',))
     steps = build_steady_steps(
-        RATES, viscosity, functions, (STILL_ITERATIONS, NEXT_RATE_ITERATIONS)
+        TURN_RATES, viscosity, functions, (STILL_ITERATIONS, NEXT_RATE_ITERATIONS)
     )
     return FoamCase(about, files, steps, mesh, mesh.cells)

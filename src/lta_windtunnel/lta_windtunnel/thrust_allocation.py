@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-REVERSED: Final = '_reversed'
+REVERSED_SUFFIX: Final = '_reversed'
 ALL_ROTORS: Final = 'all'
 MIN_COUPLING: Final = 0.10  # of one rotor's thrust: below this the columns superpose
 
@@ -105,7 +105,7 @@ def find_rotor_column(
 
     A backward column is for negative thrust: minus the wrench, per newton.
     """
-    sign, word = (-1.0, REVERSED) if backward else (1.0, '')
+    sign, word = (-1.0, REVERSED_SUFFIX) if backward else (1.0, '')
     if (blow := sweep.blows.get(name + word)) is not None:
         return AllocationColumn(
             sign * symmetrize_wrench(sweep, blow) / sweep.rotors[name].thrust, 'rotor on'

@@ -45,7 +45,7 @@ OUTER_PATCHES: Final = ('inlet', 'outlet', 'sides')
 
 # Body axes to tunnel axes for a vehicle that moves along its x, y or z: the air then comes along
 # minus that axis. Columns are where body x, y, z point in the tunnel.
-TURNS: Final = {
+TUNNEL_TURNS: Final = {
     'surge': np.array([[-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]]),
     'sway': np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]),
     'heave': np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]]),
@@ -55,12 +55,12 @@ INCIDENCES: Final = {f'incidence_{angle}': float(angle) for angle in (10, 20, 30
 
 def rotate_into_tunnel(direction: str) -> Array:
     """
-    Return the rotation from body axes to tunnel axes for an axis of `TURNS` or an incidence.
+    Return the rotation from body axes to tunnel axes of a key of `TUNNEL_TURNS` or an incidence.
 
     At an incidence the air comes from ahead and below: the nose is up by that angle.
     """
-    if direction in TURNS:
-        return TURNS[direction]
+    if direction in TUNNEL_TURNS:
+        return TUNNEL_TURNS[direction]
     angle = math.radians(INCIDENCES[direction])
     c, s = math.cos(angle), math.sin(angle)
     # The vehicle moves along (c, 0, -s), from which the air comes
@@ -69,10 +69,12 @@ def rotate_into_tunnel(direction: str) -> Array:
 
 
 PREVIEW: Final = MeshFineness()
-COARSE: Final = MeshFineness(hull=3, parts=4, cells=100_000)
+COARSE_MESH: Final = MeshFineness(hull=3, parts=4, cells=100_000)
 REFERENCE: Final = MeshFineness(shell=0.15, layers=5, expansion=1.4, cells=189_000)
-ROUGH: Final = MeshFineness(hull=3, parts=4, shell=0.15, layers=5, expansion=1.4, cells=100_000)
-FAST: Final = MeshFineness(trail=3, shell=0.15, layers=8, expansion=1.4, cells=346_000)
+ROUGH_MESH: Final = MeshFineness(
+    hull=3, parts=4, shell=0.15, layers=5, expansion=1.4, cells=100_000
+)
+FAST_MESH: Final = MeshFineness(trail=3, shell=0.15, layers=8, expansion=1.4, cells=346_000)
 # Reynolds number of the hull up to which a transient needs no model. Beyond, a sphere's drag fell
 # as that of real ones does at twice the speed; a model of detached eddies keeps the layer along it
 # laminar, and gives 0.53 at half that speed, over all that was measured.
@@ -86,14 +88,14 @@ def needs_eddy_model(model: TunnelModel, viscosity: float, speed: float) -> bool
 
 def choose_mesh_fineness(model: TunnelModel, viscosity: float, speed: float) -> MeshFineness:
     """Return the mesh fineness of a transient; viscosity in m2/s, speed in m/s."""
-    return FAST if needs_eddy_model(model, viscosity, speed) else REFERENCE
+    return FAST_MESH if needs_eddy_model(model, viscosity, speed) else REFERENCE
 
 
 def has_symmetry_planes(model: TunnelModel, axis: str) -> tuple[bool, bool]:
     """Return whether the tunnel's planes y = 0 and z = 0 are planes of symmetry."""
     if axis in INCIDENCES:
         return bool(model.is_mirror_symmetric(1)), False
-    turn = TURNS[axis]
+    turn = TUNNEL_TURNS[axis]
     planes = [bool(model.is_mirror_symmetric(int(np.argmax(np.abs(turn[k]))))) for k in (1, 2)]
     return planes[0], planes[1]
 

@@ -25,7 +25,7 @@ import trimesh
 Array = NDArray[np.float64]
 Three = tuple[float, float, float]
 
-HULL: Final = 'envelope'
+HULL_PATCH: Final = 'envelope'
 PLAN_SYMMETRIES: Final = [  # eight: four quarter turns about z, mirrored across y = 0 or not
     np.array([[c, -s * m, 0.0], [s, c * m, 0.0], [0.0, 0.0, 1.0]])
     for m in (1.0, -1.0)
@@ -74,7 +74,7 @@ class TunnelModel:
     @property
     def hull(self) -> trimesh.Trimesh:
         """Surface of the hull."""
-        return self.bodies[HULL]
+        return self.bodies[HULL_PATCH]
 
     @property
     def length(self) -> float:
@@ -135,8 +135,8 @@ def load_tunnel_model(name: str, mount: MountFile | None = None) -> TunnelModel:
     file, path = load_tunnel_file(name)
     vehicle = load_vehicle_file(file.vehicle)
     bodies = {each: _load_surface(body, path.parent) for each, body in file.bodies.items()}
-    if HULL not in bodies:
-        bodies = {HULL: build_hull_surface(vehicle.hull), **bodies}
+    if HULL_PATCH not in bodies:
+        bodies = {HULL_PATCH: build_hull_surface(vehicle.hull), **bodies}
     for each, part in (mount.parts if mount else {}).items():
         bodies[each] = build_box_surface(part.position.vector, part.size.vector)
     rotors = (

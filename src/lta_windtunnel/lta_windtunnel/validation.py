@@ -20,14 +20,14 @@ from lta_windtunnel.tunnel import (
     build_steady_wind_case,
     build_transient_wind_case,
     choose_mesh_fineness,
-    COARSE,
+    COARSE_MESH,
     PREVIEW,
-    ROUGH,
+    ROUGH_MESH,
     SPEEDS,
 )
-from lta_windtunnel.tunnel_model import HULL, TunnelModel
+from lta_windtunnel.tunnel_model import HULL_PATCH, TunnelModel
 
-SETTINGS: Final = {'wind': 'steady, {} cells', 'transient': 'transient, {} cells'}
+RUN_TITLES: Final = {'wind': 'steady, {} cells', 'transient': 'transient, {} cells'}
 # Speed [m/s] and diameters of flow: the wake of the fast one swings more.
 TRANSIENTS: Final = ((2.0, 41.0), (MIDDLE_SPEED, TRANSIENT_LENGTHS))
 SCATTER: Final = (0.45, 0.50)  # measured drag coefficients between these Reynolds numbers
@@ -79,7 +79,9 @@ class SphereComparison:
 
 def build_sphere_model() -> TunnelModel:
     """Return a sphere of 1 m diameter."""
-    return TunnelModel('sphere', {HULL: revolve_profile(ellipse_profile(), 0.5, 1.0)}, {}, {})
+    return TunnelModel(
+        'sphere', {HULL_PATCH: revolve_profile(ellipse_profile(), 0.5, 1.0)}, {}, {}
+    )
 
 
 def plan_validation_flows(model: TunnelModel, fidelity: str, air: Air) -> list[TunnelFlow]:
@@ -91,14 +93,17 @@ def plan_validation_flows(model: TunnelModel, fidelity: str, air: Air) -> list[T
                 'wind', 'surge', build_steady_wind_case(model, 'surge', viscosity, PREVIEW), SPEEDS
             ),
             TunnelFlow(
-                'wind', 'surge', build_steady_wind_case(model, 'surge', viscosity, COARSE), SPEEDS
+                'wind',
+                'surge',
+                build_steady_wind_case(model, 'surge', viscosity, COARSE_MESH),
+                SPEEDS,
             ),
         ]
     cases = [
         (speed, choose_mesh_fineness(model, viscosity, speed), long) for speed, long in TRANSIENTS
     ]
     flows = []
-    for speed, fine, lengths in (*cases, (MIDDLE_SPEED, ROUGH, TRANSIENT_LENGTHS)):
+    for speed, fine, lengths in (*cases, (MIDDLE_SPEED, ROUGH_MESH, TRANSIENT_LENGTHS)):
         case = build_transient_wind_case(model, 'surge', viscosity, fine, speed, lengths)
         named = replace(case, name=f'{case.name}, hull at level {fine.hull}')
         flows.append(TunnelFlow('transient', 'surge', named, (speed,)))
@@ -121,7 +126,7 @@ def compare_with_measurements(
             for name, reason in reasons.items():
                 report(f'{name}: {reason}')
             for point in points:
-                setting = SETTINGS[flow.kind].format(point.evidence.cells)
+                setting = RUN_TITLES[flow.kind].format(point.evidence.cells)
                 comparisons.append(compare_sphere_drag(setting, point, air))
     return comparisons
 

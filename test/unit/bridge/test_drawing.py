@@ -16,7 +16,7 @@ from lta_bridge.description.shapes import (
     BoxShape,
     CylinderShape,
     EllipsoidShape,
-    ORIGIN,
+    NO_SHIFT,
     PolylineShape,
     rotation_between,
 )
@@ -59,7 +59,7 @@ def test_the_envelope_and_parts_are_where_the_vehicle_file_puts_them():
     entity = draw_body(GTMAB)
     assert entity.frame == 'base_link'
     (hull,) = shapes(entity, EllipsoidShape)
-    assert (hull.place, hull.size) == (ORIGIN, pytest.approx((1.0, 1.0, 0.599)))
+    assert (hull.place, hull.size) == (NO_SHIFT, pytest.approx((1.0, 1.0, 0.599)))
     boxes = {box.place: box.size for box in shapes(entity, BoxShape)}
     assert boxes[(0.0, 0.0, 0.302)] == pytest.approx((0.178, 0.078, 0.002))  # solar panels
     assert len(shapes(entity, BoxShape)) == len(GTMAB.file.parts) - 1  # all but the envelope

@@ -8,7 +8,7 @@ from light_frames import build_frame, field_lengths, frame_bytes, KINDS
 from lta_bridge.teensy import mavlink
 from lta_bridge.teensy.block_assembler import FrameParser
 from lta_bridge.teensy.board_clock import ClockExchange
-from lta_bridge.teensy.light_board import LightBoard, LightPeaks, QUESTIONS
+from lta_bridge.teensy.light_board import LightBoard, LightPeaks, OPEN_REQUESTS
 from lta_bridge.teensy.port import LOYAL_NS, SenderFilter
 from lta_bridge.teensy.reader import describe_health, LIGHT_BOARD_TASK
 from lta_config.schema.vehicle_file import load_vehicle_file
@@ -220,8 +220,8 @@ def test_a_flood_of_questions_is_answered_a_little_and_counted():
         for f in FrameParser().parse_frames(link.board.compose_due_messages(link.now))
         if f.get_type() == 'TIMESYNC'
     ]
-    assert len([f for f in answers if f.tc1]) == QUESTIONS
-    assert link.fact.values['unanswered'] == str(1000 - QUESTIONS)
+    assert len([f for f in answers if f.tc1]) == OPEN_REQUESTS
+    assert link.fact.values['unanswered'] == str(1000 - OPEN_REQUESTS)
 
 
 def test_what_cannot_be_used_is_counted_though_good_light_follows():

@@ -19,7 +19,7 @@ from lta_bridge.teleop.sticks import (
     apply_dead_zone,
     Gamepad,
     GamepadLayout,
-    HELD,
+    KEY_HOLD,
     Keyboard,
     Sticks,
     to_sticks,
@@ -231,8 +231,8 @@ def test_keys_count_while_they_are_held():
     assert device.read_sticks(1.0) == Sticks(forward=1.0, turn=1.0)
     os.write(person, b'wf')
     assert device.read_sticks(1.5) == Sticks(forward=1.0, turn=1.0, climb=-1.0)
-    assert device.read_sticks(1.5 + 0.9 * HELD) == Sticks(forward=1.0, climb=-1.0)
-    assert device.read_sticks(1.5 + HELD) == REST
+    assert device.read_sticks(1.5 + 0.9 * KEY_HOLD) == Sticks(forward=1.0, climb=-1.0)
+    assert device.read_sticks(1.5 + KEY_HOLD) == REST
     for key, told in ((b' ', 'take'), (b'b', 'give_back'), (b'x', 'stop')):
         os.write(person, key)
         assert device.read_sticks(9.0) == Sticks(**{told: True})

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lta_config import quantity as quantity_module
 from lta_config.files import format_error, StrictModel
-from lta_config.quantity import Quantity, si_quantity, UNITS
+from lta_config.quantity import Quantity, si_quantity, SI_UNITS
 from pydantic import ValidationError
 import pytest
 
@@ -52,19 +52,19 @@ def test_a_vector_keeps_unit_and_source():
 
 @given(
     st.floats(allow_nan=False, allow_infinity=False, min_value=-1e200, max_value=1e200),
-    st.sampled_from(sorted(UNITS)),
+    st.sampled_from(sorted(SI_UNITS)),
 )
 def test_every_number_and_unit_survives_writing(number, unit):
     read = Quantity.model_validate(f'{number!r} {unit}')
     assert (read.value, read.unit) == (number, unit)
-    assert read.si == number * UNITS[unit][1]
+    assert read.si == number * SI_UNITS[unit][1]
 
 
 def test_units_convert_to_units_that_convert_to_themselves():
-    for unit, (base, factor) in UNITS.items():
+    for unit, (base, factor) in SI_UNITS.items():
         assert factor > 0.0, unit
-        if base in UNITS:
-            assert UNITS[base] == (base, 1.0), unit
+        if base in SI_UNITS:
+            assert SI_UNITS[base] == (base, 1.0), unit
         else:
             assert base in SI, unit
 

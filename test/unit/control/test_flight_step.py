@@ -4,7 +4,7 @@ import math
 
 from lta_control import flight_step as rules
 from lta_control.allocation import create_working_array
-from lta_control.autopilot import Autopilot, build_drone_constants, ESTIMATE, MEMORY
+from lta_control.autopilot import Autopilot, build_drone_constants, ESTIMATE_LAYOUT, MEMORY_LAYOUT
 from lta_control.cascade import FLOOR_SETPOINT, Setpoint
 from lta_control.estimator import EstimatorSettings
 from lta_control.flight_step import (
@@ -51,7 +51,7 @@ def stopped(memory):
 
 def numbers(memory):
     """Return all numbers to the bit: a NaN among them is not equal to itself."""
-    return MEMORY.write(memory).tobytes()
+    return MEMORY_LAYOUT.write(memory).tobytes()
 
 
 def guided(memory=DroneMemory(), setpoint=UP):  # noqa: B008 - never changed
@@ -209,9 +209,9 @@ def test_the_numbers_of_the_estimate_are_the_callers_own():
     pilot = Autopilot(DRONE)
     pilot.step(*STILL[:4])
     numbers = pilot.copy_estimate()
-    assert ESTIMATE.read(numbers) == pilot.estimate
+    assert ESTIMATE_LAYOUT.read(numbers) == pilot.estimate
     pilot.step(*STILL[:4])
-    assert ESTIMATE.read(numbers) != pilot.estimate
+    assert ESTIMATE_LAYOUT.read(numbers) != pilot.estimate
 
 
 def test_instead_replaces_the_newest_duties_in_the_memory():

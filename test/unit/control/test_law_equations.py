@@ -272,7 +272,7 @@ def test_the_lever_of_the_glider_is_half_the_distance_of_its_propellers():
     left, right = load_vehicle('rgblimp').allocation
     assert left[5] < 0.0 < right[5]
     assert constants.lever == pytest.approx((right[5] - left[5]) / 2)
-    assert glide.TWO == 2
+    assert glide.TWO_COLUMNS == 2
 
 
 @pytest.mark.parametrize('seed', SEEDS)

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_energy.circuit import add_totals, EnergyTotals, NO_ENERGY, step_circuit
 from lta_energy.harvest import HarvestCurve
-from lta_energy.irradiance import DARK
+from lta_energy.irradiance import NO_IRRADIANCE
 from lta_model.electrical.battery import BatteryModel
 from lta_model.electrical.charger import ChargerModel, resting_flow, total_stored_energy
 from lta_model.electrical.panel import find_max_power_point, SolarArrayModel
@@ -49,12 +49,12 @@ def test_a_table_gives_what_the_diode_gives():
 
 
 def test_a_flickering_lamp_brings_its_duty_of_its_own_brightness():
-    flickering = HARVEST(DARK._replace(beacon=200.0, duty=0.5))
+    flickering = HARVEST(NO_IRRADIANCE._replace(beacon=200.0, duty=0.5))
     assert flickering == pytest.approx(0.5 * HARVEST.steady_light_power(220.0))
     assert flickering > HARVEST.steady_light_power(
         110.0
     )  # a diode gives more than twice in twice the light
-    both = HARVEST(DARK._replace(sun=100.0, beacon=200.0, duty=0.25))
+    both = HARVEST(NO_IRRADIANCE._replace(sun=100.0, beacon=200.0, duty=0.25))
     assert both == pytest.approx(
         0.75 * HARVEST.steady_light_power(100.0) + 0.25 * HARVEST.steady_light_power(320.0)
     )
@@ -90,6 +90,6 @@ def test_the_table_has_256_points_from_a_hundredth_to_two_thousand_watts():
 
 
 def test_without_a_beacon_light_is_sun_and_lamps():
-    both = HARVEST(DARK._replace(sun=100.0, lamps=20.0, duty=0.5))
+    both = HARVEST(NO_IRRADIANCE._replace(sun=100.0, lamps=20.0, duty=0.5))
     assert both == pytest.approx(HARVEST.steady_light_power(122.0))
-    assert DARK == (0.0, 0.0, 0.0, 1.0)
+    assert NO_IRRADIANCE == (0.0, 0.0, 0.0, 1.0)

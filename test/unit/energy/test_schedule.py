@@ -3,7 +3,7 @@
 import math
 
 from lta_energy.circuit import ChargeGauge
-from lta_energy.irradiance import DARK
+from lta_energy.irradiance import NO_IRRADIANCE
 from lta_energy.schedule import (
     build_fixed_schedule,
     estimate_cell_energy,
@@ -32,7 +32,7 @@ class Lit:
         self.sun, self.begin, self.end = sun, begin, end
 
     def forecast_irradiance(self, time):
-        return DARK._replace(sun=self.sun if self.begin <= time < self.end else 0.0)
+        return NO_IRRADIANCE._replace(sun=self.sun if self.begin <= time < self.end else 0.0)
 
 
 def known(**change):

@@ -8,7 +8,7 @@ from lta_config.files import find_file, load_yaml
 from lta_config.topics import load_topic_table
 from lta_control.allocation import create_working_array
 from lta_control.attitude import level_quaternion, yaw_from_quaternion
-from lta_control.autopilot import build_drone_constants, MEMORY
+from lta_control.autopilot import build_drone_constants, MEMORY_LAYOUT
 from lta_control.cascade import Setpoint, wrap_angle
 from lta_control.estimator import EstimatorSettings
 from lta_control.flight_step import DroneMemory, flight_step, SensorInputs
@@ -219,7 +219,9 @@ def test_it_decides_as_plain_python_does():
             asked = round_heading(loop.setpoint)
             memory = memory._replace(setpoint=asked, guided=True)
         memory = flight_step(LAW, drone, memory, heard, scratch)
-        np.testing.assert_array_equal(MEMORY.write(loop.autopilot.memory), MEMORY.write(memory))
+        np.testing.assert_array_equal(
+            MEMORY_LAYOUT.write(loop.autopilot.memory), MEMORY_LAYOUT.write(memory)
+        )
         assert loop.duties == memory.pilot.law.command.duties[:4]
     assert loop.mission.phase is Phase.SEEK
     assert any(loop.duties)

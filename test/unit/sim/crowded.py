@@ -9,7 +9,7 @@ from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import BodyEffect, InertiaEffect, KernelEffect
 from lta_model.model import VehicleModel
 from lta_model.state import ACTUATORS
-from lta_sim.simulated_vehicle import LAYOUT
+from lta_sim.simulated_vehicle import SIM_LAYOUT
 import numpy as np
 
 AXES = ('surge', 'sway', 'heave', 'roll', 'pitch', 'yaw')
@@ -110,7 +110,7 @@ def vehicle(generator, names=None):
 
 def anywhere(generator):
     """Return a random state in the room and beyond its faces, a command and surroundings."""
-    state = np.zeros(LAYOUT.size)
+    state = np.zeros(SIM_LAYOUT.size)
     state[:3] = generator.uniform((-0.5, -0.4, -0.2), (0.6, 0.7, 1.4))
     tilt = 0.2 if generator.random() < 0.7 else 1.0
     state[3:7] = (*generator.normal(0.0, tilt, 2), *generator.normal(size=2))
@@ -118,7 +118,7 @@ def anywhere(generator):
     state[7:13] = generator.normal(size=6)
     state[13:] = generator.uniform(-1.0, 1.0, state.size - 13)
     # The clock of the gust is in it, and more often than not within the gust.
-    state[LAYOUT.remembers['gusts']] += 0.6
+    state[SIM_LAYOUT.remembers['gusts']] += 0.6
     command = np.r_[generator.uniform(-1.0, 1.0, 8), generator.normal(0.0, 0.05, 3)]
     voltage = generator.uniform(3.3, 4.2) * (generator.random() > 0.1)
     wind, noise, change = generator.normal(0.0, [[0.5], [10.0], [0.3]], (3, 3))
@@ -128,6 +128,6 @@ def anywhere(generator):
 def memory_places():
     """Return where in the state the memory of each effect is."""
     return {
-        name: slice(first, first + LAYOUT.memory_size(name))
-        for name, first in LAYOUT.remembers.items()
+        name: slice(first, first + SIM_LAYOUT.memory_size(name))
+        for name, first in SIM_LAYOUT.remembers.items()
     }

@@ -3,7 +3,7 @@
 from lta_model.effects import initial_memory
 from lta_model.model import VehicleModel
 from lta_model.state import pack_state
-from lta_sim.simulated_vehicle import LAYOUT
+from lta_sim.simulated_vehicle import SIM_LAYOUT
 import numpy as np
 
 G = 9.80665
@@ -56,7 +56,7 @@ EVERYTHING = {
 }
 
 
-LAG = slice(LAYOUT.remembers['motor_lag'], LAYOUT.remembers['motor_lag'] + 4)
+LAG = slice(SIM_LAYOUT.remembers['motor_lag'], SIM_LAYOUT.remembers['motor_lag'] + 4)
 
 
 def model(given, cg=CG, inertia=INERTIA, displaced=DISPLACED):

@@ -5,7 +5,7 @@ from lta_model.effects.protocol import KernelEffect, VehicleMotion
 from lta_model.mass_properties import rigid_mass_matrix
 from lta_model.state import MEMORY, RIGID
 from lta_sim.kernels import kernel
-from lta_sim.simulated_vehicle import LAYOUT
+from lta_sim.simulated_vehicle import SIM_LAYOUT
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -116,7 +116,7 @@ def test_about_rest_a_vehicle_without_dissipation_only_swings():
     mass, depth, inertia = 0.36, 0.08, (0.02, 0.021, 0.025)
     body = {'mass': mass, 'cg': (0.0, 0.0, -depth), 'inertia': np.diag(inertia)}
     model = kernel.VehicleModel.build(given, displaced=mass, **body)
-    state = np.zeros(LAYOUT.size)
+    state = np.zeros(SIM_LAYOUT.size)
     state[6] = 1.0
     rates = np.linalg.eigvals(jacobian(state, model))
     g = given['weight_and_buoyancy']['gravity']

@@ -9,7 +9,7 @@ from lta_config.errors import BadInput
 from lta_model.effects import EFFECTS
 from lta_sim.kernels import kernel, row, thread
 from lta_sim.kernels.compose import render_kernel_source
-from lta_sim.simulated_vehicle import LAYOUT
+from lta_sim.simulated_vehicle import SIM_LAYOUT
 import numpy as np
 import pytest
 
@@ -58,7 +58,7 @@ def text():
 
 def in_python(advance, model, state, command, around, steps):
     """Return the later state by the text, from a list of floats."""
-    where = row.row_slices(LAYOUT)
+    where = row.row_slices(SIM_LAYOUT)
     numbers = [0.0] * where['wind'].stop
     for name, values in {
         'state': state,

@@ -12,7 +12,7 @@ from pathlib import Path
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_model.effects.drag import CROSS_FLOW
-from lta_model.effects.hull_flow import HULL_LIFT, MUNK_MOMENT, OBLIQUE_LIFT, SLOW_SPEED
+from lta_model.effects.hull_flow import HULL_LIFT, MUNK_MOMENT, OBLIQUE_LIFT, SMALL_SPEED
 from lta_model.effects.protocol import VehicleMotion
 from lta_model.mass_properties import half_axes
 from lta_model.rigid_body import cross_product
@@ -238,7 +238,7 @@ def test_hull_lift_has_no_step(v, w, way):
     near = np.array(v) + step * np.array(way)
     change = lifted(near.tolist(), w) - lifted(v, w)
     # Forces to 200 N at 5 m/s turn round within SLOW, twice.
-    assert np.all(abs(change) <= np.linalg.norm(way) * step / SLOW_SPEED * 400.0)
+    assert np.all(abs(change) <= np.linalg.norm(way) * step / SMALL_SPEED * 400.0)
 
 
 def test_hull_lift_acts_where_the_wings_are():

@@ -2,7 +2,7 @@
 
 from lta_model.state import POSITION, QUATERNION, RATES, VELOCITY
 from lta_sim.kernels.kernel import advance, effect_wrenches, state_derivative
-from lta_sim.simulated_vehicle import LAYOUT
+from lta_sim.simulated_vehicle import SIM_LAYOUT
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -41,9 +41,14 @@ def test_steps_add_up_to_the_bit():
 @pytest.mark.parametrize(
     ('state', 'duty', 'wind', 'words'),
     [
-        (np.zeros(13), OFF, CALM, rf'state has the shape \(13,\); it must be \({LAYOUT.size},\)'),
-        (np.zeros(LAYOUT.size), np.zeros(12), CALM, r'command has the shape \(12,\)'),
-        (np.zeros(LAYOUT.size), OFF, np.zeros((3, 1)), r'surroundings has the shape \(3, 1\)'),
+        (
+            np.zeros(13),
+            OFF,
+            CALM,
+            rf'state has the shape \(13,\); it must be \({SIM_LAYOUT.size},\)',
+        ),
+        (np.zeros(SIM_LAYOUT.size), np.zeros(12), CALM, r'command has the shape \(12,\)'),
+        (np.zeros(SIM_LAYOUT.size), OFF, np.zeros((3, 1)), r'surroundings has the shape \(3, 1\)'),
     ],
 )
 @pytest.mark.parametrize('function', [state_derivative, effect_wrenches])

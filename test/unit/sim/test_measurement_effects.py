@@ -3,7 +3,7 @@
 import math
 
 from lta_model.effects.commands import find_command, WRENCH_GAIN
-from lta_model.effects.protocol import CHANNELS
+from lta_model.effects.protocol import CHANNEL_SIZES
 from lta_model.effects.sensors import (
     CLOCK_OFFSET,
     CLOCK_SKEW,
@@ -48,7 +48,7 @@ def rotated(quaternion):
 
 def test_each_channel_is_left_to_its_own_effects():
     found = build_chains({'range_offset': {'offset': 0.1}}, EFFECTS)
-    assert set(found) == set(CHANNELS)
+    assert set(found) == set(CHANNEL_SIZES)
     assert [name for name, chain in found.items() if chain] == ['range']
 
 

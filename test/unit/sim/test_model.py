@@ -4,7 +4,7 @@ from lta_config.errors import BadInput
 from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import KernelEffect
 from lta_model.model import VehicleModel
-from lta_sim.simulated_vehicle import LAYOUT
+from lta_sim.simulated_vehicle import SIM_LAYOUT
 import numpy as np
 import pytest
 
@@ -73,7 +73,7 @@ def test_numbers_of_the_kernel():
     assert heave == pytest.approx(1.0 / (0.358 + 0.374), rel=1e-14)
     kernel = [effect for effect in EFFECTS.values() if isinstance(effect, KernelEffect)]
     assert len(model.parameters) == sum(len(effect.parameters) for effect in kernel)
-    on = dict(zip(LAYOUT.effects, model.on.tolist(), strict=True))
+    on = dict(zip(SIM_LAYOUT.effects, model.on.tolist(), strict=True))
     assert {name for name, is_on in on.items() if is_on} == set(balloon.EVERYTHING) & set(on)
     assert set(model.effect_parameters) == set(balloon.EVERYTHING)
 

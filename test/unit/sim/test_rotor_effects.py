@@ -6,7 +6,7 @@ from lta_model.effects.motors import (
     THRUST_CURVE,
     THRUST_POLYNOMIAL,
 )
-from lta_model.effects.protocol import CHANNELS
+from lta_model.effects.protocol import CHANNEL_SIZES
 from lta_model.state import SURROUNDINGS, VOLTAGE
 import numpy as np
 import pytest
@@ -129,6 +129,6 @@ def test_curves_against_the_bench():
 
 
 def test_commands_are_late():
-    assert CHANNELS[COMMAND_DELAY.channel] == 1
+    assert CHANNEL_SIZES[COMMAND_DELAY.channel] == 1
     assert COMMAND_DELAY.reading((0.03,), (12.5,), 12.5) == (12.47,)
     assert COMMAND_DELAY.reading((0.0,), (12.5,), 12.5) == (12.5,)

@@ -8,7 +8,7 @@ from lta_model.electrical.panel import find_max_power_point
 from lta_model.state import DISPLACED, MASS, MASS_MOMENT, pack_state, RIGID
 from lta_model.vehicle import load_vehicle
 from lta_sim.kernels import kernel
-from lta_sim.simulated_vehicle import LAYOUT
+from lta_sim.simulated_vehicle import SIM_LAYOUT
 import numpy as np
 import pytest
 import yaml
@@ -131,7 +131,7 @@ def test_in_the_air_the_hover_duty_hovers(gtmab):
     """The kernel's own acceleration with motors at the hover duty."""
     u = gtmab.hover_duty
     memory = np.array(initial_memory())
-    first = LAYOUT.remembers['motor_lag'] - RIGID
+    first = SIM_LAYOUT.remembers['motor_lag'] - RIGID
     memory[first : first + 2] = u
     state = pack_state((0.0, 0.0, 1.0), memory=memory)
     rate = kernel.state_derivative(state, gtmab.build_model(), (u, u, 0.0, 0.0))

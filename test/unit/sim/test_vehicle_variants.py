@@ -6,7 +6,7 @@ from lta_model.limits import level_force
 from lta_model.state import pack_state
 from lta_model.vehicle import load_vehicle
 from lta_sim.kernels import kernel
-from lta_sim.simulated_vehicle import LAYOUT
+from lta_sim.simulated_vehicle import SIM_LAYOUT
 import numpy as np
 import pytest
 
@@ -121,7 +121,7 @@ def test_the_sentence_about_the_step_is_true():
     for step, settles in ((0.19, True), (0.21, False)):
         start = pack_state((0, 0, 1.0), memory=initial_memory())
         state = kernel.advance(start, vehicle.build_model(), (1e-3,), np.zeros(3), step, 200)
-        lagged = state[LAYOUT.remembers['motor_lag']]
+        lagged = state[SIM_LAYOUT.remembers['motor_lag']]
         assert (abs(lagged - 1e-3) < 1e-4) == settles
 
 

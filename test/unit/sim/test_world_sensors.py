@@ -5,7 +5,7 @@ import math
 
 from lta_model.sensors.photodiode_adc import PhotodiodeBoard
 from lta_sim.kernels import kernel
-from lta_sim.simulated_vehicle import LAYOUT
+from lta_sim.simulated_vehicle import SIM_LAYOUT
 import numpy as np
 import pytest
 
@@ -88,7 +88,7 @@ def test_the_imu_feels_the_thrust_where_it_sits():
     pushed, still = build(seed=6), build(seed=6)
     for world in pushed, still:
         world.state[2] = 1.0
-    lag = LAYOUT.remembers['motor_lag']
+    lag = SIM_LAYOUT.remembers['motor_lag']
     pushed.state[lag + 2 : lag + 4] = 1.0
     pushed.command[2:4] = 1.0
     rate = kernel.state_derivative(pushed.state, pushed.vehicle.build_model(), pushed.command)

@@ -17,9 +17,9 @@ from lta_vlc.reading_model import (
     ELEVATION,
     FALL,
     FIT_SCRATCH,
-    MISFIT,
+    MISFIT_AT,
     NEARNESS,
-    NORMAL,
+    NORMAL_AT,
     RIGHT_SIDE,
     STRENGTH,
     UNKNOWNS,
@@ -46,7 +46,7 @@ def four(gains=SURE):
 def test_an_azimuth_deviation_of_a_radian_or_more_gives_no_direction(side, level, found):
     scratch = np.zeros(FIT_SCRATCH)
     for unknown in range(UNKNOWNS):
-        scratch[NORMAL + (UNKNOWNS + 1) * unknown] = 1.0 / side
+        scratch[NORMAL_AT + (UNKNOWNS + 1) * unknown] = 1.0 / side
     told = build_direction_fit(scratch, level, 0.0, math.sqrt(1.0 - level**2), 1.0)
     assert told.found is found
     assert (told == failed_fit()) is not found
@@ -67,15 +67,15 @@ def test_a_step_goes_to_the_left_and_up_on_the_sphere():
 def test_a_step_keeps_the_values_within_their_limits():
     """Nearness is at most 1 / (0.5 m), fall at most 3, strength at least 1/1000 of the top."""
     scratch = np.zeros(FIT_SCRATCH)
-    scratch[VALUES:MISFIT] = 1.0
-    scratch[RIGHT_SIDE:NORMAL] = 0.25
+    scratch[VALUES:MISFIT_AT] = 1.0
+    scratch[RIGHT_SIDE:NORMAL_AT] = 0.25
     update_unknowns(scratch, 100.0)
-    assert scratch[VALUES:MISFIT].tolist() == [1.25] * ELEVATION
-    scratch[RIGHT_SIDE:NORMAL] = 9.0
+    assert scratch[VALUES:MISFIT_AT].tolist() == [1.25] * ELEVATION
+    scratch[RIGHT_SIDE:NORMAL_AT] = 9.0
     update_unknowns(scratch, 100.0)
     assert (scratch[VALUES + NEARNESS], scratch[VALUES + FALL]) == (2.0, 3.0)
     assert scratch[VALUES + STRENGTH] == 10.25
-    scratch[RIGHT_SIDE:NORMAL] = -99.0
+    scratch[RIGHT_SIDE:NORMAL_AT] = -99.0
     update_unknowns(scratch, 100.0)
     assert (scratch[VALUES + NEARNESS], scratch[VALUES + FALL]) == (0.0, -3.0)
     assert scratch[VALUES + STRENGTH] == pytest.approx(0.1)
@@ -99,7 +99,7 @@ def test_at_most_twelve_steps_are_limited_and_halved_after_five(monkeypatch, pul
         faints.append(faint)
         scratch[RIGHT_SIDE:VALUES] = [0.0] * (VALUES - RIGHT_SIDE)
         for unknown in range(UNKNOWNS):
-            scratch[NORMAL + (UNKNOWNS + 1) * unknown] = 4.0
+            scratch[NORMAL_AT + (UNKNOWNS + 1) * unknown] = 4.0
         scratch[RIGHT_SIDE + AZIMUTH] = 4.0 * pull
 
     monkeypatch.setattr(sys.modules['lta_vlc.direction_fit'], 'build_normal_equations', pulling)

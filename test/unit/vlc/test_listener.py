@@ -13,7 +13,7 @@ from lta_vlc.receiver import (
     FrequencyTracker,
     tracking_range,
 )
-from lta_vlc.settings import DemodulationSettings, NO_WISH
+from lta_vlc.settings import ANY_BEACON, DemodulationSettings
 import numpy as np
 import pytest
 
@@ -67,7 +67,7 @@ def test_what_is_wanted_comes_first_and_the_rest_stays():
     ears.prioritize_beacon(250.0)
     assert ears.beacons == (250.0, 150.0)
     assert ears.demodulate_next_block(block).peaks[0].amplitude.argmax() == 3
-    ears.prioritize_beacon(NO_WISH)
+    ears.prioritize_beacon(ANY_BEACON)
     assert ears.beacons == (150.0, 250.0)
     assert ears.demodulate_next_block(block).peaks[0].amplitude.argmax() == 0
 

@@ -24,11 +24,11 @@ PROVENANCE = 'provenance'  # name of the metadata record
 CHUNK_SIZE = 1 << 20  # bytes, uncompressed
 MESSAGE_HEAD = 31  # bytes of a message record before its data
 # Sizes in the summary, without names and texts [bytes]
-CHUNK_INDEX = 81
+CHUNK_INDEX_BYTES = 81
 CHUNK_INDEX_CHANNEL = 10
-SCHEMA = 23
-CHANNEL = 100  # with the keys of its metadata
-OTHERS = 1024  # statistics, indexes of metadata, offsets, footer
+SCHEMA_BYTES = 23
+CHANNEL_BYTES = 100  # with the keys of its metadata
+OTHER_RECORDS_BYTES = 1024  # statistics, indexes of metadata, offsets, footer
 
 
 @final
@@ -48,7 +48,7 @@ class McapFile:
         self._pending: list[tuple[int, int, bytes, int, int]] = []
         self._pending_size = 0
         # Space that `close` will need, estimated from above: that is safe [bytes]
-        self.summary_size = OTHERS
+        self.summary_size = OTHER_RECORDS_BYTES
         self._intact = True  # what the writer has counted is in the file
         self.start = self.end = 0  # first and last log time in the file [ns]
         self.counts: Counter[int] = Counter()
@@ -80,9 +80,9 @@ class McapFile:
                     definition.type_name, definition.encoding, text
                 )
                 names = len(definition.type_name.encode()) + len(definition.encoding.encode())
-                self.summary_size += SCHEMA + names + len(text)
+                self.summary_size += SCHEMA_BYTES + names + len(text)
             metadata = {'offered_qos_profiles': qos, 'topic_type_hash': definition.rihs01}
-            self.summary_size += CHANNEL + len(definition.message_encoding.encode())
+            self.summary_size += CHANNEL_BYTES + len(definition.message_encoding.encode())
             self.summary_size += sum(len(x.encode()) for x in (topic, qos, definition.rihs01))
             return self._writer.register_channel(
                 topic, definition.message_encoding, self._schemas[definition], metadata
@@ -118,7 +118,7 @@ class McapFile:
         self.start = min(self.start, *times) if self.counts else min(times)
         self.end = max(self.end, *times)
         self.counts.update(counts)
-        self.summary_size += CHUNK_INDEX + CHUNK_INDEX_CHANNEL * len(counts)
+        self.summary_size += CHUNK_INDEX_BYTES + CHUNK_INDEX_CHANNEL * len(counts)
 
     def close(self) -> None:
         """Finish and close the file, with a summary if it is right; see `RecordFile.close`."""

@@ -69,7 +69,7 @@ def format_offered_qos(profiles: Sequence[OfferedQos]) -> str:
     return yaml.safe_dump([dict(profile) for profile in profiles], sort_keys=False).strip()
 
 
-NAME = 'metadata.yaml'
+METADATA_FILE = 'metadata.yaml'
 
 
 @final
@@ -144,10 +144,10 @@ def write_metadata(folder: Path, content: Mapping[str, object]) -> None:
     text = yaml.dump(content, Dumper=AliasFreeDumper, sort_keys=False, allow_unicode=True)
     try:
         # A crash must leave either the old or the new file
-        with replace_atomically(folder / NAME) as part:
+        with replace_atomically(folder / METADATA_FILE) as part:
             part.write_text(text, encoding='utf-8')
     except OSError as error:
-        raise to_storage_fault(error, folder / NAME) from error
+        raise to_storage_fault(error, folder / METADATA_FILE) from error
 
 
 class AliasFreeDumper(yaml.CSafeDumper):

@@ -14,7 +14,7 @@ from lta_bridge.bag.mcap_file import McapFile
 from lta_bridge.bag.metadata import (
     build_bag_metadata,
     format_offered_qos,
-    NAME,
+    METADATA_FILE,
     OfferedQos,
     TopicRecord,
     write_metadata,
@@ -237,7 +237,7 @@ class BagWriter:
 
     def _fsync_metadata(self) -> None:
         """Sync metadata.yaml, so that the bag survives a power cut; slow on a slow disk."""
-        fsync_file(self.path / NAME)
+        fsync_file(self.path / METADATA_FILE)
 
     def _write_metadata(self) -> None:
         """Write metadata.yaml with the present topics and messages."""

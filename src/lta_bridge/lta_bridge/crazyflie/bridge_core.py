@@ -9,7 +9,7 @@ import threading
 from typing import Final, final, NamedTuple
 
 from lta_bridge.crazyflie import duties_packet, readings, safety
-from lta_bridge.crazyflie.buoyancy import BuoyancyMonitor, IDLE_DUTY
+from lta_bridge.crazyflie.buoyancy import BuoyancyMonitor, REST_DUTY
 from lta_bridge.crazyflie.device_clock import DeviceClock, RoundTrips
 from lta_bridge.crazyflie.duties_packet import find_rotor_indices
 from lta_bridge.crazyflie.link import CrazyflieLink, LogPacket
@@ -31,7 +31,7 @@ TICK_RATE: Final = 50.0  # Hz, tick rate; the firmware needs setpoints at 10 Hz 
 GUARD: Final = 7  # ticks between two messages to the emergency-stop watchdog: 7 Hz
 HOLD_MS: Final = 200  # ms; the drone stops its motors without newer duties after this time
 TURN_GAIN: Final = 1.5  # 1/s from heading error to yaw rate: time constant of about 0.7 s
-FASTEST_TURN: Final = 1.0  # rad/s
+SETPOINT_YAW_RATE: Final = 1.0  # rad/s
 FASTEST_SETPOINT: Final = 2.0  # m/s; a stick gives no more
 UNTOLD: Final = 2.0  # s; an older voltage counts as unknown
 POWER_OFF: Final = 3  # pm.state of the firmware from which on the cell is low
@@ -326,7 +326,7 @@ class BridgeCore:
                 # Nothing ages where graph time stands still: the clock of a simulation, stopped
                 inputs = inputs._replace(command_age=math.inf)
             passed, self._ticked = max(now - self._ticked, 0.0), now
-            turning = max(self._read_motor_duties(inputs), default=0.0) > IDLE_DUTY
+            turning = max(self._read_motor_duties(inputs), default=0.0) > REST_DUTY
             self._estimated_height, self._tracked_height = (
                 watch_sensor(seen, where.height, turning, passed)
                 for seen, where in (
@@ -396,7 +396,7 @@ class BridgeCore:
             self._send_duties(order)
         elif order.drive and self._command is not None and self._may_rise(self._command):
             command = self._command
-            rate = max(-FASTEST_TURN, min(FASTEST_TURN, TURN_GAIN * command.turn))
+            rate = max(-SETPOINT_YAW_RATE, min(SETPOINT_YAW_RATE, TURN_GAIN * command.turn))
             self._link.send_hover_setpoint(
                 # The ramp of a landing scales speed and turn; the height stays until the hand-over
                 order.drive * max(-FASTEST_SETPOINT, min(FASTEST_SETPOINT, command.speed)),

@@ -16,7 +16,7 @@ COAST_WINDOW: Final = 4.0  # s without lifting thrust
 LEAST_RISE: Final = 0.1  # m in the second half of the window; less is no motion
 # A drone that coasts upwards slows down by its drag; one that is lighter than air does not
 LEAST_RISE_SHARE: Final = 0.95  # of the rise in the first half
-IDLE_DUTY: Final = 0.02  # duty, times the vertical share of its axis, of a rotor that does nothing
+REST_DUTY: Final = 0.02  # duty, times the vertical share of its axis, of a rotor that does nothing
 HEIGHT_GAP: Final = 0.5  # s without a height, after which the window begins anew
 
 
@@ -54,13 +54,13 @@ class BuoyancyMonitor:
             component of its axis; NaN if unknown.
 
         """
-        if not lifting <= IDLE_DUTY:
+        if not lifting <= REST_DUTY:
             # Pushed up, or perhaps: nothing follows from its height
             self._heights.clear()
             self._pushed_since = math.inf
             self.rises = self.is_held_down = False
             return
-        if pressing > IDLE_DUTY:
+        if pressing > REST_DUTY:
             self._pushed_since = min(self._pushed_since, now)
         else:
             self._pushed_since, self.is_held_down = math.inf, False

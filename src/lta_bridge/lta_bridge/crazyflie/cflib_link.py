@@ -43,17 +43,17 @@ except ImportError:  # reported when a link is created
 else:
     CFLIB = True
 
-PLACE: Final = r'[^/:\s]+:\d{1,5}'  # host:port
+HOST_AND_PORT: Final = r'[^/:\s]+:\d{1,5}'  # host:port
 RADIO_RATES: Final = r'(250K|1M|2M)'
 ADDRESS: Final = r'[0-9A-Fa-f]{1,10}'  # five bytes in hexadecimal
 SCHEMES: Final = {  # URI scheme to a pattern of the rest, as cflib parses it
     'radio': rf'(\d+|{ADDRESS})/\d{{1,3}}(/{RADIO_RATES}(/{ADDRESS})?)?(\?rate_limit=\d+)?',
     'usb': r'\d+',
-    'udp': PLACE,
-    'tcp': PLACE,
+    'udp': HOST_AND_PORT,
+    'tcp': HOST_AND_PORT,
     'serial': r'\S+',
 }
-LANDING: Final = 3.0  # s, duration of the firmware's landing
+FIRMWARE_LANDING_TIME: Final = 3.0  # s, duration of the firmware's landing
 U8 = 0x08  # parameter type code of the firmware
 ECHO: Final = (15, 0)  # CRTP port and channel whose packets are echoed
 CLOSING: Final = 3.0  # s; cflib needs two at most, but blocks forever if its driver has failed
@@ -314,7 +314,7 @@ class CflibLink:
         # Until this message the firmware gives streamed setpoints priority over the landing
         self._call_cflib('commander', 'send_notify_setpoint_stop')
         if land:
-            self._call_cflib('high_level_commander', 'land', 0.0, LANDING)
+            self._call_cflib('high_level_commander', 'land', 0.0, FIRMWARE_LANDING_TIME)
 
     def _call_cflib(self, part: str, method: str, *words: object) -> None:
         """Call a method of cflib if there is a link; the link may fail at any moment."""

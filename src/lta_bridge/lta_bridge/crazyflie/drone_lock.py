@@ -8,7 +8,7 @@ from typing import Final, final
 
 from lta_config.errors import BadInput
 
-AS_SOLD: Final = ('2M', 'E7E7E7E7E7')  # default rate and address of a radio URI
+DEFAULT_RADIO: Final = ('2M', 'E7E7E7E7E7')  # default rate and address of a radio URI
 
 
 def normalize_uri(uri: str) -> str:
@@ -17,7 +17,7 @@ def normalize_uri(uri: str) -> str:
     rest = rest.partition('?')[0]
     if scheme == 'radio':
         channel, *others = rest.split('/')[1:]
-        rate, address = (*others, *AS_SOLD[len(others) :])
+        rate, address = (*others, *DEFAULT_RADIO[len(others) :])
         return f'radio://{int(channel)}/{rate}/{address.upper():0>10}'
     if scheme in ('udp', 'tcp'):
         host, _, port = rest.rpartition(':')

@@ -1,7 +1,7 @@
 """
 Select the link to a Crazyflie by the scheme of its URI.
 
-To add a link, write a module that implements `link.py` and add its name to `FILES`. The module
+To add a link, write a module that implements `link.py` and add its name to `LINK_MODULES`. It
 defines `SCHEMES`, the URIs that it serves, and `LINK`, its class.
 """
 
@@ -14,7 +14,7 @@ from lta_bridge.crazyflie.link import CrazyflieLink
 from lta_bridge.crazyflie.log_table import LogBlock
 from lta_config.errors import BadInput
 
-FILES: Final = (  # module names
+LINK_MODULES: Final = (  # module names
     'cflib_link',
 )
 
@@ -30,7 +30,7 @@ class LinkScheme(NamedTuple):
 
 LINKS: Final[dict[str, LinkScheme]] = {
     scheme: LinkScheme(rest, made.LINK)
-    for made in (import_module(f'{__package__}.{file}') for file in FILES)
+    for made in (import_module(f'{__package__}.{file}') for file in LINK_MODULES)
     for scheme, rest in made.SCHEMES.items()
 }
 

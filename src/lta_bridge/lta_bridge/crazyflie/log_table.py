@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 
 from lta_config.errors import BadInput
 
-SIZES: Final = {'float': 4, 'uint8_t': 1, 'uint16_t': 2, 'int8_t': 1, 'uint32_t': 4}
+TYPE_BYTES: Final = {'float': 4, 'uint8_t': 1, 'uint16_t': 2, 'int8_t': 1, 'uint32_t': 4}
 MOST_BYTES: Final = 26
 MOST_BLOCKS: Final = 16
 MOST_VARIABLES: Final = 128
@@ -31,7 +31,7 @@ def _map_to_type(kind: str, *names: str) -> dict[str, str]:
     return dict.fromkeys(names, kind)
 
 
-BLOCKS: Final = (
+LOG_BLOCKS: Final = (
     LogBlock(
         'imu', 10, _map_to_type('float', *(f'{s}.{a}' for s in ('acc', 'gyro') for a in 'xyz'))
     ),
@@ -63,7 +63,7 @@ def check_log_table(blocks: tuple[LogBlock, ...]) -> None:
     Raise `BadInput` if a block is too large, its period is invalid, or there are too many.
     """
     for block in blocks:
-        size = sum(SIZES[kind] for kind in block.variables.values())
+        size = sum(TYPE_BYTES[kind] for kind in block.variables.values())
         if size > MOST_BYTES:
             raise BadInput(
                 f'Log block {block.name} has {size} bytes, above the limit of {MOST_BYTES} '
@@ -86,7 +86,7 @@ LARGEST_PAYLOAD: Final = 30  # bytes, largest payload of CRTP
 LOG, DATA = 5, 2  # port and channel of log packets
 STAMPED: Final = 4  # bytes before the values of a log packet: block, 24 bits of milliseconds
 # Ports that a drone sends on: smallest payload in bytes by channel (firmware, crtp.h).
-CHANNELS: Final[Mapping[int, Mapping[int, int]]] = {
+CRTP_CHANNELS: Final[Mapping[int, Mapping[int, int]]] = {
     0: {0: 0},  # console
     2: {0: 1, 1: 2, 2: 2, 3: 1},  # parameters
     4: {0: 1, 1: 1, 2: 1},  # memory
@@ -101,7 +101,7 @@ CHANNELS: Final[Mapping[int, Mapping[int, int]]] = {
 
 def block_size(block: LogBlock) -> int:
     """Return the size of the values of a log block. [bytes]"""
-    return sum(SIZES[kind] for kind in block.variables.values())
+    return sum(TYPE_BYTES[kind] for kind in block.variables.values())
 
 
 def find_packet_fault(port: int, channel: int, data: bytes, sizes: Mapping[int, int]) -> str:
@@ -114,7 +114,7 @@ def find_packet_fault(port: int, channel: int, data: bytes, sizes: Mapping[int, 
     where, size = f'{port}, channel {channel}', len(data)
     if size > LARGEST_PAYLOAD:
         return f'packet of {size} bytes on CRTP port {where}, above the limit of {LARGEST_PAYLOAD}'
-    fewest = CHANNELS.get(port, {}).get(channel)
+    fewest = CRTP_CHANNELS.get(port, {}).get(channel)
     if fewest is None:
         return f'packet on CRTP port {where}, which a Crazyflie does not use'
     if size < fewest:

@@ -50,7 +50,7 @@ class CrazyfliePowerModel(NamedTuple):
 
 ATTITUDE_SIGMA = 0.05  # rad, assumed for the firmware's attitude: it reports no covariance
 IMU_NOISE = error_bounds(ImuSettings()).noise
-RANGE = RangeSettings()
+RANGE_SETTINGS = RangeSettings()
 
 
 def to_imu(
@@ -69,7 +69,7 @@ def to_imu(
 def to_range_pressure(stamp: Time, felt: AirReading) -> tuple[Range, FluidPressure]:
     """Return the range and the pressure message."""
     return (
-        messages.build_range_message(stamp, felt.distance, RANGE),
+        messages.build_range_message(stamp, felt.distance, RANGE_SETTINGS),
         messages.build_pressure_message(stamp, felt.pressure, PressureSettings().noise),
     )
 

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 import math
 from typing import Final, NamedTuple
 
-from lta_bridge.crazyflie.log_table import BLOCKS
+from lta_bridge.crazyflie.log_table import LOG_BLOCKS
 from lta_config.constants import STANDARD_GRAVITY
 from scipy.spatial.transform import Rotation
 
@@ -21,14 +21,14 @@ NO_RETURN: Final = 5.0  # m; the firmware treats a longer distance as an outlier
 
 # Plausible ranges in the firmware's units: the sensors' limits with a margin for calibration
 # (BMI088: 24 g, 2000 deg/s; BMP388: 300 to 1250 mbar; decks take up to 17 V).
-REACH: Final = {
+PLAUSIBLE_RANGES: Final = {
     'acc': (-40.0, 40.0),
     'gyro': (-3000.0, 3000.0),
     'baro': (200.0, 1300.0),
     'stateEstimate': (-720.0, 720.0),  # deg
     'pm': (-1.0, 30.0),  # V, and the power state
 }
-BLOCK_VARIABLES: Final = {block.name: block.variables.keys() for block in BLOCKS}
+BLOCK_VARIABLES: Final = {block.name: block.variables.keys() for block in LOG_BLOCKS}
 Values = Mapping[str, float]
 
 
@@ -65,7 +65,7 @@ def find_value_fault(block: str, values: Values) -> str:
     if values.keys() != BLOCK_VARIABLES.get(block, ()):
         return f'log block {block} does not have the expected variables'
     for name, value in values.items():
-        least, most = REACH.get(name.partition('.')[0], (-math.inf, math.inf))
+        least, most = PLAUSIBLE_RANGES.get(name.partition('.')[0], (-math.inf, math.inf))
         if not (math.isfinite(value) and least <= value <= most):
             return f'{name} is {value:g}, outside the range that a Crazyflie can measure'
     return ''

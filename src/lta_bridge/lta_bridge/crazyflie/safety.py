@@ -209,7 +209,7 @@ def step_state(
     # A fault that the firmware reports ends the flight on the drone itself: nothing to send
     if explain_fault(inputs.word):
         return _enter_disarmed(state, now, explain_fault(inputs.word)), NO_OUTPUTS
-    return STEPS[state.stage](state, now, inputs, request, limits)
+    return STAGE_STEPS[state.stage](state, now, inputs, request, limits)
 
 
 def _enter_disarmed(state: SafetyState, now: float, why: str) -> SafetyState:
@@ -347,7 +347,7 @@ def _step_landing(
     return state, NO_OUTPUTS
 
 
-STEPS: Final = {
+STAGE_STEPS: Final = {
     SafetyStage.DISARMED: _step_disarmed,
     SafetyStage.ARMING: _step_arming,
     SafetyStage.READY: _step_ready,

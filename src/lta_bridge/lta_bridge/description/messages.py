@@ -16,8 +16,8 @@ from lta_bridge.description.shapes import (
     BoxShape,
     CylinderShape,
     EllipsoidShape,
-    LEVEL,
-    ORIGIN,
+    NO_SHIFT,
+    NO_TURN,
     PolylineShape,
     Shape,
     ShapeEntity,
@@ -32,7 +32,7 @@ from std_msgs.msg import ColorRGBA, String
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
-SIDES: Final = 24  # of a cone
+CONE_SIDES: Final = 24  # of a cone
 ONES: Final[Three] = (1.0, 1.0, 1.0)
 
 
@@ -63,11 +63,11 @@ def build_marker(shape: Shape) -> Marker:
             marker.points = [to_point(each) for each in list_cone_triangles(shape)]
         case PolylineShape():
             kind = Marker.LINE_LIST if shape.pairs else Marker.LINE_STRIP
-            marker = place_marker(kind, ORIGIN, LEVEL, (shape.thickness, 0.0, 0.0))
+            marker = place_marker(kind, NO_SHIFT, NO_TURN, (shape.thickness, 0.0, 0.0))
             marker.points = [to_point(each) for each in shape.points]
         case BillboardText():
             size = (0.0, 0.0, shape.height)
-            marker = place_marker(Marker.TEXT_VIEW_FACING, shape.place, LEVEL, size)
+            marker = place_marker(Marker.TEXT_VIEW_FACING, shape.place, NO_TURN, size)
             marker.text = shape.text
     red, green, blue, opacity = shape.colour
     marker.color = ColorRGBA(r=red, g=green, b=blue, a=opacity)
@@ -93,8 +93,8 @@ def to_point(place: Three) -> Point:
 def list_cone_triangles(shape: CylinderShape) -> list[Three]:
     """Return the corners of the triangles of a cone's mantle, three each, on its own axes. [m]"""
     (across, deep, high), corners = shape.size, []
-    for side in range(SIDES):
-        turns = [2.0 * math.pi * (side + k) / SIDES for k in (0, 1)]
+    for side in range(CONE_SIDES):
+        turns = [2.0 * math.pi * (side + k) / CONE_SIDES for k in (0, 1)]
         (a, b), (c, d) = (
             [
                 (0.5 * scale * across * math.cos(turn), 0.5 * scale * deep * math.sin(turn), z)

@@ -10,7 +10,7 @@ from lta_bridge.description.shapes import (
     CylinderShape,
     EllipsoidShape,
     move_point,
-    ORIGIN,
+    NO_SHIFT,
     PolylineShape,
     rotation_between,
     Shape,
@@ -26,16 +26,16 @@ from lta_model.scenario_light import LampScene
 from lta_model.vehicle import Vehicle
 
 MAP: Final = 'map'
-FLOOR: Final[Colour] = (0.50, 0.52, 0.55, 0.25)
-EDGE: Final[Colour] = (0.50, 0.52, 0.55, 1.0)
+FLOOR_COLOUR: Final[Colour] = (0.50, 0.52, 0.55, 0.25)
+EDGE_COLOUR: Final[Colour] = (0.50, 0.52, 0.55, 1.0)
 SOLID: Final[Colour] = (0.50, 0.52, 0.55, 0.10)
-LAMP: Final[Colour] = (1.0, 0.85, 0.20, 1.0)
-BEAM: Final[Colour] = (1.0, 0.90, 0.40, 0.12)
-GOAL: Final[Colour] = (0.20, 0.65, 0.30, 1.0)
-THIN: Final = 0.01  # m, of a floor or wall
+LAMP_COLOUR: Final[Colour] = (1.0, 0.85, 0.20, 1.0)
+BEAM_COLOUR: Final[Colour] = (1.0, 0.90, 0.40, 0.12)
+GOAL_COLOUR: Final[Colour] = (0.20, 0.65, 0.30, 1.0)
+WALL_SIZE: Final = 0.01  # m, thickness of a floor or wall
 BULB: Final = 0.12  # m across
 BEAM_LENGTH: Final = 1.0  # m, length of the drawn light cone; the light reaches farther
-CORNERS: Final = 48  # of the circle around the goal
+GOAL_CORNERS: Final = 48  # of the circle around the goal
 
 
 def half_power_angle(lamp: BeaconLamp) -> float:
@@ -55,13 +55,15 @@ def draw_walls(scenario: Scenario) -> ShapeEntity:
     length, width, height = scenario.room.size.vector
     x, y = length / 2, width / 2
     shapes: list[BoxShape | PolylineShape] = [
-        BoxShape((0.0, 0.0, -THIN / 2), (length, width, THIN), FLOOR),
-        PolylineShape(tuple(_box_edges(x, y, height)), 0.02, EDGE, pairs=True),
+        BoxShape((0.0, 0.0, -WALL_SIZE / 2), (length, width, WALL_SIZE), FLOOR_COLOUR),
+        PolylineShape(tuple(_box_edges(x, y, height)), 0.02, EDGE_COLOUR, pairs=True),
     ]
     if scenario.room.walls == 'solid':
         for side in (-1.0, 1.0):
-            shapes.append(BoxShape((side * x, 0.0, height / 2), (THIN, width, height), SOLID))
-            shapes.append(BoxShape((0.0, side * y, height / 2), (length, THIN, height), SOLID))
+            shapes.append(BoxShape((side * x, 0.0, height / 2), (WALL_SIZE, width, height), SOLID))
+            shapes.append(
+                BoxShape((0.0, side * y, height / 2), (length, WALL_SIZE, height), SOLID)
+            )
     return ShapeEntity('room', MAP, tuple(shapes))
 
 
@@ -87,14 +89,14 @@ def draw_lamp(name: str, scene: LampScene) -> ShapeEntity:
     cone = CylinderShape(
         move_point(place, axis, ahead / 2),
         (across, across, ahead),
-        BEAM,
+        BEAM_COLOUR,
         rotation_between(Z, axis),
         bottom=0.0,  # the tip of the cone is at the lamp
     )
     words = BillboardText(
-        move_point(place, Z, 0.3), f'{name}, {scene.frequency.si:g} Hz', 0.15, LAMP
+        move_point(place, Z, 0.3), f'{name}, {scene.frequency.si:g} Hz', 0.15, LAMP_COLOUR
     )
-    shapes = EllipsoidShape(place, (BULB, BULB, BULB), LAMP), cone, words
+    shapes = EllipsoidShape(place, (BULB, BULB, BULB), LAMP_COLOUR), cone, words
     return ShapeEntity(f'lamp/{name}', MAP, shapes)
 
 
@@ -102,12 +104,12 @@ def draw_goals(scenario: Scenario) -> ShapeEntity:
     """Return the circles on the floor within which the lamps of the route count as reached."""
     radius = scenario.goal.radius.si
     # One more point, to close the circle
-    angles = [2.0 * math.pi * k / CORNERS for k in range(CORNERS + 1)]
+    angles = [2.0 * math.pi * k / GOAL_CORNERS for k in range(GOAL_CORNERS + 1)]
     circles = [
         PolylineShape(
             tuple((x + radius * math.cos(a), y + radius * math.sin(a), 0.0) for a in angles),
             0.02,
-            GOAL,
+            GOAL_COLOUR,
         )
         for x, y in scenario.goal_places
     ]
@@ -117,12 +119,12 @@ def draw_goals(scenario: Scenario) -> ShapeEntity:
 BASE: Final = 'base_link'
 # Transparent, so that the gondola stays visible
 ENVELOPE: Final[Colour] = (0.80, 0.84, 0.90, 0.45)
-PART: Final[Colour] = (0.35, 0.40, 0.47, 1.0)
+PART_COLOUR: Final[Colour] = (0.35, 0.40, 0.47, 1.0)
 PANEL: Final[Colour] = (0.10, 0.22, 0.50, 1.0)
 DISC: Final[Colour] = (0.15, 0.60, 0.75, 0.55)
-PANELS: Final = 'panel'  # part of the name of solar panels
+PANEL_WORD: Final = 'panel'  # part of the name of solar panels
 FLAT: Final = 0.1  # thickness of a rotor's disc by its radius
-ROTOR: Final = 0.12  # disc radius by the vehicle's reach: the vehicle file has no rotor size
+DISC_RADIUS: Final = 0.12  # disc radius by the vehicle's reach: the vehicle file has no rotor size
 
 
 def vehicle_reach(vehicle: Vehicle) -> float:
@@ -139,18 +141,18 @@ def draw_body(vehicle: Vehicle) -> ShapeEntity:
     half = mass_properties.half_axes(vehicle.file.hull)
     if any(half):
         shapes.append(
-            EllipsoidShape(ORIGIN, to_triple(tuple(2.0 * axis for axis in half)), ENVELOPE)
+            EllipsoidShape(NO_SHIFT, to_triple(tuple(2.0 * axis for axis in half)), ENVELOPE)
         )
     boxes = [
         BoxShape(
             to_triple(part.position.vector),
             to_triple(part.size.vector),
-            PANEL if PANELS in name else PART,
+            PANEL if PANEL_WORD in name else PART_COLOUR,
         )
         for name, part in vehicle.file.parts.items()
         if part.shape == 'box'
     ]
-    radius = ROTOR * vehicle_reach(vehicle)
+    radius = DISC_RADIUS * vehicle_reach(vehicle)
     size = (2.0 * radius, 2.0 * radius, FLAT * radius)
     discs = [
         CylinderShape(rotor.place, size, DISC, rotation_between(Z, rotor.axis))
@@ -160,5 +162,5 @@ def draw_body(vehicle: Vehicle) -> ShapeEntity:
     if not boxes:  # without parts, draw a body at the centre of gravity
         centre = to_triple(tuple(float(number) for number in vehicle.cg))
         points = tuple(point for rotor in vehicle.rotors for point in (centre, rotor.place))
-        shapes.append(PolylineShape(points, 0.2 * radius, PART, pairs=True))
+        shapes.append(PolylineShape(points, 0.2 * radius, PART_COLOUR, pairs=True))
     return ShapeEntity('vehicle', BASE, tuple(shapes))

@@ -15,8 +15,8 @@ Colour = tuple[float, float, float, float]
 
 X: Three = (1.0, 0.0, 0.0)
 Z: Three = (0.0, 0.0, 1.0)
-ORIGIN: Three = (0.0, 0.0, 0.0)
-LEVEL: Turn = (0.0, 0.0, 0.0, 1.0)
+NO_SHIFT: Three = (0.0, 0.0, 0.0)
+NO_TURN: Turn = (0.0, 0.0, 0.0, 1.0)
 
 
 class EllipsoidShape(NamedTuple):
@@ -25,7 +25,7 @@ class EllipsoidShape(NamedTuple):
     place: Three
     size: Three
     colour: Colour
-    turn: Turn = LEVEL
+    turn: Turn = NO_TURN
 
 
 class BoxShape(NamedTuple):
@@ -34,7 +34,7 @@ class BoxShape(NamedTuple):
     place: Three
     size: Three
     colour: Colour
-    turn: Turn = LEVEL
+    turn: Turn = NO_TURN
 
 
 class CylinderShape(NamedTuple):
@@ -43,7 +43,7 @@ class CylinderShape(NamedTuple):
     place: Three
     size: Three
     colour: Colour
-    turn: Turn = LEVEL
+    turn: Turn = NO_TURN
     bottom: float = 1.0
     top: float = 1.0
 

@@ -19,7 +19,7 @@ from lta_bridge.description.shapes import (
     Colour,
     CylinderShape,
     EllipsoidShape,
-    LEVEL,
+    NO_TURN,
     PolylineShape,
     rotation_between,
     Three,
@@ -38,7 +38,7 @@ CHIP_COLOUR: Final[Colour] = (0.85, 0.55, 0.10, 1.0)
 LOCK: Final = 1e-7  # rad from a pitch of +-90 deg, where only yaw - roll or yaw + roll is defined
 DIODE: Final[Three] = (0.005, 0.01, 0.01)  # m; an OPT101 in its DIP package, looking along x
 # Turns x down, as a range finder's must point
-DOWN: Turn = (0.0, math.sqrt(0.5), 0.0, math.sqrt(0.5))
+TURN_DOWN: Turn = (0.0, math.sqrt(0.5), 0.0, math.sqrt(0.5))
 BACK: Turn = (0.0, 0.0, 1.0, 0.0)  # turns x backwards
 
 
@@ -65,8 +65,8 @@ def list_sensor_frames(vehicle: Vehicle) -> list[SceneFrame]:
     """Return the frames of the sensors, fixed to the vehicle."""
     sensors = vehicle.file.sensors
     return [
-        SceneFrame(BASE, 'imu_link', to_triple(sensors.imu_position.vector), LEVEL),
-        SceneFrame(BASE, 'range_link', to_triple(sensors.range_position.vector), DOWN),
+        SceneFrame(BASE, 'imu_link', to_triple(sensors.imu_position.vector), NO_TURN),
+        SceneFrame(BASE, 'range_link', to_triple(sensors.range_position.vector), TURN_DOWN),
         SceneFrame(
             BASE,
             'panel_link',
@@ -109,7 +109,7 @@ def list_fixed_frames(vehicle: Vehicle) -> list[SceneFrame]:
         SceneFrame(BASE, f'rotor_{rotor.name}', rotor.place, rotation_between(Z, rotor.axis))
         for rotor in vehicle.rotors
     ]
-    gravity = SceneFrame(BASE, CG, to_triple(vehicle.cg.tolist()), LEVEL)
+    gravity = SceneFrame(BASE, CG, to_triple(vehicle.cg.tolist()), NO_TURN)
     return [gravity, *list_sensor_frames(vehicle), *rotors]
 
 

@@ -12,7 +12,7 @@ from lta_bridge.crazyflie.connection_manager import CONNECT_TIME
 from lta_bridge.crazyflie.drone_lock import DroneLock
 from lta_bridge.crazyflie.link import LinkFailed
 from lta_bridge.crazyflie.links import create_link
-from lta_bridge.crazyflie.log_table import BLOCKS
+from lta_bridge.crazyflie.log_table import LOG_BLOCKS
 from lta_bridge.devices import (
     BOARD,
     DRONE,
@@ -155,7 +155,7 @@ def _check_drone(
 ) -> tuple[DroneMeasurement | None, list[HardwareCheck]]:
     vehicle = load_vehicle(request.vehicle)
     file = find_crazyflie(request.vehicle, vehicle.file.name)
-    link = create_link(uri, BLOCKS, time.time_ns)
+    link = create_link(uri, LOG_BLOCKS, time.time_ns)
     tell(f'connecting to {uri}', 0.0)
     # Without the lock two programs would take each other's packets.
     with closing(DroneLock(uri)), closing(link):

@@ -11,7 +11,7 @@ from lta_bridge.crazyflie import readings
 from lta_bridge.crazyflie.connection_manager import explain_mismatch, has_voltage_compensation
 from lta_bridge.crazyflie.device_clock import DeviceClock, RoundTrips, STAMP_WRAP
 from lta_bridge.crazyflie.link import CrazyflieLink, LinkLost, LogPacket, Ping
-from lta_bridge.crazyflie.log_table import BLOCKS, LogBlock
+from lta_bridge.crazyflie.log_table import LOG_BLOCKS, LogBlock
 from lta_bridge.crazyflie.supervisor_word import explain_fault, SupervisorBit
 from lta_bridge.hardware.check_result import assess_vehicle, HardwareCheck
 from lta_config.schema.crazyflie_file import CrazyflieFile, ExpectedParameter
@@ -92,7 +92,7 @@ def measure_drone(
     The link must be open, and stays open. `file` names the parameters to read. `tick` is called
     with the elapsed time. [s]
     """
-    received: dict[str, list[LogPacket]] = {block.name: [] for block in BLOCKS}
+    received: dict[str, list[LogPacket]] = {block.name: [] for block in LOG_BLOCKS}
     clock, trips, lost = DeviceClock(), RoundTrips(), ''
     began = time.monotonic()
     while (elapsed := time.monotonic() - began) < seconds and not lost:
@@ -116,7 +116,9 @@ def measure_drone(
         uri=uri,
         protocol=int(getattr(link, 'protocol', -1)),
         revision=format_revision({name: link.read_parameter(name) for name in RELEASE}),
-        streams=tuple(compute_stream_statistics(block, received[block.name]) for block in BLOCKS),
+        streams=tuple(
+            compute_stream_statistics(block, received[block.name]) for block in LOG_BLOCKS
+        ),
         latency=trips.latency,
         drift=clock.drift,
         voltage=power[0].voltage if power else math.nan,

@@ -21,13 +21,13 @@ from lta_bridge.crazyflie.link import CrazyflieLink, LinkFailed, LinkLost, LogPa
 from lta_bridge.crazyflie.safety import SafetyRequest as Wish
 from lta_bridge.crazyflie.safety import SafetyStage, STOPS
 from lta_bridge.crazyflie.supervisor_word import SupervisorBit
-from lta_config.schema.crazyflie_file import CrazyflieFile, hash_airframe, MOTORS
+from lta_config.schema.crazyflie_file import CF_MOTORS, CrazyflieFile, hash_airframe
 from lta_graph.interrupts import hold_interrupts
 from lta_model.vehicle import Vehicle
 
 STARTING: Final = 3.0  # s for telemetry to arrive, and again for the supervisor to arm
 DISARM_TIME: Final = 1.0  # s for the supervisor to confirm disarming
-NO_WISH: Final = Wish()
+NO_MOTOR_WISH: Final = Wish()
 
 
 @final
@@ -53,7 +53,7 @@ class MotorBench:
         self._link, self._file, self._vehicle = link, file, vehicle
         rotors = vehicle.rotor_names
         self._bridge = BridgeCore(link, file, vehicle, 'motors', blind=True)  # tethered
-        self._motor = MOTORS.index(motor)
+        self._motor = CF_MOTORS.index(motor)
         # Two indices: _motor counts M1 to M4, _place the vehicle file's rotors
         self._place = list(rotors).index(file.motors[motor])
         self._rotors = len(rotors)
@@ -106,12 +106,12 @@ class MotorBench:
             self._bridge.find_arming_refusal(time.time_ns(), True, True)
             and time.monotonic() < until
         ):
-            self._step(NO_WISH)
+            self._step(NO_MOTOR_WISH)
         if why := self._bridge.find_arming_refusal(time.time_ns(), True, True):
             raise LinkFailed(why)
         self._step(Wish(arm=True))
         while self._bridge.state.stage is SafetyStage.ARMING:
-            self._step(NO_WISH)
+            self._step(NO_MOTOR_WISH)
         if self._bridge.state.stage is not SafetyStage.READY:
             raise LinkFailed(self._bridge.state.why)
 
@@ -121,7 +121,7 @@ class MotorBench:
         began = time.monotonic()
         while (elapsed := time.monotonic() - began) < seconds:
             self._bridge.accept_command(CrazyflieCommand(time.time_ns(), duties=duties))
-            self._step(NO_WISH)
+            self._step(NO_MOTOR_WISH)
             tick(elapsed)
             if self._bridge.state.stage is not SafetyStage.FLYING:
                 raise LinkFailed(self._bridge.state.why)

@@ -30,7 +30,7 @@ class RateLimiter:
 
 
 SCREEN_RATE = 60.0  # Hz of wall time: a usual screen rate
-HEAVY = {'lta_msgs/msg/LightBlock': 10.0}  # Hz, limits of large messages; this has 16 kB
+LARGE_MESSAGES = {'lta_msgs/msg/LightBlock': 10.0}  # Hz, limits of large messages; this has 16 kB
 
 
 @final
@@ -49,7 +49,7 @@ class TopicThrottle:
         self._clock = clock
         self._books = LogTimeAssigner(table, lockstep=False, clock=clock)
         self._paces = {
-            name: RateLimiter(HEAVY.get(topic.type, SCREEN_RATE))
+            name: RateLimiter(LARGE_MESSAGES.get(topic.type, SCREEN_RATE))
             for name, topic in table.topics.items()
             if topic.period_ns and topic.stamped
         }

@@ -17,7 +17,7 @@ from urllib.parse import urlencode, urlsplit
 from lta_config.errors import BadInput
 
 FOXGLOVE_URL = 'https://app.foxglove.dev/'
-PORT = 8765  # Foxglove's default
+LIVE_PORT = 8765  # Foxglove's default
 LOCAL = '127.0.0.1'
 
 

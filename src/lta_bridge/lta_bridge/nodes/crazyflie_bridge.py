@@ -29,7 +29,7 @@ from lta_bridge.crazyflie.health_diagnostics import (
 )
 from lta_bridge.crazyflie.link import LinkLost, MalformedPacket, Ping
 from lta_bridge.crazyflie.links import create_link
-from lta_bridge.crazyflie.log_table import BLOCKS, check_log_table
+from lta_bridge.crazyflie.log_table import check_log_table, LOG_BLOCKS
 from lta_bridge.crazyflie.messages import CrazyfliePowerModel
 from lta_bridge.crazyflie.safety import LEAVE, SafetyRequest, SafetyStage
 from lta_bridge.crazyflie.settings import CrazyflieBridgeSettings
@@ -66,7 +66,7 @@ class CrazyflieBridge(DeviceNode):
     def __init__(self, **options: Unpack[NodeOptions]) -> None:
         super().__init__('crazyflie_bridge', 'Crazyflie', **options)
         self.health.set_fact(describe_reach(os.environ))
-        check_log_table(BLOCKS)
+        check_log_table(LOG_BLOCKS)
         self._outputs = {
             'imu': self.create_output('imu'),
             'range': self.create_output('range'),
@@ -77,7 +77,7 @@ class CrazyflieBridge(DeviceNode):
         vehicle = self._vehicle = load_vehicle(settings.vehicle)
         self._names = vehicle.rotor_names
         self._consumption = CrazyfliePowerModel.from_energy(vehicle.file.energy)
-        link = self._link = create_link(settings.uri, BLOCKS, self.graph_time_ns)
+        link = self._link = create_link(settings.uri, LOG_BLOCKS, self.graph_time_ns)
         file = self._file = find_crazyflie(settings.vehicle, vehicle.file.name, settings.crazyflie)
         command = settings.command or file.command
         self._bridge = BridgeCore(

@@ -13,7 +13,7 @@ from typing import Final, Unpack
 
 from lta_bridge.bag.schemas import generate_definition
 from lta_bridge.live.feed import TopicThrottle
-from lta_bridge.live.origin_gate import LOCAL, PORT
+from lta_bridge.live.origin_gate import LIVE_PORT, LOCAL
 from lta_bridge.live.server import LiveServer
 from lta_bridge.log_time_assigner import read_stamp
 from lta_config.settings import setting, Settings
@@ -28,7 +28,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 import foxglove
 
-MANY: Final = 100  # queue depth of aperiodic topics: each message may be from another node
+EVENT_DEPTH: Final = 100  # queue depth of aperiodic topics: each message may be from another node
 
 
 class LiveSettings(Settings):
@@ -36,7 +36,7 @@ class LiveSettings(Settings):
 
     host: str = setting(LOCAL, fixed=True)
     """Address to listen on; 0.0.0.0 also accepts other computers."""
-    port: int = setting(PORT, low=1, high=65535, fixed=True)
+    port: int = setting(LIVE_PORT, low=1, high=65535, fixed=True)
     """TCP port of the live view."""
 
 
@@ -48,9 +48,9 @@ def is_sent_once(topic: Topic) -> bool:
 def select_viewer_profile(name: str, topic: Topic) -> QoSProfile:
     """Return the profile that the view requests of a topic."""
     if is_sent_once(topic):
-        return QoSProfile(depth=MANY, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        return QoSProfile(depth=EVENT_DEPTH, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     # Viewers need only the newest message of a periodic topic
-    depth = 1 if topic.period_ns or name == '/clock' else MANY
+    depth = 1 if topic.period_ns or name == '/clock' else EVENT_DEPTH
     # Best effort never blocks a publisher, however slow the viewers are
     return QoSProfile(depth=depth, reliability=ReliabilityPolicy.BEST_EFFORT)
 
@@ -64,7 +64,9 @@ class LiveViewNode(GraphNode):
         self._robot = self.get_namespace().strip('/')
         self._feed = TopicThrottle(self.table)
         # By absolute name: what was sent once, for viewers that come later
-        self._early: defaultdict[str, deque[bytes]] = defaultdict(lambda: deque(maxlen=MANY))
+        self._early: defaultdict[str, deque[bytes]] = defaultdict(
+            lambda: deque(maxlen=EVENT_DEPTH)
+        )
         title = f'LTA {self._robot}'
         self._server = LiveServer(title, settings.host, settings.port, self._list_channels())
         for name, topic in self.table.topics.items():

@@ -24,7 +24,7 @@ from lta_bridge.playback.answer_times import (
     PendingAnswers,
 )
 from lta_bridge.playback.message_iterator import MessageIterator
-from lta_bridge.playback.node_selection import CLOCK, select_nodes
+from lta_bridge.playback.node_selection import CLOCK_TOPIC, select_nodes
 from lta_bridge.playback.recording import open_recording
 from lta_bridge.playback.settings import check_playback, FOREVER, PlayerSettings
 from lta_config.errors import BadInput
@@ -45,7 +45,7 @@ from rosgraph_msgs.msg import Clock as ClockMessage
 
 LARGEST_LAG_NS = 1_000_000_000  # largest lag of a node in lockstep; queues hold 20 s
 CLOCK_PERIOD = 0.02  # wall seconds between two /clock messages
-TICK = 0.002  # wall seconds between two ticks in real time
+PLAYER_TICK = 0.002  # wall seconds between two ticks in real time
 MESSAGES_PER_TICK = 2000  # messages per tick at most, so that services are answered
 LAST_ANSWER_TIME = 0.5  # wall seconds to wait for answers after the last message in real time
 
@@ -64,7 +64,7 @@ class Player(GraphNode):
         end = math.inf if settings.end >= FOREVER else settings.end
         self._section = MessageIterator(self._recording, topics, settings.start, end)
         self._outputs = {name: self.create_output(name) for name in topics}
-        self._clock_output = self.create_output(CLOCK)
+        self._clock_output = self.create_output(CLOCK_TOPIC)
         self._due = self.create_output('replay/due')
         self._pending = PendingAnswers(
             self._publish_due_times()
@@ -80,7 +80,7 @@ class Player(GraphNode):
         self._ended = ''
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         # In lockstep the answers drive the replay; the timer only detects overdue ones
-        self.create_timer(0.1 if self.lockstep else TICK, self._tick, clock=steady)
+        self.create_timer(0.1 if self.lockstep else PLAYER_TICK, self._tick, clock=steady)
 
     def _publish_due_times(self) -> Mapping[str, Sequence[int]]:
         """Publish the due times of the nodes' inputs; return those of their answers. [ns]"""

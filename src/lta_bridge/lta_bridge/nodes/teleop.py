@@ -49,9 +49,9 @@ from sensor_msgs.msg import Joy
 from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
 
-PERIOD = 0.02  # s
+TELEOP_PERIOD = 0.02  # s
 TAPS = 50  # queue depth of Joy messages: the newest alone would hide a short press of a button
-FRESH = 0.3  # s; an older estimate is not used
+ESTIMATE_LIFE = 0.3  # s; an older estimate is not used
 STOPPING = ('emergency_stop', 'crazyflie_bridge/emergency_stop')  # services that can stop motors
 STEERS = {
     TeleopStage.UNKNOWN: (
@@ -93,7 +93,7 @@ class Teleop(GraphNode):
         self._answered: set[str] = set()
         self._flyers = SetpointFollowers(self.get_namespace())
         self._odom: Odometry | None = None
-        self._odom_at = -FRESH
+        self._odom_at = -ESTIMATE_LIFE
         # Sticks are read on the wall clock: a person acts in real time
         self._state, self._ticked = TeleopState(), time.monotonic()
         for name, callback in (
@@ -102,7 +102,7 @@ class Teleop(GraphNode):
         ):
             self.subscribe_topic(name, callback)
         self._device = self._create_device(self._settings.value)
-        self.create_timer(PERIOD, self._tick, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self.create_timer(TELEOP_PERIOD, self._tick, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def _create_device(self, settings: TeleopSettings) -> StickDevice:
         if settings.device == KEYBOARD:
@@ -135,7 +135,7 @@ class Teleop(GraphNode):
         self._odom, self._odom_at = odom, time.monotonic()
 
     def _newest_estimate(self, now: float) -> HeadingAltitude | None:
-        if self._odom is None or now - self._odom_at > FRESH:
+        if self._odom is None or now - self._odom_at > ESTIMATE_LIFE:
             return None
         return to_heading_altitude(self._odom)
 
@@ -149,7 +149,7 @@ class Teleop(GraphNode):
             # A long pause must not become one large step of the setpoint
             self._state,
             now,
-            min(dt, FRESH),
+            min(dt, ESTIMATE_LIFE),
             sticks,
             felt,
             rates,

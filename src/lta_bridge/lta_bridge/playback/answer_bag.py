@@ -22,8 +22,8 @@ from lta_config.topics import robot_topic, TopicTable
 
 REPLAY_OF, REPLAYED = 'replay_of', 'replayed_nodes'  # keys of the origin
 # Keys copied from the recording
-SCENE = ('scenario', 'scenario_file', 'seed', 'offset_x', 'offset_y')
-OWN = 'strategy_file'  # a replay may fly another strategy, which is no file
+SCENE_KEYS = ('scenario', 'scenario_file', 'seed', 'offset_x', 'offset_y')
+STRATEGY_KEY = 'strategy_file'  # a replay may fly another strategy, which is no file
 SET = 'set'  # parameters of the flight; only `lta replay` passes them to the nodes again
 
 
@@ -40,8 +40,10 @@ def build_replay_origin(recording: RobotBagRecording, graph: Mapping[str, str]) 
     `recording`: the replayed recording: origin of scene, seed, and whether the data were measured.
     `graph`: provenance of the launch: vehicle, gains and strategy of the running nodes.
     """
-    original = {key: value for key, value in recording.provenance.items() if key not in (SET, OWN)}
-    runs = {key: value for key, value in graph.items() if key not in SCENE}
+    original = {
+        key: value for key, value in recording.provenance.items() if key not in (SET, STRATEGY_KEY)
+    }
+    runs = {key: value for key, value in graph.items() if key not in SCENE_KEYS}
     return {**original, **runs, REPLAY_OF: str(recording.path)}
 
 

@@ -26,9 +26,9 @@ from mcap.well_known import MessageEncoding
 from mcap.writer import MCAP0_MAGIC
 from zstandard import ZstdError
 
-ADVICE = 'give a rosbag2 folder or an .mcap file'
+BAG_FORMS = 'give a rosbag2 folder or an .mcap file'
 # Errors that the library raises for truncated or damaged files.
-BROKEN = (McapError, struct.error, EOFError, LookupError, ValueError, ZstdError)
+DAMAGE_ERRORS = (McapError, struct.error, EOFError, LookupError, ValueError, ZstdError)
 
 
 @final
@@ -50,7 +50,7 @@ def open_indexed_file(file: Path) -> Iterator[tuple[McapReader, Summary]]:
     try:
         with file.open('rb') as stream:
             if stream.read(len(MCAP0_MAGIC)) != MCAP0_MAGIC:
-                raise BadInput(f"'{file}' is not an MCAP recording; {ADVICE}.")
+                raise BadInput(f"'{file}' is not an MCAP recording; {BAG_FORMS}.")
             stream.seek(0)
             reader = make_reader(stream)
             summary = reader.get_summary()
@@ -60,8 +60,8 @@ def open_indexed_file(file: Path) -> Iterator[tuple[McapReader, Summary]]:
     except BadInput:
         raise
     except OSError as error:
-        raise BadInput(f"'{file}' cannot be read ({error.strerror}); {ADVICE}.") from error
-    except (*BROKEN, MemoryError) as error:
+        raise BadInput(f"'{file}' cannot be read ({error.strerror}); {BAG_FORMS}.") from error
+    except (*DAMAGE_ERRORS, MemoryError) as error:
         why = str(error) or f'a chunk needs more than {READER_MEMORY >> 20} MB of memory'
         raise BadInput(
             f"'{file}' is damaged or unfinished ({why}); copy it with `lta bag recover`."
@@ -209,11 +209,11 @@ def open_recording(path: Path, robot: str, table: TopicTable, own: str = '') -> 
         # bag_2 before bag_10
         files = sorted(path.glob('*.mcap'), key=lambda file: (len(file.name), file.name))
     else:
-        raise BadInput(f"'{path}' does not exist; {ADVICE}.")
+        raise BadInput(f"'{path}' does not exist; {BAG_FORMS}.")
     # The newest file of a split bag is empty if the recorder was killed during the split.
     files = [file for file in files if not file.is_file() or file.stat().st_size] or files
     if not files:
-        raise BadInput(f"'{path}' contains no MCAP recording; {ADVICE}.")
+        raise BadInput(f"'{path}' contains no MCAP recording; {BAG_FORMS}.")
     return RobotBagRecording(path, files, robot, table, own)
 
 

@@ -81,7 +81,9 @@ class FrameParser:
 
 
 ROW_WRAP = 2**32  # row numbers wrap here
-RESTART = 5  # consecutive messages with old row numbers after which the board counts as restarted
+RESTART_RUN = (
+    5  # consecutive messages with old row numbers after which the board counts as restarted
+)
 
 
 class BoardLightBlock(NamedTuple):
@@ -162,7 +164,7 @@ class BlockAssembler:
         ahead = (sequence - expected) % ROW_WRAP
         if ahead >= ROW_WRAP // 2:
             self._suspects += 1
-            if self._suspects < RESTART:
+            if self._suspects < RESTART_RUN:
                 self.old += count
                 return False
             self.restart_row_count()

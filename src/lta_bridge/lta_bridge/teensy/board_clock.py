@@ -15,7 +15,7 @@ LEAST_ANSWERS = 4  # answers before the clock counts as synchronized: the first 
 # Exchanges: half a minute at 4 Hz, in which a crystal's temperature is constant
 CLOCK_EXCHANGES = 128
 CRYSTAL = 100e-6  # standard deviation of a crystal's drift: twice a common part's 50 ppm
-QUICK = 0.25  # smallest standard deviation of a midpoint, by the fastest round trip
+QUICK_DEVIATION = 0.25  # smallest standard deviation of a midpoint, by the fastest round trip
 GRAIN = 20e-6  # s, resolution of timers and schedulers
 # s; an answer that contradicts the line by more means that a clock was reset
 CLOCK_RESET_ERROR = 2e-3
@@ -104,7 +104,7 @@ class BoardClock:
         self._base, self._anchor = newest.board, newest.host_midpoint
         quickest = self.round_trip
         # Even the fastest exchange may be asymmetric
-        best = QUICK * quickest * 1e-9 + GRAIN
+        best = QUICK_DEVIATION * quickest * 1e-9 + GRAIN
         # Normal equations of (offset, drift); the prior of the drift has mean zero.
         aa = ab = bb = ya = yb = 0.0
         for item in self._exchanges:

@@ -25,20 +25,20 @@ SYSTEM, COMPONENT = 255, 191  # MAVLink: a ground station, its onboard computer
 BEAT_NS = 1_000_000_000  # between heartbeats
 ASK_NS = 250_000_000  # between time requests
 EAGER_NS = 20_000_000  # between time requests before the clock is synchronized
-OLDEST_NS = LARGEST_LEAD_NS = (
+BLOCK_LIFE_NS = LARGEST_LEAD_NS = (
     10_000_000_000  # plausible age of a first sample, and lead of its stamp
 )
 REORDERED_NS = 100_000_000  # reordering of datagrams; farther back, the board has restarted
 ANSWER_NS = 1_000_000_000  # age at which an answer to a time request is useless
-QUESTIONS = 8  # open time requests at most, and queued answers to the board's requests
+OPEN_REQUESTS = 8  # open time requests at most, and queued answers to the board's requests
 OF_LIGHT = (
     mavlink.MAVLink_lta_light_block_message,
     mavlink.MAVLink_lta_light_peaks_message,
     mavlink.MAVLink_lta_light_status_message,
 )
 CONTROLLER, NO_AUTOPILOT, ACTIVE, PROTOCOL = 18, 8, 4, 3  # of MAVLink's common.xml
-COUNTS = 65535.0  # largest reading of a 16-bit ADC
-ROOM = max(mavlink.MAVLink_lta_light_block_message.array_lengths)  # values in a message
+MOST_COUNTS = 65535.0  # largest reading of a 16-bit ADC
+BLOCK_VALUES = max(mavlink.MAVLink_lta_light_block_message.array_lengths)  # values in a message
 
 
 class LightPeaks(NamedTuple):
@@ -176,7 +176,7 @@ class LightBoard:
         if now_ns >= self._next_ask:
             self._next_ask = now_ns + (ASK_NS if self.clock.is_synchronized else EAGER_NS)
             # Keep the newest requests only, since lost answers would let the list grow
-            self._request_times = [*self._request_times[1 - QUESTIONS :], now_ns]
+            self._request_times = [*self._request_times[1 - OPEN_REQUESTS :], now_ns]
             self._link.timesync_send(tc1=0, ts1=now_ns)
         due = self._due.getvalue()
         self._due.seek(0)
@@ -193,7 +193,7 @@ class LightBoard:
         if self._unfit:
             self.unfit += 1
             return
-        # The message has room for ROOM values; the rest is unused
+        # The message has room for BLOCK_VALUES values; the rest is unused
         samples = np.array(message.samples[: diodes * rows], np.uint16).reshape(rows, diodes)
         for block in self.blocks.add_rows(board_ns, message.sequence, samples):
             stamp = self._to_graph_time(block.board_ns, now_ns)
@@ -206,10 +206,10 @@ class LightBoard:
                 'The light board sends samples instead of peaks; start without light_peaks:=true, '
                 'or build its firmware for peaks.'
             )
-        if not 0 < diodes * rows <= ROOM:
+        if not 0 < diodes * rows <= BLOCK_VALUES:
             return (
                 f'The light board sends {rows} rows of {diodes} diodes in one message, but a '
-                f'message has 1 to {ROOM} values; check its firmware.'
+                f'message has 1 to {BLOCK_VALUES} values; check its firmware.'
             )
         if diodes != self._diodes:
             return (
@@ -251,7 +251,7 @@ class LightBoard:
         rate = self._light.sample_rate.si
         # Comparisons with NaN are false
         fits = 0.0 <= message.frequency <= 0.5 * rate and all(
-            0.0 <= value <= COUNTS for value in (*message.amplitude, *message.noise)
+            0.0 <= value <= MOST_COUNTS for value in (*message.amplitude, *message.noise)
         )
         if not fits:
             return 'The light board sends peaks outside the range of its ADC; check its firmware.'
@@ -274,7 +274,7 @@ class LightBoard:
         if self.clock.is_synchronized:
             stamp = self.clock.to_host_time(board_ns)
             # Of a board that has just started anew, or anything: ROS cannot tell every time.
-            if now_ns - OLDEST_NS < stamp < now_ns + LARGEST_LEAD_NS:
+            if now_ns - BLOCK_LIFE_NS < stamp < now_ns + LARGEST_LEAD_NS:
                 return stamp
         self.undated += 1
         return None
@@ -282,7 +282,7 @@ class LightBoard:
     def _take_time(self, message: mavlink.MAVLink_timesync_message, now_ns: int) -> None:
         board, request = message.tc1, message.ts1
         if board == 0:  # MAVLink TIMESYNC: 0 marks a request
-            if self._replies < QUESTIONS:
+            if self._replies < OPEN_REQUESTS:
                 self._replies += 1
                 self._link.timesync_send(tc1=now_ns, ts1=request)
             else:

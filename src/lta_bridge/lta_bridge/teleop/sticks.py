@@ -5,8 +5,8 @@ On opening, the kernel reports every axis and button of a gamepad, and then each
 (Documentation/input/joydev/joystick-api.rst, events of 8 bytes). An unplugged one is reopened.
 
 A terminal repeats a pressed key but does not report its release. A key therefore counts as pressed
-for `HELD` after it was last received. Arrow and function keys send escape sequences that often end
-in a letter (down is ESC [ B). They are removed, so that this letter is not taken for a key.
+for `KEY_HOLD` after it was last received. Arrow and function keys send escape sequences that often
+end in a letter (down is ESC [ B). They are removed, so that this letter is not taken for a key.
 """
 
 from collections.abc import Collection, Iterator, Sequence
@@ -229,7 +229,7 @@ def _list_values_by_number(levels: dict[int, float] | dict[int, int]) -> list[fl
     return [levels.get(number, 0) for number in range(max(levels, default=-1) + 1)]
 
 
-HELD: Final = 0.6  # s; keyboards start to repeat after 0.25 to 0.5 s
+KEY_HOLD: Final = 0.6  # s; keyboards start to repeat after 0.25 to 0.5 s
 FORWARD, TURN, CLIMB = 'ws', 'ad', 'rf'  # positive key, then negative key
 TAKE, GIVE_BACK, STOP = ' ', 'b', 'x'
 ESCAPES: Final = re.compile(  # ECMA-48's CSI, Linux's own F1 to F5, and SS3 of a keypad
@@ -275,7 +275,7 @@ class Keyboard:
         for key in fresh:
             self._pressed_at[key] = now
         # A terminal reports no release: a key is down while it repeats
-        down = {key for key, pressed in self._pressed_at.items() if now - pressed < HELD}
+        down = {key for key, pressed in self._pressed_at.items() if now - pressed < KEY_HOLD}
         forward, turn, climb = (
             float((keys[0] in down) - (keys[1] in down)) for keys in (FORWARD, TURN, CLIMB)
         )

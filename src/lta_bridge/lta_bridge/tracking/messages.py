@@ -20,7 +20,7 @@ from nav_msgs.msg import Odometry
 import numpy as np
 from numpy.typing import NDArray
 
-NAMED_POSES = 'motion_capture_tracking_interfaces'  # the package of NamedPoseArray
+POSES_PACKAGE = 'motion_capture_tracking_interfaces'  # the package of NamedPoseArray
 
 
 def find_pose_type(name: str) -> Any:  # noqa: ANN401 - a generated type
@@ -28,11 +28,11 @@ def find_pose_type(name: str) -> Any:  # noqa: ANN401 - a generated type
     if name != 'named_poses':
         return {'pose': PoseStamped, 'odometry': Odometry}[name]
     try:
-        return import_module(f'{NAMED_POSES}.msg').NamedPoseArray
+        return import_module(f'{POSES_PACKAGE}.msg').NamedPoseArray
     except ModuleNotFoundError:
         raise BadInput(
-            f'The type named_poses needs the messages of {NAMED_POSES}, which are not installed; '
-            'build the package in your workspace, or use the type pose.'
+            f'The type named_poses needs the messages of {POSES_PACKAGE}, which are not '
+            'installed; build the package in your workspace, or use the type pose.'
         ) from None
 
 

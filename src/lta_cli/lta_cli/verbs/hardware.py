@@ -11,7 +11,7 @@ from lta_bridge.crazyflie.connection_manager import CONNECT_TIME
 from lta_bridge.crazyflie.drone_lock import DroneLock
 from lta_bridge.crazyflie.link import CrazyflieLink, LinkFailed
 from lta_bridge.crazyflie.links import create_link
-from lta_bridge.crazyflie.log_table import BLOCKS
+from lta_bridge.crazyflie.log_table import LOG_BLOCKS
 from lta_bridge.devices import format_udev_rules, RULES_FILE
 from lta_bridge.hardware.check import (
     format_diode_rows,
@@ -23,7 +23,7 @@ from lta_bridge.hardware.check import (
 from lta_bridge.hardware.motor import interrupt_on_signals, MotorBench, MotorTurnResult
 from lta_cli.doctor import exit_status, print_checks
 from lta_config.errors import BadInput, unknown_name_error
-from lta_config.schema.crazyflie_file import find_crazyflie, MOTORS
+from lta_config.schema.crazyflie_file import CF_MOTORS, find_crazyflie
 from lta_model.vehicle import load_vehicle
 from lta_report.progress_bar import ProgressBar
 from lta_report.report import TextTable
@@ -124,8 +124,8 @@ class MotorBenchRequest(Action, command='hardware bench', json=True):
         """Turn the motor, and return what turned; None if the link failed."""
         vehicle = load_vehicle(self.vehicle)
         file = find_crazyflie(self.vehicle, vehicle.file.name)
-        if self.motor not in MOTORS:
-            raise unknown_name_error('motor', self.motor, list(MOTORS))
+        if self.motor not in CF_MOTORS:
+            raise unknown_name_error('motor', self.motor, list(CF_MOTORS))
         # Setpoints reach the firmware's controller, which turns several motors
         if file.command != 'motors':
             raise BadInput(
@@ -134,7 +134,7 @@ class MotorBenchRequest(Action, command='hardware bench', json=True):
                 'uses it.'
             )
         # Not opened yet: the radio stays silent until the user has confirmed
-        link = create_link(self.uri, BLOCKS, time.time_ns)
+        link = create_link(self.uri, LOG_BLOCKS, time.time_ns)
         # Nobody else may command the drone meanwhile
         with closing(DroneLock(self.uri)):
             self.confirm(file.motors[self.motor], console)

@@ -15,7 +15,7 @@ ACTION_TYPES: Final = {
     TaskKind.FOLLOW_PATH: FollowPath,
     TaskKind.LAND: Land,
 }
-MAP: Final = ('map', '')  # frames of a place to fly to
+PLACE_FRAMES: Final = ('map', '')  # frames of a place to fly to
 
 
 def find_goal_obstacle(flight: CommandedFlight, goal: Any) -> str:  # noqa: ANN401 - of an action
@@ -44,7 +44,7 @@ def to_task(goal: Any) -> tuple[TaskKind, float, Route]:  # noqa: ANN401 - of an
 
 
 def _to_route(header: Any, poses: Any, goal: Any) -> Route:  # noqa: ANN401 - of messages
-    if header.frame_id not in MAP:
+    if header.frame_id not in PLACE_FRAMES:
         raise BadInput(f"The frame of a place is map, not '{header.frame_id}'.")
     places = [pose.position for pose in poses]
     return Route(tuple(Place(each.x, each.y, each.z) for each in places), goal.tolerance)

@@ -24,7 +24,7 @@ from lta_control.pid import pid_step, PidGains
 from lta_control.vehicle_parameters import build_rotors
 from lta_model.vehicle import Vehicle
 
-TWO = 2
+TWO_COLUMNS = 2
 
 
 class GlideGains(Settings):
@@ -73,7 +73,7 @@ class GlideLawMemory(NamedTuple):
 def build_constants(gains: GlideGains, vehicle: Vehicle) -> GlideLawConstants:
     """Return the constants of a flight; raise `BadInput` for an unsuitable vehicle."""
     mass, columns = vehicle.file.moving_mass, vehicle.allocation
-    if mass is None or mass.low is None or mass.high is None or len(columns) != TWO:
+    if mass is None or mass.low is None or mass.high is None or len(columns) != TWO_COLUMNS:
         raise BadInput(
             "The control law 'glide' needs two propellers and a moving mass with the keys 'low' "
             f"and 'high', but {vehicle.file.name} lacks one of these; name another law in the "

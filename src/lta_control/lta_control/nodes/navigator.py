@@ -57,7 +57,7 @@ from lta_msgs.msg import ActuatorDuty
 from nav_msgs.msg import Odometry
 from std_msgs.msg import Bool, Float64
 
-SILENCE_TIME = 10.0  # wall seconds without a step after which a task ends
+SILENCE_LIMIT = 10.0  # wall seconds without a step after which a task ends
 
 
 class NavigatorParameters(MissionSettings):
@@ -239,7 +239,7 @@ class Navigator(GraphNode):
         super()._monitor_inputs()
         missing = [] if self.lockstep or not self._servers else self.list_missing_inputs()
         # The controller lands long before
-        if missing and time.monotonic() - self._stepped > SILENCE_TIME:
+        if missing and time.monotonic() - self._stepped > SILENCE_LIMIT:
             self._update_tasks(f'no messages on {", ".join(missing)}')
 
 

@@ -6,14 +6,15 @@ from lta_config.errors import BadInput, unknown_name_error
 from lta_control.strategies.protocol import NavigationStrategy
 from lta_control.strategies.strategy_file import is_strategy_file, load_strategy_file
 
-FILES = (
+STRATEGY_MODULES = (
     'bearing_angle',
     'dither',
     'gradient',
     'homing',
 )
 STRATEGIES: dict[str, NavigationStrategy] = {
-    made.name: made for made in (import_module(f'{__name__}.{file}').STRATEGY for file in FILES)
+    made.name: made
+    for made in (import_module(f'{__name__}.{file}').STRATEGY for file in STRATEGY_MODULES)
 }
 
 

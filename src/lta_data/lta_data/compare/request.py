@@ -9,7 +9,7 @@ import re
 from typing import Annotated, final
 
 from lta_config.errors import BadInput
-from lta_config.quantity import UNITS
+from lta_config.quantity import SI_UNITS
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.recorded_flight import open_flight, RecordedFlight
 from lta_data.compare.channel_comparison import ChannelComparison
@@ -31,10 +31,10 @@ def parse_quantity(text: str, unit: str | None = None) -> float:
     match = QUANTITY.fullmatch(text)
     own = match and match[2]
     # SI unit and factor of the given unit
-    kind, factor = UNITS.get(own or '', (unit, 1.0))
-    if match is None or (own and own not in UNITS) or (unit and kind != unit):
+    kind, factor = SI_UNITS.get(own or '', (unit, 1.0))
+    if match is None or (own and own not in SI_UNITS) or (unit and kind != unit):
         unit_names = ', '.join(
-            sorted(name for name, (si, _) in UNITS.items() if unit in (None, si))
+            sorted(name for name, (si, _) in SI_UNITS.items() if unit in (None, si))
         )
         raise ValueError(f"is '{text}'; give a number with an optional unit ({unit_names})")
     value = float(match[1]) * factor
@@ -168,9 +168,9 @@ def check_units(tolerances: Sequence[str], channels: Sequence[ChannelComparison]
         # A tolerance without a unit is in the channel's own unit
         if match is None or not match[2]:
             continue
-        kind = UNITS[match[2]][0]
+        kind = SI_UNITS[match[2]][0]
         fitting = [each for each in channels if each.name == name or fnmatchcase(each.name, name)]
-        units = [UNITS.get(each.unit, (each.unit, 1.0))[0] for each in fitting]
+        units = [SI_UNITS.get(each.unit, (each.unit, 1.0))[0] for each in fitting]
         # Channels without a unit accept any
         if fitting and not {'', kind} & {*units}:
             raise BadInput(

@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import Any, final, NamedTuple
 
 from lta_config.errors import BadInput
-from lta_config.quantity import UNITS
+from lta_config.quantity import SI_UNITS
 from lta_config.schema.import_file import AppliedForce, OrientationField, ScalarField, VectorField
 from lta_data.importers.axes import (
     compute_quaternions,
@@ -305,7 +305,7 @@ def scale_column(
 
 def _apply_factors(source: ScalarField | VectorField, scale: float, values: Numbers) -> Numbers:
     """Return numbers in SI; infinite where a float is too small for them."""
-    factor = scale * UNITS[source.unit][1]
+    factor = scale * SI_UNITS[source.unit][1]
     with np.errstate(over='ignore'):
         if source.offset:
             values = values + source.offset

@@ -15,7 +15,7 @@ from typing import Any, final, Literal, NamedTuple
 
 from lta_bridge.bag.schemas import load_jazzy_types
 from lta_config.errors import BadInput, unknown_name_error
-from lta_config.quantity import UNITS
+from lta_config.quantity import SI_UNITS
 from lta_config.schema.import_file import (
     AppliedForce,
     ImportMapping,
@@ -284,7 +284,7 @@ def _check_joints(candidate: EntryPlan) -> None:
 def _check_unit(what: str, quantity: ScalarField | VectorField, fitting: Sequence[str]) -> None:
     """Raise BadInput for a unit of another dimension."""
     unit = quantity.unit if quantity.value is None else quantity.value.unit
-    if UNITS[unit][0] not in fitting:
+    if SI_UNITS[unit][0] not in fitting:
         expected = ' or '.join(fitting)
         if unit == '1':
             raise BadInput(

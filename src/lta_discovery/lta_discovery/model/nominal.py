@@ -18,7 +18,7 @@ from lta_model.model import fill_parameters, VehicleModel
 from lta_model.state import RIGID
 from lta_model.vehicle import Vehicle
 from lta_sim.kernels.layout import EffectLayout
-from lta_sim.simulated_vehicle import LAYOUT
+from lta_sim.simulated_vehicle import SIM_LAYOUT
 import numpy as np
 from numpy.typing import NDArray
 
@@ -223,10 +223,10 @@ def _copy_model(
         if name == LATENT:
             continue
         count, size = len(effect.parameters), layout.memory_size(name)
-        to, of = where['parameters'].start + layout.first[name], LAYOUT.first[name]
+        to, of = where['parameters'].start + layout.first[name], SIM_LAYOUT.first[name]
         row[to : to + count] = model.parameters[of : of + count]
         # The model's memory starts after the rigid-body state
-        to, of = layout.remembers[name], LAYOUT.remembers[name] - RIGID
+        to, of = layout.remembers[name], SIM_LAYOUT.remembers[name] - RIGID
         row[to : to + size] = memory[of : of + size]
-        on[flag] = model.on[LAYOUT.flag_index(name)]
+        on[flag] = model.on[SIM_LAYOUT.flag_index(name)]
     return on

@@ -4,12 +4,12 @@ from typing import Final, final
 
 from lta_bridge.crazyflie.duties_packet import DutiesPacket, is_newer, unpack_duties
 
-VERSION: Final = 3
+APP_VERSION: Final = 3
 FULL_RATIO: Final = 65535
-STEP: Final = (
+IDLE_RATIO: Final = (
     1.0 / FULL_RATIO
 )  # ratio of motor 1: above idle for the supervisor, too small to turn the motor
-REST: Final = 1.0  # s from the expiry of the last duties to disarming
+DISARM_DELAY: Final = 1.0  # s from the expiry of the last duties to disarming
 LET_GO: Final = 0.5  # s more until it releases the commander
 LONGEST_TIMEOUT: Final = 0.5  # s, upper limit of the time-out in a packet
 
@@ -36,7 +36,7 @@ class MotorDutyApp:
             return
         newest = self._newest
         # After a pause the sender may have restarted its sequence numbers
-        ordered = newest is not None and now < self._until + REST
+        ordered = newest is not None and now < self._until + DISARM_DELAY
         if ordered and newest and not is_newer(duties.sequence, newest.sequence):
             return
         self._newest, self._until = duties, now + min(duties.timeout_ms * 1e-3, LONGEST_TIMEOUT)
@@ -53,7 +53,7 @@ class MotorDutyApp:
             return (0.0,) * 4
         # Brushed motors of the Crazyflie cannot reverse
         first, *others = (max(0.0, duty) for duty in self._newest.duties)
-        return (max(first, STEP) if self._turned else first, *others)
+        return (max(first, IDLE_RATIO) if self._turned else first, *others)
 
     def is_renewing_setpoint(self) -> bool:
         """Return whether the app renews a zero-thrust setpoint now, which prevents the lock."""
@@ -61,11 +61,11 @@ class MotorDutyApp:
 
     def requests_disarm(self, now: float) -> bool:
         """Return whether the app requests disarming at a time. [s]"""
-        return self._feeding and now >= self._until + REST
+        return self._feeding and now >= self._until + DISARM_DELAY
 
     def release_if_due(self, now: float) -> bool:
         """Return True once when the app releases the commander. [s]"""
-        if not self._feeding or now < self._until + REST + LET_GO:
+        if not self._feeding or now < self._until + DISARM_DELAY + LET_GO:
             return False
         self._feeding = False
         return True

@@ -153,7 +153,7 @@ class Commander:
         return BodyCommand(hover=self._hover)
 
 
-STILL = (0.0, 0.0, 0.0, 0.0)
+STOPPED_DUTIES = (0.0, 0.0, 0.0, 0.0)
 
 
 class CrazyflieBody(Protocol):
@@ -178,7 +178,7 @@ class BenchBody:
     """A Crazyflie clamped to a bench: motors turn, the body does not move."""
 
     def __init__(self) -> None:
-        self.duties: tuple[float, ...] = STILL
+        self.duties: tuple[float, ...] = STOPPED_DUTIES
         self._reads = 0
 
     def advance(self, now: float, wish: BodyCommand) -> None:
@@ -187,7 +187,7 @@ class BenchBody:
         del now
         duties = wish.duties
         if duties is None:
-            duties = (0.5,) * 4 if wish.hover is not None or wish.land else STILL
+            duties = (0.5,) * 4 if wish.hover is not None or wish.land else STOPPED_DUTIES
         self.duties = tuple(max(wish.idle, duty) for duty in duties)
 
     def read_log_values(self) -> Mapping[str, float]:

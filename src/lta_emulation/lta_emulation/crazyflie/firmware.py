@@ -15,7 +15,7 @@ from lta_emulation.crazyflie.commander import (
     Commander,
     CrazyflieBody,
     FirmwareAssertion,
-    STILL,
+    STOPPED_DUTIES,
 )
 from lta_emulation.crazyflie.log_blocks import BLOCKS, LogBlocks, TableOfContents, VARIABLES
 from lta_emulation.crazyflie.packet import CrtpPacket, LARGEST_PAYLOAD, ReceiveBuffer
@@ -31,9 +31,9 @@ from lta_emulation.crazyflie.parameters import (
 from lta_emulation.crazyflie.supervisor import Acceleration, Supervisor, SupervisorState
 from lta_emulation.crazyflie.trajectory_memory import TrajectoryMemory
 
-NAME = b'Bitcraze Crazyflie'.ljust(LARGEST_PAYLOAD, b'\0')
+LINK_NAME = b'Bitcraze Crazyflie'.ljust(LARGEST_PAYLOAD, b'\0')
 TAG, DEVICE = b'2026.08', b'Crazyflie 2.1'
-ROUNDING: Final = 1e-3  # of a ratio, above the rounding error of a float
+RATIO_ROUNDING: Final = 1e-3  # of a ratio, above the rounding error of a float
 FULL_VOLTAGE: Final = 4.0  # V of a charged cell
 LOW_VOLTAGE: Final = 3.2  # V below which the firmware reports low power
 OWN, ALL_AS_FIRST = 1, (2, 3)  # motorPowerSet.enable; 3 is corrected for the battery as well
@@ -143,7 +143,7 @@ class Firmware:
                 return self._answer_platform(channel, data, size, now)
             # Link layer: 0 is an echo, 1 returns the name
             case 15:
-                return NAME if channel == 1 else payload if channel == 0 else None
+                return LINK_NAME if channel == 1 else payload if channel == 0 else None
         return None
 
     def _answer_parameter(self, channel: int, data: bytes, size: int) -> bytes | None:
@@ -224,7 +224,7 @@ class Firmware:
         """Advance to a time; return the log packets that are due. [s]"""
         if self.halted or now < self._up_at:
             # The body moves on without thrust while the firmware is down
-            self.body.advance(now, BodyCommand(duties=STILL))
+            self.body.advance(now, BodyCommand(duties=STOPPED_DUTIES))
             return []
         self._run_app(now)
         sensed = self.body.read_log_values()
@@ -278,7 +278,7 @@ class Firmware:
         if values['motorPowerSet.enable'] in ALL_AS_FIRST:
             return BodyCommand(duties=ratios[:1] * 4)
         if not supervisor.motors_enabled:
-            return BodyCommand(duties=STILL)
+            return BodyCommand(duties=STOPPED_DUTIES)
         return self._controller_command(now)._replace(idle=self._idle_ratio / FULL_RATIO)
 
     def _controller_command(self, now: float) -> BodyCommand:
@@ -308,4 +308,4 @@ class Firmware:
 
 def _quantize_duty(duty: float) -> int:
     """Return a duty truncated to 16 bits, as in the firmware."""
-    return int(FULL_RATIO * duty + ROUNDING)
+    return int(FULL_RATIO * duty + RATIO_ROUNDING)

@@ -19,7 +19,7 @@ ANSWER: Final = 0.05  # s to wait for an answer; a busy machine may take longer,
 STARTUP: Final = 10.0  # s for the firmware to answer first
 FULL_PWM: Final = 255  # PWM compare value of a motor at full power (motors.c)
 # In the order of `readings_t` (linux_platform.h); the range in metres follows, then the rest
-INERTIAL: Final = ('acc.x', 'acc.y', 'acc.z', 'gyro.x', 'gyro.y', 'gyro.z')
+IMU_NAMES: Final = ('acc.x', 'acc.y', 'acc.z', 'gyro.x', 'gyro.y', 'gyro.z')
 
 
 @final
@@ -80,7 +80,7 @@ class FirmwareBench:
     def _exchange_readings(self) -> tuple[float, ...] | None:
         """Send what the body senses; return the duties of M1 to M4, None without an answer."""
         values = self._body.read_log_values()
-        words = [*(values.get(name, 0.0) for name in INERTIAL), 1e-3 * values['range.zrange']]
+        words = [*(values.get(name, 0.0) for name in IMU_NAMES), 1e-3 * values['range.zrange']]
         words += [values['baro.pressure'], values.get('pm.vbat', 4.0)]
         self._drop_late_answers()
         # ECONNREFUSED while nobody listens

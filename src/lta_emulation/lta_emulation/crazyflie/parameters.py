@@ -13,7 +13,7 @@ from typing import Final, final, NamedTuple
 
 from lta_config.schema.crazyflie_file import hash_airframe, load_crazyflie
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_emulation.crazyflie.app import VERSION
+from lta_emulation.crazyflie.app import APP_VERSION
 from lta_emulation.crazyflie.log_blocks import (
     BASIC,
     CORE,
@@ -74,7 +74,7 @@ class ParameterRequest(IntEnum):
     DEFAULT_2 = 8
 
 
-QUESTIONS: Final = frozenset(ParameterRequest)
+PARAMETER_QUESTIONS: Final = frozenset(ParameterRequest)
 
 
 @final
@@ -134,7 +134,7 @@ class ParameterStore:
 
     def _answer_misc_channel(self, data: bytes) -> bytes | None:
         """Set by name, or answer a request for a parameter's type, default or storage."""
-        if data[0] not in QUESTIONS:
+        if data[0] not in PARAMETER_QUESTIONS:
             return None
         if data[0] == ParameterRequest.SET_BY_NAME:
             return self._set_by_name(data)
@@ -200,14 +200,14 @@ class ParameterStore:
 FLOAT, U8, U16, I8 = 7, 1, 2, 4
 BYTE, WORD, LONG, REAL = 0x08, 0x09, 0x0A, 0x06  # of parameters
 ATTITUDE_GAINS = {'roll': (6.0, 3.0, 0.0), 'pitch': (6.0, 3.0, 0.0), 'yaw': (6.0, 1.0, 0.35)}
-ANGLES = ('roll', 'pitch', 'yaw')
+PID_ANGLES = ('roll', 'pitch', 'yaw')
 COMPLEMENTARY, PID, OUT_OF_TREE = 1, 1, 6  # estimator.h, controller.h
 
 LOG = (
     *(LogVariable(f'acc.{axis}', FLOAT) for axis in 'xyz'),
     *(LogVariable(f'gyro.{axis}', FLOAT) for axis in 'xyz'),
-    *(LogVariable(f'stateEstimate.{part}', FLOAT) for part in (*ANGLES, 'x', 'y', 'z')),
-    *(LogVariable(f'stabilizer.{angle}', FLOAT) for angle in ANGLES),
+    *(LogVariable(f'stateEstimate.{part}', FLOAT) for part in (*PID_ANGLES, 'x', 'y', 'z')),
+    *(LogVariable(f'stabilizer.{angle}', FLOAT) for angle in PID_ANGLES),
     *(LogVariable(f'kalman.state{axis}', FLOAT) for axis in 'XYZ'),
     *(LogVariable(f'kalman.varP{axis}', FLOAT) for axis in 'XYZ'),
     LogVariable('range.zrange', U16),
@@ -236,7 +236,7 @@ def _gtmab_airframe() -> int:
 def list_parameters(build: FirmwareBuild) -> tuple[FirmwareParameter, ...]:
     """Return the parameters of a build, with the values they have when it is up."""
     app = (
-        FirmwareParameter('lta.app', BYTE | READ_ONLY, VERSION),
+        FirmwareParameter('lta.app', BYTE | READ_ONLY, APP_VERSION),
         FirmwareParameter('lta.compensated', BYTE | READ_ONLY, int(build.compensated)),
         FirmwareParameter('lta.commit', LONG | READ_ONLY, 0),
         FirmwareParameter('lta.vehicle', LONG | READ_ONLY, _airframe(build)),

@@ -55,7 +55,7 @@ class LossyLink:
         return arrived
 
 
-TICK: Final = 0.002  # s between two ticks
+SERVER_TICK: Final = 0.002  # s between two ticks
 
 
 @final
@@ -89,7 +89,7 @@ class CrazyflieServer:
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         # Loopback only: anybody on the network could command the drone otherwise
         self._socket.bind(('127.0.0.1', port))
-        self._socket.settimeout(TICK)
+        self._socket.settimeout(SERVER_TICK)
         self.uri = f'udp://127.0.0.1:{self._socket.getsockname()[1]}'
         self._peer: tuple[str, int] | None = None
         self._began = time.monotonic()
@@ -133,9 +133,9 @@ class CrazyflieServer:
         """Receive packets, or wait a moment."""
         if self._shut.is_set():
             self._socket.close()
-            time.sleep(TICK)
+            time.sleep(SERVER_TICK)
             return
-        wait = TICK
+        wait = SERVER_TICK
         while True:
             self._socket.settimeout(wait)
             try:

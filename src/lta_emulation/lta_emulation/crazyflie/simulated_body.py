@@ -64,9 +64,9 @@ class VehicleLaw:
         self._memory = self._law.start
 
 
-DESCENT = 0.3  # m/s, sink rate of a landing
+LANDING_SINK_RATE = 0.3  # m/s, sink rate of a landing
 TOUCH = 0.03  # m above the floor, below which a landing is complete
-FARTHEST = 65.535  # m, largest range in 16 bits of millimetres
+PACKED_RANGE = 65.535  # m, largest range in 16 bits of millimetres
 PWM_STEP = 1.0 / 256.0  # duty: the motors' PWM has 8 bits (motors.c)
 SLIP = 20  # control periods; a longer delay is skipped instead of caught up
 
@@ -175,7 +175,7 @@ class SimulatedBody:
         position, turn = tuple(state[:3]), tuple(state[3:7])
         motion = ControlMotion(position, turn, tuple(state[7:10]), tuple(state[10:13]))
         if hover is None:
-            height = self._setpoint.altitude - DESCENT * self._dt
+            height = self._setpoint.altitude - LANDING_SINK_RATE * self._dt
             if self._is_on_floor:
                 return (0.0,) * len(self._world.vehicle.rotor_names)
             self._setpoint = Setpoint(height, self._setpoint.heading, 0.0)
@@ -194,7 +194,7 @@ class SimulatedBody:
             values[f'acc.{axis}'] = force / STANDARD_GRAVITY
             values[f'gyro.{axis}'] = math.degrees(rate)
         if readings.ranges:
-            distance = min(max(readings.ranges[-1][1], 0.0), FARTHEST)
+            distance = min(max(readings.ranges[-1][1], 0.0), PACKED_RANGE)
             values['range.zrange'] = 1e3 * distance
         if readings.pressure is not None:
             values['baro.pressure'] = 1e-2 * readings.pressure

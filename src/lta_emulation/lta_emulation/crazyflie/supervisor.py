@@ -110,7 +110,7 @@ FLIES: Final = frozenset(
         SupervisorState.LANDED,
     }
 )
-RUNS: Final = FLIES | {SupervisorState.ARMING}
+RUNNING_STATES: Final = FLIES | {SupervisorState.ARMING}
 
 
 @final
@@ -179,7 +179,7 @@ class Supervisor:
     @property
     def motors_enabled(self) -> bool:
         """Whether motors may turn."""
-        return self.state in RUNS
+        return self.state in RUNNING_STATES
 
     @property
     def accepts_setpoints(self) -> bool:
@@ -272,7 +272,7 @@ class Supervisor:
         self.state, self._since = state, now
         # The flag stays set until `recover`
         self.crashed |= state is SupervisorState.CRASHED
-        if state not in RUNS:
+        if state not in RUNNING_STATES:
             self.armed = self._arms_itself and state is SupervisorState.CHECKS_PASSED
 
     def _status_word(self) -> int:

@@ -7,7 +7,7 @@ from typing import Final, final
 MEMORY_SETTINGS, MEMORY_READ, MEMORY_WRITE = 0, 1, 2  # channels
 COUNT, DETAILS = 1, 2  # requests on channel 0
 TRAJECTORY: Final = 0x12  # type of memory (mem.h)
-SIZE: Final = 4096  # bytes
+MEMORY_SIZE: Final = 4096  # bytes
 
 
 @final
@@ -15,7 +15,7 @@ class TrajectoryMemory:
     """The only memory that the drone has, number 0."""
 
     def __init__(self) -> None:
-        self.content = bytearray(SIZE)
+        self.content = bytearray(MEMORY_SIZE)
 
     def answer_packet(self, channel: int, data: bytes, size: int) -> bytes | None:
         """Return the answer to a packet of `size` bytes in the buffer; None for no answer."""
@@ -23,13 +23,13 @@ class TrajectoryMemory:
             return bytes([COUNT, 1])
         if channel == MEMORY_SETTINGS and data[0] == DETAILS:
             # An unknown number gets the number alone
-            info = struct.pack('<BI8x', TRAJECTORY, SIZE) if data[1] == 0 else b''
+            info = struct.pack('<BI8x', TRAJECTORY, MEMORY_SIZE) if data[1] == 0 else b''
             return data[:2] + info
         if channel not in (MEMORY_READ, MEMORY_WRITE):
             return None
         number, begin = struct.unpack_from('<BI', data)
         end = begin + (data[5] if channel == MEMORY_READ else size - 5)
-        if number != 0 or not begin <= end <= SIZE:
+        if number != 0 or not begin <= end <= MEMORY_SIZE:
             return data[:5] + bytes([errno.EIO])
         if channel == MEMORY_READ:
             return data[:5] + b'\0' + bytes(self.content[begin:end])

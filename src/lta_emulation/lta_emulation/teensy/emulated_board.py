@@ -17,11 +17,11 @@ from lta_bridge.teensy import mavlink
 from lta_bridge.teensy.block_assembler import FrameParser
 from lta_bridge.teensy.light_board import (
     ACTIVE,
+    BLOCK_VALUES,
     CONTROLLER,
     DIALECT_VERSION,
     NO_AUTOPILOT,
     PROTOCOL,
-    ROOM,
 )
 from lta_config.errors import BadInput
 import numpy as np
@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 
 # MAVLink ids; 191 is an onboard computer
 SYSTEM, COMPONENT = 1, 191
-MAX_DIODES = max(mavlink.MAVLink_lta_light_peaks_message.array_lengths)  # in a message of peaks
+MESSAGE_PEAKS = max(mavlink.MAVLink_lta_light_peaks_message.array_lengths)  # in a message of peaks
 WRAP = 2**32
 
 
@@ -166,11 +166,11 @@ class EmulatedBoard:
 
     def _encode_rows(self, samples: NDArray[np.uint16]) -> Iterator[bytes]:
         # Rows per frame; the rest of the fixed-size array stays zero
-        count = ROOM // self._diodes
+        count = BLOCK_VALUES // self._diodes
         self._left = np.concatenate([self._left, samples])
         while len(self._left) >= count:
             rows, self._left = self._left[:count], self._left[count:]
-            values = np.zeros(ROOM, np.uint16)
+            values = np.zeros(BLOCK_VALUES, np.uint16)
             values[: rows.size] = rows.ravel()
             frame = self._build_frame(
                 mavlink.MAVLink_lta_light_block_message(
@@ -207,7 +207,7 @@ class EmulatedBoard:
         # A sine of amplitude A has a variance of A^2 / 2; the remaining variance is noise
         rest = np.sqrt(np.maximum(np.mean(waves**2, axis=0) - 0.5 * amplitude**2, 0.0))
         # Pad the values to the fixed array length of the message
-        room = MAX_DIODES - self._diodes
+        room = MESSAGE_PEAKS - self._diodes
         frame = self._build_frame(
             mavlink.MAVLink_lta_light_peaks_message(
                 time_usec=self._time_usec,

@@ -23,7 +23,7 @@ DEAD_VOLTAGE = 0.1  # V; no computer runs at such a voltage, so the reading is w
 LOWEST_VOLTAGE, HIGHEST_VOLTAGE = 2.0, 4.45
 HARMLESS_REPEATS = 2.0  # of one stamp
 # With half a count of noise a reading repeats every second time; 5 s at 10 Hz: chance of 1e-15
-FROZEN_TIME = 5.0  # s
+FROZEN_FOR = 5.0  # s
 DARK_CURRENT = 0.01  # A: a panel in the dark really reads a constant zero
 LONGEST_GAP = 1.0  # s; ten periods of the meters, as long as the navigator waits by default
 SWAP_SURPRISE = 5.0  # standard deviations of the voltage
@@ -123,11 +123,11 @@ def _find_frozen_cell(memory: Memory, observation: MeterObservation) -> tuple[st
     voltage = _frozen_time(voltage, now.voltage, before.voltage, observation.dt)
     current = _frozen_time(current, now.current, before.current, observation.dt)
     # Either meter may hang separately
-    if not max(voltage, current) >= FROZEN_TIME:
+    if not max(voltage, current) >= FROZEN_FOR:
         return '', (voltage, current)
     return (
         'the measured voltage or current of the battery cell has not changed for '
-        f'{FROZEN_TIME:g} s: the power meter hangs; check it',
+        f'{FROZEN_FOR:g} s: the power meter hangs; check it',
         (voltage, current),
     )
 
@@ -267,10 +267,10 @@ def _find_frozen_panel(memory: Memory, observation: MeterObservation) -> tuple[s
     now, before = observation.reading.panel_current, observation.before.panel_current
     lit = abs(now) > DARK_CURRENT
     time = _frozen_time(memory[0], now, before, observation.dt) if lit else 0.0
-    if time < FROZEN_TIME:
+    if time < FROZEN_FOR:
         return '', (time,)
     return (
-        f'the measured current of the solar panel has not changed for {FROZEN_TIME:g} s: its '
+        f'the measured current of the solar panel has not changed for {FROZEN_FOR:g} s: its '
         'power meter hangs; check it',
         (time,),
     )
@@ -299,7 +299,7 @@ DETECTORS: tuple[FaultDetector, ...] = (
     FaultDetector('panel frozen', _find_frozen_panel, WARN, False, 0.0, 2.0, (0.0,)),
 )
 FIRST_MEMORIES = tuple(detector.start for detector in DETECTORS)
-SWAPPED = [detector.name for detector in DETECTORS].index('swapped')
+SWAPPED_INDEX = [detector.name for detector in DETECTORS].index('swapped')
 
 
 class Latch(NamedTuple):

@@ -21,7 +21,7 @@ from lta_energy.monitoring.faults import (
     Latch,
     LONGEST_GAP,
     MeterObservation,
-    SWAPPED,
+    SWAPPED_INDEX,
     update_detectors,
     update_latch,
 )
@@ -155,7 +155,7 @@ def update_estimate(
     # A spoilt reading only lets the prediction stand; the correction is dropped
     belief = expected if watch.is_unusable else corrected
     # Restart the filter once, when the swap is confirmed
-    another = watch.latches[SWAPPED].on and not before.watch.latches[SWAPPED].on
+    another = watch.latches[SWAPPED_INDEX].on and not before.watch.latches[SWAPPED_INDEX].on
     if (belief is None and not watch.is_unusable) or (another and reading.is_usable):
         belief = initialize_from_reading(settings.belief, cell, reading.voltage, reading.current)
     after = before._replace(

@@ -29,7 +29,7 @@ from lta_config.settings import setting, Settings
 from lta_model.electrical.battery import BatteryModel, open_circuit_voltage, state_of_charge
 
 CHARGE, RELAXATION, RESISTANCE, INVERSE, CHART = range(5)
-STATES = 5
+EKF_STATES = 5
 UNKNOWN_CHARGE = 1.0 / math.sqrt(12.0)  # standard deviation of a charge anywhere between 0 and 1
 CHART_CORRELATION = 0.2  # correlation length of the chart error over the charge: 4 of its 20 steps
 NARROWEST_CHORD, WIDEST_CHORD = 0.01, 0.2  # bounds of the half width of the chord [charge]
@@ -95,7 +95,8 @@ def initial_state(settings: SocFilterSettings, cell: BatteryModel) -> CellState:
         settings.chart_error,
     )
     rows = [
-        tuple(deviations[i] ** 2 if i == j else 0.0 for j in range(STATES)) for i in range(STATES)
+        tuple(deviations[i] ** 2 if i == j else 0.0 for j in range(EKF_STATES))
+        for i in range(EKF_STATES)
     ]
     return CellState((0.5, 0.0, 1.0, 1.0, 0.0), tuple(rows))  # type: ignore[arg-type]
 
@@ -130,7 +131,7 @@ def predict_state(
         row[CHARGE] += step * row[INVERSE]
         row[RELAXATION] = decay * row[RELAXATION] + pull * row[RESISTANCE]
         row[CHART] *= faded
-    for k in range(STATES):  # F (P F^T)
+    for k in range(EKF_STATES):  # F (P F^T)
         rows[CHARGE][k] += step * rows[INVERSE][k]
         rows[RELAXATION][k] = decay * rows[RELAXATION][k] + pull * rows[RESISTANCE][k]
         rows[CHART][k] *= faded
@@ -192,10 +193,10 @@ def correct_state(
     )
     innovation = voltage - expected
     after, rows = list(mean), list(map(list, p))
-    for i in range(STATES):
+    for i in range(EKF_STATES):
         gain = column[i] / variance
         after[i] += gain * innovation
-        for j in range(STATES):
+        for j in range(EKF_STATES):
             rows[i][j] -= gain * column[j]
     # The chart ends at 0 and 1; the covariance is not changed by the clamp
     after[CHARGE] = min(max(after[CHARGE], 0.0), 1.0)

@@ -33,7 +33,7 @@ from lta_sim.kernels.compose import KernelTarget, render_kernel_source
 from lta_sim.kernels.layout import format_tuple, indent_lines
 from lta_sim.kernels.thread import ThreadAccess
 from lta_sim.light_link import sample_magnitude
-from lta_sim.simulated_vehicle import LAYOUT
+from lta_sim.simulated_vehicle import SIM_LAYOUT
 
 # Merged into their caller, because passing the memory of a flight takes a quarter of the time
 MERGED = {
@@ -136,16 +136,16 @@ def _write_add_effects(names: Sequence[str], extract: SourceExtract) -> str:
         if name == 'turbulence'
         else format_tuple(map(repr, initial_effect_memory(name)))
         for name in names
-        if LAYOUT.memory_size(name)
+        if SIM_LAYOUT.memory_size(name)
     ]
     return f'def add_effects(state, seed):\n    return {" + ".join(["state", *memories])}'
 
 
 def initial_effect_memory(name: str) -> tuple[float, ...]:
     """Return the initial memory of an effect."""
-    first = LAYOUT.remembers[name]
+    first = SIM_LAYOUT.remembers[name]
     whole = (0.0,) * RIGID + initial_memory()
-    return whole[first : first + LAYOUT.memory_size(name)]
+    return whole[first : first + SIM_LAYOUT.memory_size(name)]
 
 
 def _write_diode_functions(diodes: int, extract: SourceExtract) -> tuple[str, str]:

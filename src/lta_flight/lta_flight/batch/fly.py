@@ -15,8 +15,8 @@ from lta_flight.batch.batch_flight import BatchFlight, build_schedule
 from lta_flight.batch.codegen import build_source
 from lta_flight.batch.flight_loop import FIGURES
 from lta_flight.batch.targets import CPU, GPU
-from lta_sim.kernels.thread import require_cuda, THREADS
-from lta_sim.simulated_vehicle import LAYOUT
+from lta_sim.kernels.thread import BLOCK_THREADS, require_cuda
+from lta_sim.simulated_vehicle import SIM_LAYOUT
 import numpy as np
 from numpy.typing import NDArray
 
@@ -88,8 +88,8 @@ def fly_many(
     # The union of the effects of all vehicles; those without an effect switch it off by its flag
     flags = [each.model.on for each in flights]
     on = np.maximum.reduce(flags if on is None else [*flags, on])
-    names = tuple(name for name in LAYOUT.effects if on[LAYOUT.flag_index(name)])
-    parameters, _ = LAYOUT.find_effect_indices(names)
+    names = tuple(name for name in SIM_LAYOUT.effects if on[SIM_LAYOUT.flag_index(name)])
+    parameters, _ = SIM_LAYOUT.find_effect_indices(names)
     # Flights of equal form and strategy share a kernel
     # By its place, as two files may define strategies of one name
     strategies = list(dict.fromkeys(each.strategy for each in flights))
@@ -158,7 +158,7 @@ def _fly_on_gpu(
         for part in (fixed, constants, spans, np.empty((len(seeds), len(FIGURES))))
     ]
     # Number of blocks, rounded up, and threads per block
-    kernel.fly_some[-(-len(seeds) // THREADS), THREADS](
+    kernel.fly_some[-(-len(seeds) // BLOCK_THREADS), BLOCK_THREADS](
         there[0], there[1], cuda.to_device(winds), there[2],
         cuda.to_device(np.ascontiguousarray(seeds)), there[3],
     )  # fmt: skip

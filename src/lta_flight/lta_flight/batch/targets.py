@@ -11,7 +11,7 @@ from lta_sim.kernels.thread import THREAD_MODEL
 from lta_vlc.reading_model import FIT_SCRATCH
 
 SENSOR_STEP = STEP_NS * 1e-9  # integration step [s]
-SCRATCH = max(allocation.SCRATCH, FIT_SCRATCH)  # shared, since both are used in turn
+SCRATCH = max(allocation.DUTY_SCRATCH, FIT_SCRATCH)  # shared, since both are used in turn
 
 
 @final

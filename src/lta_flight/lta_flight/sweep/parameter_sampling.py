@@ -10,7 +10,7 @@ import zlib
 
 from lta_config.errors import BadInput
 from lta_config.parameter_override import format_value, parse_quantity, parse_value
-from lta_config.quantity import UNITS
+from lta_config.quantity import SI_UNITS
 from lta_config.schema.sweep_file import Distribution, NormalDistribution, UniformDistribution
 import numpy as np
 from numpy.random import Generator
@@ -78,8 +78,8 @@ def _convert_to_common_unit(items: list[Any], path: str) -> tuple[list[float | N
     values = [None if item is None else parse_value(item, path) for item in items]
     first = parse_quantity(values[0])
     unit = '' if first is None else str(first['unit'])
-    if unit and unit not in UNITS:
-        raise BadInput(f'{path} has the unknown unit "{unit}"; known: {", ".join(UNITS)}.')
+    if unit and unit not in SI_UNITS:
+        raise BadInput(f'{path} has the unknown unit "{unit}"; known: {", ".join(SI_UNITS)}.')
     return [
         None if value is None else _convert_number(value, unit, path) for value in values
     ], unit
@@ -97,9 +97,9 @@ def _convert_number(value: Any, unit: str, path: str) -> float:  # noqa: ANN401 
     # No conversion, to avoid a rounding error
     if quantity is None or quantity['unit'] == unit:
         return float(number)
-    if quantity['unit'] not in UNITS or UNITS[quantity['unit']][0] != UNITS[unit][0]:
+    if quantity['unit'] not in SI_UNITS or SI_UNITS[quantity['unit']][0] != SI_UNITS[unit][0]:
         raise BadInput(f'{path} mixes {unit} and {quantity["unit"]}; use compatible units.')
-    return float(number) * UNITS[quantity['unit']][1] / UNITS[unit][1]
+    return float(number) * SI_UNITS[quantity['unit']][1] / SI_UNITS[unit][1]
 
 
 def _build_quantity(number: float, unit: str) -> Any:  # noqa: ANN401 - YAML's

@@ -15,7 +15,7 @@ from typing import Any, final
 
 from lta_config.errors import BadInput
 from lta_config.parameter_override import format_value, parse_quantity, parse_value
-from lta_config.quantity import Quantity, UNITS
+from lta_config.quantity import Quantity, SI_UNITS
 from lta_config.schema.sweep_file import CASE_COLUMN, Distribution, SweepFile
 from lta_control.strategies.strategy_file import is_strategy_file
 from lta_flight.flight_spec import build_loop, FlightSpec, load_spec, SPEC_FILES
@@ -191,7 +191,7 @@ class SweepPlan:
         how = self.file.vary[path]
         values = how if isinstance(how, list) else list(iterate_distribution_values(how))
         quantity = parse_quantity(parse_value(values[0], path))
-        return '' if quantity is None else UNITS.get(quantity['unit'], ('',))[0]
+        return '' if quantity is None else SI_UNITS.get(quantity['unit'], ('',))[0]
 
 
 def iterate_distribution_values(how: Distribution) -> Iterator[Any]:

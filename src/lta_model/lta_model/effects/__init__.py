@@ -9,7 +9,7 @@ names.
 from importlib.metadata import entry_points
 
 from lta_config.errors import BadInput, unknown_name_error
-from lta_config.quantity import UNITS
+from lta_config.quantity import SI_UNITS
 from lta_model.effects import (
     air,
     commands,
@@ -116,12 +116,12 @@ def merge_installed_effects(library: dict[str, Effect]) -> dict[str, Effect]:
             )
         for parameter in effect.parameters:
             # Factor 1: the kernel computes in SI units, so 'g' or 'deg' are refused
-            if UNITS.get(parameter.unit) != (parameter.unit, 1.0):
+            if SI_UNITS.get(parameter.unit) != (parameter.unit, 1.0):
                 raise BadInput(
                     f'The parameter {effect.name}.{parameter.name} of {point.value} has '
                     f'the unit {parameter.unit!r}, which vehicle files do not accept; use '
                     'one of the SI units '
-                    f'{", ".join(sorted({unit for unit, _ in UNITS.values()}))}.'
+                    f'{", ".join(sorted({unit for unit, _ in SI_UNITS.values()}))}.'
                 )
         effects[effect.name] = effect
     return effects

@@ -162,7 +162,7 @@ CROSS_FLOW = WrenchEffect(
 
 
 # Two wide panels, or four slim frame parts
-STRIPS = 4
+MOST_STRIPS = 4
 GAUSS_POINT = 0.7745966692414834  # sqrt(3 / 5), of the outer two points; weights 5/18, 8/18, 5/18
 
 
@@ -280,7 +280,7 @@ def strip_wrench(u: Vector, w: Vector, centre: Values, half: Values, drag: Value
 _CENTRE = 'spread: 1 cm for the position of a part (assumed); limits: a hull of 10 m'
 _REACH = 'spread: 1 cm for the length of a part (assumed)'
 _STRIP_DAMPING_DRAG = 'spread: error of 30 % of the C_D of a square plate of 0.03 m2 (assumed)'
-_STRIPS = range(1, STRIPS + 1)
+_STRIPS = range(1, MOST_STRIPS + 1)
 _DRAGS = tuple(f'{axis}_{i}' for i in _STRIPS for axis in ('surge', 'sway', 'heave'))
 _STRIP_DAMPING_TRANSLATION = (
     'by definition from none (0) to all (1) of the airspeed; spread: assumed'

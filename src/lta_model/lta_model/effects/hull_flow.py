@@ -108,7 +108,7 @@ MUNK_MOMENT = WrenchEffect(
 
 
 # Keeps angles and slopes finite in still air; far below flight speeds of 0.3 m/s
-SLOW_SPEED = 1e-3  # [m/s]
+SMALL_SPEED = 1e-3  # [m/s]
 
 
 def hull_lift(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
@@ -130,7 +130,7 @@ def hull_lift(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) 
     Moments use a reference length of 1 m, damping the body rates p, q, r. The published model was
     fitted to forward flight at moderate angles (|alpha| below 24 degrees in 99.9 % of the data).
     Outside that range it is discontinuous, its damping adds energy, and its lift acts downwards on
-    a hull that sinks backwards. So it is extended here, with s = SLOW_SPEED = 1 mm/s:
+    a hull that sinks backwards. So it is extended here, with s = SMALL_SPEED = 1 mm/s:
 
         alpha = atan2(v_z, |v_x, s|),     beta = atan2(v_y, |v_x, v_z, s|)
         cos a = v_x / |v_x, v_z, s|,      sin a = v_z / |v_x, v_z, s|
@@ -191,11 +191,11 @@ def hull_lift(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) 
     square = level + v * v
     # |v_x, v_z, s| and 1 / |v, s|
     flat, scale = (
-        math.sqrt(level + SLOW_SPEED * SLOW_SPEED),
-        1.0 / math.sqrt(square + SLOW_SPEED * SLOW_SPEED),
+        math.sqrt(level + SMALL_SPEED * SMALL_SPEED),
+        1.0 / math.sqrt(square + SMALL_SPEED * SMALL_SPEED),
     )
     ca, sa, cb, sb = u / flat, w / flat, flat * scale, v * scale
-    alpha, beta = math.atan2(w, math.sqrt(u * u + SLOW_SPEED * SLOW_SPEED)), math.atan2(v, flat)
+    alpha, beta = math.atan2(w, math.sqrt(u * u + SMALL_SPEED * SMALL_SPEED)), math.atan2(v, flat)
     a2, b2 = alpha * alpha, beta * beta
     # Cosine between the flow and the hull axis, f in the equations
     along = ca * cb

@@ -223,7 +223,7 @@ class BodyEffect:
 
 
 # Channels of the measurement effects, with the number of values in a reading.
-CHANNELS = {
+CHANNEL_SIZES = {
     'rates': 3,  # of the gyroscope, body frame [rad/s]
     'force': 3,  # of the accelerometer, body frame [m/s2]
     'pressure': 1,  # [Pa]
@@ -242,8 +242,8 @@ class MeasurementEffect:
     """
     A stage from the true value to a reading; effects of a channel act in registry order.
 
-    `channel` is a key of `CHANNELS`; `reading(p, values, time) -> values` gets the flight time
-    [s]. Other fields as in `WrenchEffect`.
+    `channel` is a key of `CHANNEL_SIZES`; `reading(p, values, time) -> values` gets the flight
+    time [s]. Other fields as in `WrenchEffect`.
     """
 
     name: str

@@ -14,7 +14,7 @@ import math
 from typing import final
 
 from lta_model.light.field import Ambient
-from lta_model.light.lamp import BeaconLamp, EXACT_CLOCK, NANOSECONDS, phase_in_cycles
+from lta_model.light.lamp import BeaconLamp, EXACT_CLOCK, phase_in_cycles, SECOND_NS
 import numpy as np
 from numpy.typing import NDArray
 
@@ -35,7 +35,7 @@ class BlockSampling:
         """Return the times of the samples after the start, with one sample before it. [ns]"""
         times: NDArray[np.int64] = np.rint(
             # From -1: the first sample needs the state of the low pass before it
-            np.arange(-1, self.samples) * (NANOSECONDS / self.rate)
+            np.arange(-1, self.samples) * (SECOND_NS / self.rate)
         ).astype(np.int64)
         return times
 
@@ -57,7 +57,7 @@ def sample_lamp_wave(
     times = start + sampling.sample_offsets()
     if shaken is not None:
         # Not times[0], which belongs to the block before
-        times[1:] += np.rint(shaken * NANOSECONDS).astype(np.int64)
+        times[1:] += np.rint(shaken * SECOND_NS).astype(np.int64)
     behind = wave.sample_filtered(times, time_constant)
     if not lamp.rise:
         return behind
@@ -87,7 +87,7 @@ def repeat_period(frequency: float) -> int:
     """Return after how many whole nanoseconds a wave repeats. [ns]"""
     # Exact: the shortest integer time that holds a whole number of periods
     top, bottom = frequency.as_integer_ratio()
-    bottom *= NANOSECONDS
+    bottom *= SECOND_NS
     return bottom // math.gcd(top, bottom)
 
 

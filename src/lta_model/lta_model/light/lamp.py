@@ -49,7 +49,7 @@ def require_lux(what: str, lux: float) -> None:
     )
 
 
-NANOSECONDS = 1_000_000_000
+SECOND_NS = 1_000_000_000
 
 
 def phase_in_cycles(
@@ -62,10 +62,10 @@ def phase_in_cycles(
     floating point: over a span of one second the error is some 1e-14 of the cycles in it.
     """
     top, bottom = frequency.as_integer_ratio()
-    bottom *= NANOSECONDS
+    bottom *= SECOND_NS
     # Exact integer arithmetic, whatever the age of the clock
     start = (int(times[0]) * top % bottom) / bottom + phase
-    position: NDArray[np.float64] = (start + (times - times[0]) * (frequency / NANOSECONDS)) % 1.0
+    position: NDArray[np.float64] = (start + (times - times[0]) * (frequency / SECOND_NS)) % 1.0
     # A tiny negative position is rounded up to one whole cycle by the modulo.
     position[position == 1.0] = 0.0
     return position
@@ -172,7 +172,7 @@ class DriftingClock:
         """Return a wave as timed by this clock around a time. [ns]"""
         if self.offset == 0.0 and self.drift == 0.0:
             return wave
-        seconds = time / NANOSECONDS
+        seconds = time / SECOND_NS
         return replace(
             wave,
             # Instantaneous frequency at that time

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import final
 
 from lta_model.model import VehicleModel
-from lta_sim.simulated_vehicle import LAYOUT, SimulatedVehicle
+from lta_sim.simulated_vehicle import SIM_LAYOUT, SimulatedVehicle
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -53,8 +53,10 @@ def _build_vehicle(
 ) -> SimulatedVehicle:
     """Return a simulated vehicle with state, command and surroundings set."""
     start = np.asarray(state, dtype=np.float64)
-    if start.shape != (LAYOUT.size,):
-        raise ValueError(f'The state has the shape {start.shape}; it must be ({LAYOUT.size},).')
+    if start.shape != (SIM_LAYOUT.size,):
+        raise ValueError(
+            f'The state has the shape {start.shape}; it must be ({SIM_LAYOUT.size},).'
+        )
     vehicle = SimulatedVehicle(model)
     vehicle.state[:] = start
     _copy_to_front('command', command, vehicle.command)
@@ -119,7 +121,7 @@ def evaluate_model(
     """Return wrenches, thrusts and rates of a vehicle at a state."""
     vehicle = _build_vehicle(state, model, command, surroundings)
     vehicle.evaluate_state()
-    wrenches = dict(zip(LAYOUT.wrench_names, vehicle.wrenches, strict=True))
+    wrenches = dict(zip(SIM_LAYOUT.wrench_names, vehicle.wrenches, strict=True))
     return ModelSnapshot(wrenches, vehicle.thrusts, vehicle.wind)
 
 

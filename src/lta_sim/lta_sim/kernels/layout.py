@@ -13,7 +13,7 @@ from lta_model.effects.protocol import ActuatorEffect, KernelEffect, WrenchEffec
 from lta_model.state import ACTUATORS, BODY, COMMAND, RIGID, SURROUNDINGS
 
 # Values that stay constant during a call, after the parameters, with their sizes.
-FIXED = {'body': BODY, 'inverse': 36, 'command': COMMAND, 'surroundings': SURROUNDINGS}
+ROW_PARTS = {'body': BODY, 'inverse': 36, 'command': COMMAND, 'surroundings': SURROUNDINGS}
 
 
 # Longer displays of tuples are built by way of a list, which numba does not always follow.

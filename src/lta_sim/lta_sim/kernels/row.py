@@ -12,11 +12,11 @@ from typing import final
 from lta_model.state import ACTUATORS
 from lta_sim.kernels.layout import (
     EffectLayout,
-    FIXED,
     format_offset,
     format_tuple,
     indent_lines,
     ModelStage,
+    ROW_PARTS,
 )
 
 ROW_ENTRIES = '''
@@ -84,7 +84,7 @@ def row_part_sizes(layout: EffectLayout) -> dict[str, int]:
     flag that requests the outputs after `rate`.
     """
     size = layout.size
-    inputs = {'state': size, 'parameters': layout.parameters, **FIXED}
+    inputs = {'state': size, 'parameters': layout.parameters, **ROW_PARTS}
     scratch = dict.fromkeys(('begin', 'first', 'middle'), size)
     return {
         **inputs,
@@ -132,7 +132,7 @@ class RowAccess:
         head = [
             f'{name} = '
             f'{format_tuple(f"row[{k}]" for k in range(where[name].start, where[name].stop))}'
-            for name in FIXED
+            for name in ROW_PARTS
         ]
         return {
             'head': indent_lines(head),

@@ -11,13 +11,13 @@ from types import ModuleType
 from typing import final
 
 from lta_config.errors import BadInput
-from lta_sim.kernels.layout import EffectLayout, FIXED, format_tuple, indent_lines, ModelStage
+from lta_sim.kernels.layout import EffectLayout, format_tuple, indent_lines, ModelStage, ROW_PARTS
 import numpy as np
 
 # Constant arrays of a vehicle, in the order of the row `fixed`, and those that are tuples
 CONSTANTS = ('parameters', 'body', 'inverse')
 # Few threads per block of a GPU: each holds a whole vehicle, and they share the registers
-THREADS = 64
+BLOCK_THREADS = 64
 
 # The model, with the arithmetic of states that are tuples
 THREAD_MODEL = '''
@@ -68,7 +68,7 @@ class ThreadAccess:
         """Return the source of all numbers of an array."""
         if name not in CONSTANTS:
             return name
-        return format_tuple(self.format_number(name, k, layout) for k in range(FIXED[name]))
+        return format_tuple(self.format_number(name, k, layout) for k in range(ROW_PARTS[name]))
 
     def build_template_parts(
         self, parts: list[ModelStage], layout: EffectLayout
@@ -88,7 +88,7 @@ class ThreadAccess:
         }
 
     def _row_offset(self, name: str, layout: EffectLayout) -> int:
-        counts = {'parameters': layout.parameters, **FIXED}
+        counts = {'parameters': layout.parameters, **ROW_PARTS}
         return sum(counts[name_before] for name_before in CONSTANTS[: CONSTANTS.index(name)])
 
 

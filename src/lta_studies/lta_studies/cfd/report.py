@@ -11,7 +11,6 @@ from lta_report.formatting import Tile
 from lta_report.palette import HEAT, WALL
 from lta_report.report import Picture, Report, TextSection, TextTable
 from lta_windtunnel.aero_fit import (
-    ABOUT,
     ALONG,
     collect_warnings,
     compare_inclined_flows,
@@ -24,6 +23,7 @@ from lta_windtunnel.aero_fit import (
     select_fit_points,
     select_solved_points,
     sum_processor_time,
+    TURN_AXIS,
 )
 from lta_windtunnel.aero_text import format_aero_file
 from lta_windtunnel.flow_fields import FlowSlice
@@ -38,7 +38,7 @@ from plotly.graph_objects import Figure, Heatmap
 def draw_drag(sweep: TunnelSweep, turning: bool) -> Figure:
     """Plot drag along, or moment about, three axes: points, fit and analytic estimate."""
     curves = []
-    axes = [axis for axis in AXES if (axis in ABOUT) == turning]
+    axes = [axis for axis in AXES if (axis in TURN_AXIS) == turning]
     fits = fit_drag_by_axis(sweep)
     for k, axis in enumerate(axes):
         colour, hand = item_colour(k), sweep.by_hand[axis]
@@ -287,7 +287,7 @@ def build_tiles(sweep: TunnelSweep) -> list[Tile]:
     tiles += [
         Tile(axis, f'{1e3 * fits[axis].drag_at(1.0):.2f}', 'mN m',
              f'drag at 1 rad/s, {_describe_source(sweep, axis)}')
-        for axis in ABOUT
+        for axis in TURN_AXIS
     ]  # fmt: skip
     # A vehicle without rotors has no such flow.
     if (blown := sweep.blows.get('all')) is not None:

@@ -23,7 +23,7 @@ from lta_studies.cfd.cluster import (
 )
 from lta_windtunnel.aero_text import format_aero_file
 from lta_windtunnel.flow_fields import FlowSlice, read_flow_slice
-from lta_windtunnel.flow_plan import AIR, plan_flows, TunnelFlow
+from lta_windtunnel.flow_plan import plan_flows, TUNNEL_AIR, TunnelFlow
 from lta_windtunnel.openfoam.case import CaseRunner
 from lta_windtunnel.openfoam.programs import FoamPrograms
 from lta_windtunnel.solve import build_sweep, solve_sweep
@@ -113,13 +113,13 @@ class TunnelRequest(
         if flows:
             with TunnelProgress(run.console, flows) as bar:
                 solver = open_solver(flows, bar, run.options, self.cache, self.limit)
-                solved_flows = solve_sweep(solver, model, flows, AIR, bar.show_message)
+                solved_flows = solve_sweep(solver, model, flows, TUNNEL_AIR, bar.show_message)
                 sweep = build_sweep(
-                    model, file.vehicle, self.fidelity, AIR, *solved_flows,
+                    model, file.vehicle, self.fidelity, TUNNEL_AIR, *solved_flows,
                     engine=solver.solver_version(),
                 )  # fmt: skip
         else:
-            sweep = build_sweep(model, file.vehicle, self.fidelity, AIR, {}, {}, {})
+            sweep = build_sweep(model, file.vehicle, self.fidelity, TUNNEL_AIR, {}, {}, {})
         # The fields are in the cache folder; the sweep holds only coefficients and maps
         cache = resolve_cache_folder(self.cache)
         slices = slice_flows(model, sweep, flows, cache) if self.page else []
@@ -164,12 +164,14 @@ class SphereRequest(
         both = ('preview', 'reference')
         levels = both[:1] if self.fidelity is Fidelity.preview else both
         model = build_sphere_model()
-        flows = [flow for level in levels for flow in plan_validation_flows(model, level, AIR)]
+        flows = [
+            flow for level in levels for flow in plan_validation_flows(model, level, TUNNEL_AIR)
+        ]
         if self.quick:
             flows = [min(flows, key=lambda flow: flow.case.cells)]
         with TunnelProgress(run.console, flows) as bar:
             solver = open_solver(flows, bar, run.options, self.cache)
-            results = compare_with_measurements(solver, model, flows, AIR, bar.show_message)
+            results = compare_with_measurements(solver, model, flows, TUNNEL_AIR, bar.show_message)
         if not results:
             # The progress display has listed the reasons
             run.writes = False
@@ -213,10 +215,10 @@ class RefitRequest(Action, command='cfd refit'):
 def select_flows(model: TunnelModel, fidelity: str, only: Sequence[str]) -> list[TunnelFlow]:
     """Return the flows of some axes and patterns, or all; raise `BadInput` if one is unknown."""
     # Names of axes and patterns depend on the vehicle, so Typer cannot check them
-    names = [*(flow.about for flow in plan_flows(model, fidelity, AIR)), *INCIDENCES]
+    names = [*(flow.about for flow in plan_flows(model, fidelity, TUNNEL_AIR)), *INCIDENCES]
     if strangers := [each for each in only if each not in names]:
         raise unknown_name_error('axis or pattern', strangers[0], names)
-    return plan_flows(model, fidelity, AIR, only)
+    return plan_flows(model, fidelity, TUNNEL_AIR, only)
 
 
 def slice_flows(

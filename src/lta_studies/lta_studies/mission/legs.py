@@ -18,8 +18,8 @@ from lta_flight.batch.control_period import begin_flight
 from lta_model.electrical.charger import PowerFlow, resting_flow
 from lta_model.state import pack_state, RIGID
 from lta_sim.compiled_sensors import draw_turbulence_memory
-from lta_sim.kernels.layout import FIXED
-from lta_sim.simulated_vehicle import LAYOUT
+from lta_sim.kernels.layout import ROW_PARTS
+from lta_sim.simulated_vehicle import SIM_LAYOUT
 from lta_studies.mission.leg_codegen import generate_leg_source
 from lta_studies.mission.leg_state import ground_leg_state, LAND, LegPlan, LegState
 import numpy as np
@@ -66,8 +66,8 @@ class LegPilot:
     def __init__(self, flight: BatchFlight, leg: LegPlan) -> None:
         model = flight.model
         # Only the effects of this vehicle are compiled in; the source is cached by their names.
-        self.names = tuple(n for n in LAYOUT.effects if model.on[LAYOUT.flag_index(n)])
-        parameters, _ = LAYOUT.find_effect_indices(self.names)
+        self.names = tuple(n for n in SIM_LAYOUT.effects if model.on[SIM_LAYOUT.flag_index(n)])
+        parameters, _ = SIM_LAYOUT.find_effect_indices(self.names)
         self._fixed = np.array([*model.parameters[parameters], *model.body, *model.inverse])
         self.period = build_schedule(load_topic_table()).period
         self._dark = (0.0,) * len(flight.craft.listening.planes)
@@ -118,7 +118,7 @@ class LegPilot:
             STRATEGY,
             begin_memory(cascade.LAW),
             state,
-            (0.0,) * FIXED['command'],
+            (0.0,) * ROW_PARTS['command'],
             self._dark,
             store,
             math.nan,

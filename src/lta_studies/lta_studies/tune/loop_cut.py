@@ -23,7 +23,7 @@ from lta_config.constants import STANDARD_GRAVITY
 from lta_config.topics import load_topic_table
 from lta_control.allocation import create_working_array
 from lta_control.attitude import up_in_body
-from lta_control.autopilot import Autopilot, build_drone_constants, MEMORY
+from lta_control.autopilot import Autopilot, build_drone_constants, MEMORY_LAYOUT
 from lta_control.cascade import CascadeGains, Setpoint, WrenchDemand
 from lta_control.estimator import EstimatorInputs, EstimatorSettings
 from lta_control.flight_step import (
@@ -258,7 +258,7 @@ class LinearLoop:
 def linearize_loop(cut: LoopCut, setpoint: Setpoint) -> LinearLoop:
     """Linearise a loop about the steady flight at a setpoint."""
     state, memory = cut.find_steady_flight(setpoint)
-    first, second = len(state), len(state) + MEMORY.size
+    first, second = len(state), len(state) + MEMORY_LAYOUT.size
     # In steady flight all commands that are still on their way are equal.
     past = np.tile(np.array(memory.pilot.law.command.duties), (cut.ages, 1))
     _, trim = cut.step_controller(state, memory, past, None)
@@ -266,18 +266,18 @@ def linearize_loop(cut: LoopCut, setpoint: Setpoint) -> LinearLoop:
     def step_period(x: Array, u: Array) -> tuple[Array, Array]:
         own, stored, before = (
             x[:first],
-            MEMORY.read(x[first:second]),
+            MEMORY_LAYOUT.read(x[first:second]),
             x[second:].reshape(-1, SLOTS),
         )
         after, demanded = cut.step_controller(own, stored, before, WrenchDemand(*u.tolist()))
         # Shift register of the command delay, newest first
         commands = np.vstack([np.array(after.pilot.law.command.duties), before[:-1]])
         state_after = cut.advance_vehicle(own, commands)
-        return np.concatenate([state_after, MEMORY.write(after), commands.ravel()]), np.array(
-            demanded
-        )
+        return np.concatenate(
+            [state_after, MEMORY_LAYOUT.write(after), commands.ravel()]
+        ), np.array(demanded)
 
-    numbers, u = np.concatenate([state, MEMORY.write(memory), past.ravel()]), np.array(trim)
+    numbers, u = np.concatenate([state, MEMORY_LAYOUT.write(memory), past.ravel()]), np.array(trim)
     # Flags and counters of the memory have no derivative.
     turned = [first + place for place in _find_continuous_states(memory)]
     everything = [*np.arange(first).tolist(), *turned, *np.arange(second, len(numbers)).tolist()]

@@ -22,7 +22,7 @@ ZERO_GRADIENT: Final = {'type': 'zeroGradient'}
 INITIAL: Final = {'value': '$internalField'}
 CALCULATED: Final = {'type': 'calculated', **INITIAL}
 # Of each field: exponents of kg, m, s, K, mol, A, cd; value inside; condition at walls
-FIELDS: Final[Mapping[str, tuple[str, str, Mapping[str, Entry]]]] = {
+FLOW_FIELDS: Final[Mapping[str, tuple[str, str, Mapping[str, Entry]]]] = {
     'U': ('0 1 -1 0 0 0 0', 'uniform (1 0 0)', {'type': 'noSlip'}),
     'p': ('0 2 -2 0 0 0 0', 'uniform 0', ZERO_GRADIENT),
     'k': ('0 2 -2 0 0 0 0', f'uniform {K:.8g}', {'type': 'kLowReWallFunction', **INITIAL}),
@@ -35,8 +35,8 @@ FIELDS: Final[Mapping[str, tuple[str, str, Mapping[str, Entry]]]] = {
     'gammaInt': ('0 0 0 0 0 0 0', 'uniform 1', ZERO_GRADIENT),
     'nuTilda': ('0 2 -1 0 0 0 0', '', {'type': 'fixedValue', 'value': 'uniform 0'}),
 }  # fmt: skip
-STEADY: Final = ('U', 'p', 'k', 'omega', 'nut')
-TRANSITION: Final = (*STEADY, 'ReThetat', 'gammaInt')
+STEADY_FIELDS: Final = ('U', 'p', 'k', 'omega', 'nut')
+TRANSITION: Final = (*STEADY_FIELDS, 'ReThetat', 'gammaInt')
 DETACHED: Final = ('U', 'p', 'nut', *EDDY_VISCOSITY)
 
 
@@ -52,7 +52,7 @@ def _inflow_value(name: str) -> str:
 def _format_field(
     name: str, inside: str, outer: Mapping[str, Mapping[str, Entry]], walls: Sequence[str]
 ) -> dict[str, str]:
-    dimensions, _, wall = FIELDS[name]
+    dimensions, _, wall = FLOW_FIELDS[name]
     kind = 'volVectorField' if name == 'U' else 'volScalarField'
     content: dict[str, Entry] = {
         'dimensions': f'[{dimensions}]', 'internalField': inside,
@@ -87,7 +87,10 @@ def format_tunnel_fields(
             **{plane: {'type': 'symmetryPlane'} for plane in planes},
         }
         files |= _format_field(
-            name, FIELDS[name][1] or f'uniform {SEED_VISCOSITIES * viscosity:.6g}', outer, walls
+            name,
+            FLOW_FIELDS[name][1] or f'uniform {SEED_VISCOSITIES * viscosity:.6g}',
+            outer,
+            walls,
         )
     return files
 
@@ -101,7 +104,7 @@ def format_still_air_fields(walls: Sequence[str]) -> dict[str, str]:
         'nut': CALCULATED,
     }
     files: dict[str, str] = {}
-    for name in STEADY:
-        inside = 'uniform (0 0 0)' if name == 'U' else FIELDS[name][1]
+    for name in STEADY_FIELDS:
+        inside = 'uniform (0 0 0)' if name == 'U' else FLOW_FIELDS[name][1]
         files |= _format_field(name, inside, {'far': far.get(name, _open_boundary(name))}, walls)
     return files

@@ -22,7 +22,7 @@ HEADER: Final = """FoamFile
 """
 TURBULENT: Final = ('k', 'omega', 'ReThetat', 'gammaInt')  # fields that a model transports
 EDDY_VISCOSITY: Final = ('nuTilda',)
-LIMITED: Final = ('k', 'omega', 'nuTilda')  # gradients
+LIMITED_GRADIENTS: Final = ('k', 'omega', 'nuTilda')  # gradients
 LINEAR_STRESS: Final = {'div((nuEff*dev2(T(grad(U)))))': 'Gauss linear'}
 MULTIGRID: Final[Mapping[str, Entry]] = {'solver': 'GAMG', 'smoother': 'GaussSeidel'}
 SWEEPS: Final[Mapping[str, Entry]] = {
@@ -118,7 +118,7 @@ def format_steady_settings(
             'ddtSchemes': {'default': 'steadyState'},
             'gradSchemes': {
                 'default': 'Gauss linear', 'grad(U)': limited,
-                **{f'grad({each})': limited for each in carried if each in LIMITED},
+                **{f'grad({each})': limited for each in carried if each in LIMITED_GRADIENTS},
             },
             'divSchemes': {
                 'default': 'none',

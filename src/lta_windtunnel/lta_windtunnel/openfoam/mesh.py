@@ -16,7 +16,7 @@ from lta_windtunnel.openfoam.input_files import (
     format_files,
     format_steady_settings,
 )
-from lta_windtunnel.tunnel_model import HULL
+from lta_windtunnel.tunnel_model import HULL_PATCH
 import numpy as np
 from numpy.typing import NDArray
 import trimesh
@@ -101,7 +101,7 @@ def build_mesh_case(
     files |= format_files({
         'system/blockMeshDict': _build_block(size * box[0], size * box[1], cube, patches),
         'system/snappyHexMeshDict': _build_refinement(
-            {each: fine.hull if each == HULL else fine.parts for each in surfaces},
+            {each: fine.hull if each == HULL_PATCH else fine.parts for each in surfaces},
             size, fine, regions, [each * size for each in inside],
         ),
     })  # fmt: skip
@@ -158,7 +158,7 @@ def _build_refinement(
         name: {'mode': 'inside', 'levels': [[1e15, level]]}
         for name, (_, level) in regions.items()
     }
-    around[HULL] = {'mode': 'distance', 'levels': [[fine.shell * size, 3]]}
+    around[HULL_PATCH] = {'mode': 'distance', 'levels': [[fine.shell * size, 3]]}
     # snappyHexMesh detects a surface only between the centres of two cells, so coarse cells would
     # miss a thin plate or bar. Cells are therefore refined wherever their corner may touch it: two
     # cells of each level, from the finest down to level 3.
@@ -169,7 +169,7 @@ def _build_refinement(
             'levels': [[2.0 * cube * 2.0**-each, each] for each in range(level, 2, -1)],
         }
         for name, level in levels.items()
-        if name != HULL
+        if name != HULL_PATCH
     }
     return {
         'castellatedMesh': True, 'snap': True, 'addLayers': True,
@@ -190,7 +190,7 @@ def _build_refinement(
             'multiRegionFeatureSnap': False,
         },
         'addLayersControls': {
-            'relativeSizes': True, 'layers': {HULL: {'nSurfaceLayers': fine.layers}},
+            'relativeSizes': True, 'layers': {HULL_PATCH: {'nSurfaceLayers': fine.layers}},
             'expansionRatio': fine.expansion, 'finalLayerThickness': 0.35, 'minThickness': 0.02,
             'nGrow': 0, 'featureAngle': LAYER_ANGLE, 'slipFeatureAngle': 30, 'nRelaxIter': 5,
             'nSmoothSurfaceNormals': 1, 'nSmoothNormals': 3, 'nSmoothThickness': 10,

@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-NUMBER: Final = re.compile(r'[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?')
+FORCE_NUMBER: Final = re.compile(r'[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?')
 
 
 def read_table(path: Path) -> Array:
     """Return the numbers of a table, brackets ignored, as an array (rows, columns)."""
     rows = [
-        [float(each) for each in NUMBER.findall(line)]
+        [float(each) for each in FORCE_NUMBER.findall(line)]
         for line in path.read_text(encoding='utf-8').splitlines()
         if line.strip() and not line.lstrip().startswith('#')
     ]

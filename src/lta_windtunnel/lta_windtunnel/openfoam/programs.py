@@ -16,16 +16,16 @@ from typing import Final, final
 
 from lta_config.errors import BadInput
 
-PROJECT: Final = 'WM_PROJECT_DIR'
+PROJECT_VARIABLE: Final = 'WM_PROJECT_DIR'
 DEBIAN_FOLDER: Final = '/usr/share/openfoam'
-PROGRAMS: Final = (
+OPENFOAM_PROGRAMS: Final = (
     'blockMesh', 'snappyHexMesh', 'topoSet', 'checkMesh', 'simpleFoam', 'pimpleFoam',
 )  # fmt: skip
-MISSING: Final = (
+NO_OPENFOAM: Final = (
     'OpenFOAM is not installed; install it with "sudo apt-get install --no-install-recommends '
     'openfoam" (450 MB), or use --fidelity analytic, which does not need it.'
 )
-TIME: Final = re.compile(r'^Time = [-+.\deE]+s?$')
+TIME_LINE: Final = re.compile(r'^Time = [-+.\deE]+s?$')
 RESIDUAL: Final = re.compile(r'Solving for p, Initial residual = ([-+.\deE]+|nan|-nan)')
 FATAL: Final = 'FOAM FATAL'
 LOG_TAIL: Final = 40  # lines of a log that are searched for the reason
@@ -46,20 +46,20 @@ class CaseFailed(Exception):
 
 def has_openfoam() -> bool:
     """Return whether all OpenFOAM programs are installed."""
-    return all(shutil.which(name) for name in PROGRAMS)
+    return all(shutil.which(name) for name in OPENFOAM_PROGRAMS)
 
 
 def require_openfoam() -> None:
     """Raise `BadInput` if OpenFOAM is not installed."""
     if not has_openfoam():
-        raise BadInput(MISSING)
+        raise BadInput(NO_OPENFOAM)
 
 
 def program_environment() -> Mapping[str, str]:
     """Return the environment of the programs, each limited to one core."""
-    place = os.environ.get(PROJECT) or DEBIAN_FOLDER
+    place = os.environ.get(PROJECT_VARIABLE) or DEBIAN_FOLDER
     # FOAM_SIGFPE aborts on NaN and overflow instead of iterating on
-    return {**os.environ, PROJECT: place, 'OMP_NUM_THREADS': '1', 'FOAM_SIGFPE': 'true'}
+    return {**os.environ, PROJECT_VARIABLE: place, 'OMP_NUM_THREADS': '1', 'FOAM_SIGFPE': 'true'}
 
 
 @cache
@@ -122,7 +122,7 @@ class FoamPrograms:
                     out.write(line)
                     if (match := RESIDUAL.search(line)) is not None:
                         residual = float(match[1])
-                    elif TIME.match(line.strip()):
+                    elif TIME_LINE.match(line.strip()):
                         tell(residual)
             self._running.discard(process)
         if process.returncode != 0:

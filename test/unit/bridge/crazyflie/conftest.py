@@ -3,7 +3,7 @@
 import time
 
 from lta_bridge.crazyflie.cflib_link import CflibLink
-from lta_bridge.crazyflie.log_table import BLOCKS
+from lta_bridge.crazyflie.log_table import LOG_BLOCKS
 import pytest
 from waiting import PATIENCE
 
@@ -13,7 +13,7 @@ def linked():
     """Return a function that connects to a server."""
 
     def connected(server):
-        link = CflibLink(server.uri, BLOCKS, time.time_ns)
+        link = CflibLink(server.uri, LOG_BLOCKS, time.time_ns)
         link.open(PATIENCE)
         return link
 

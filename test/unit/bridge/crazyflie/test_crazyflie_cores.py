@@ -7,7 +7,7 @@ from lta_bridge.crazyflie import duties_packet, messages, readings
 from lta_bridge.crazyflie.bridge_core import BridgeCore, CrazyflieCommand, PositionEstimate
 from lta_bridge.crazyflie.device_clock import DeviceClock, parse_ping_time, RoundTrips
 from lta_bridge.crazyflie.link import LogPacket
-from lta_bridge.crazyflie.log_table import BLOCKS, check_log_table, LogBlock
+from lta_bridge.crazyflie.log_table import check_log_table, LOG_BLOCKS, LogBlock
 from lta_bridge.crazyflie.safety import find_missing_position, SafetyLimits
 from lta_config.covariances import UNKNOWN_VARIANCE
 from lta_config.errors import BadInput
@@ -121,9 +121,9 @@ def test_units_and_signs():
 
 
 def test_the_table_fits_a_crazyflie_that_knows_its_variables():
-    check_log_table(BLOCKS)
+    check_log_table(LOG_BLOCKS)
     known = {variable.name for variable in LOG}
-    assert {name for block in BLOCKS for name in block.variables} <= known
+    assert {name for block in LOG_BLOCKS for name in block.variables} <= known
     size = 7 * 4
     with pytest.raises(BadInput, match=f'has {size} bytes, above the limit of 26'):
         check_log_table((LogBlock('big', 10, {f'a.{n}': 'float' for n in range(7)}),))

@@ -15,7 +15,7 @@ from lta_bridge.crazyflie.connection_manager import ConnectionManager, enforce_p
 from lta_bridge.crazyflie.duties_packet import find_rotor_indices
 from lta_bridge.crazyflie.link import LinkFailed, LinkLost, LogPacket, MalformedPacket
 from lta_bridge.crazyflie.links import create_link
-from lta_bridge.crazyflie.log_table import BLOCKS, find_packet_fault
+from lta_bridge.crazyflie.log_table import find_packet_fault, LOG_BLOCKS
 from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_config.schema.crazyflie_file import (
@@ -40,7 +40,7 @@ pytestmark = [
     pytest.mark.usefixtures('prompt_cflib'),
 ]
 
-NAMES = {block.name for block in BLOCKS}
+NAMES = {block.name for block in LOG_BLOCKS}
 
 
 def blocks_heard(link):
@@ -128,7 +128,7 @@ def test_no_thread_of_cflib_sends_while_its_link_is_being_closed(linked):
 def test_a_driver_that_fails_in_the_middle_of_sending_ends_the_link_and_no_thread():
     """cflib then keeps its lock for ever: nothing more may be sent by this object."""
     with CrazyflieServer(Firmware(BenchBody())) as server:
-        link = CflibLink(server.uri, BLOCKS, time.time_ns)
+        link = CflibLink(server.uri, LOG_BLOCKS, time.time_ns)
         keeper = ConnectionManager(link, load_crazyflie('gtmab').expected)
         wait_until(lambda: keeper.up, 'the link', lambda: keeper.why)
 
@@ -198,7 +198,7 @@ def test_a_keeper_that_leaves_while_it_connects_writes_nothing_and_says_when_it_
 
 def test_an_old_firmware_is_refused_by_name():
     with CrazyflieServer(Firmware(BenchBody(), protocol=7)) as server:
-        link = CflibLink(server.uri, BLOCKS, time.time_ns)
+        link = CflibLink(server.uri, LOG_BLOCKS, time.time_ns)
         with pytest.raises(
             LinkFailed, match='protocol version 7, but must have 9 or newer: update'
         ):
@@ -208,7 +208,7 @@ def test_an_old_firmware_is_refused_by_name():
 def test_nobody_there_is_said_within_the_deadline():
     with CrazyflieServer(Firmware(BenchBody())) as server:
         server.down.silent = True
-        link = CflibLink(server.uri, BLOCKS, time.time_ns)
+        link = CflibLink(server.uri, LOG_BLOCKS, time.time_ns)
         with pytest.raises(LinkFailed, match='no Crazyflie answered at udp'):
             link.open(0.5)
 
@@ -217,7 +217,7 @@ def test_nobody_there_is_said_within_the_deadline():
 def test_a_block_that_is_refused_is_named(code):
     with CrazyflieServer(Firmware(BenchBody())) as server:
         server.firmware.log.refuse = code
-        link = CflibLink(server.uri, BLOCKS, time.time_ns)
+        link = CflibLink(server.uri, LOG_BLOCKS, time.time_ns)
         with pytest.raises(LinkFailed, match='refused the log block imu'):
             link.open(PATIENCE)
 
@@ -225,7 +225,7 @@ def test_a_block_that_is_refused_is_named(code):
 def test_a_closed_port_is_told_and_the_keeper_finds_the_drone_again():
     server = CrazyflieServer(Firmware(BenchBody()))
     port = int(server.uri.rpartition(':')[2])
-    link = CflibLink(server.uri, BLOCKS, time.time_ns)
+    link = CflibLink(server.uri, LOG_BLOCKS, time.time_ns)
     keeper = ConnectionManager(link, load_crazyflie('gtmab').expected)
     with server:
         wait_until(lambda: keeper.up, 'the link', lambda: keeper.why)
@@ -240,7 +240,7 @@ def test_datagrams_that_are_lost_swapped_and_doubled_do_not_keep_it_away():
     """One in two hundred lost: of some 80 replies cflib needs all, and waits for ever for one."""
     with CrazyflieServer(Firmware(BenchBody())) as server:
         server.down.drop, server.down.double, server.down.jitter = 0.005, 0.02, 0.002
-        link = CflibLink(server.uri, BLOCKS, time.time_ns)
+        link = CflibLink(server.uri, LOG_BLOCKS, time.time_ns)
 
         def opened():
             with suppress(LinkFailed):
@@ -465,7 +465,7 @@ TORN = (
     b'\x92\x8c',
 )  # fmt: skip
 LONG = tuple(b'\x52' + bytes([block]) + bytes(60) for block in range(1, 6))
-WHOLE = {block.name: block.variables.keys() for block in BLOCKS}
+WHOLE = {block.name: block.variables.keys() for block in LOG_BLOCKS}
 BATCH = 20  # datagrams that any socket keeps
 
 

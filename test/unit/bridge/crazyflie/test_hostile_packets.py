@@ -12,9 +12,9 @@ from lta_bridge.crazyflie.health_diagnostics import describe_health
 from lta_bridge.crazyflie.link import LogPacket
 from lta_bridge.crazyflie.log_table import (
     block_size,
-    BLOCKS,
     find_packet_fault,
     LARGEST_PAYLOAD,
+    LOG_BLOCKS,
     STAMPED,
 )
 from lta_bridge.crazyflie.messages import CrazyfliePowerModel
@@ -128,7 +128,7 @@ def of_block(block):
     return st.tuples(st.just(block.name), st.one_of(whole, some, other), stamps)
 
 
-hostile = st.one_of(*map(of_block, BLOCKS), st.tuples(st.text(), st.just({}), st.just(0)))
+hostile = st.one_of(*map(of_block, LOG_BLOCKS), st.tuples(st.text(), st.just({}), st.just(0)))
 
 
 @given(st.lists(hostile, max_size=30))
@@ -184,7 +184,7 @@ def test_any_command_is_clipped_or_counted(duties, stamp):
     assert all(-1.0 <= duty <= 1.0 for duty in flight.duties)
 
 
-SIZES = {number: block_size(block) for number, block in enumerate(BLOCKS, start=1)}
+SIZES = {number: block_size(block) for number, block in enumerate(LOG_BLOCKS, start=1)}
 
 
 @given(st.integers(0, 15), st.integers(0, 3), st.binary(max_size=64))

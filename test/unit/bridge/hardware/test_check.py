@@ -92,10 +92,10 @@ def test_a_machine_without_usb_has_no_devices(tmp_path):
 
 def test_the_rules_name_every_kind_once():
     lines = [line for line in format_udev_rules().splitlines() if line.startswith('SUBSYSTEMS')]
-    assert len(lines) == len(found.KINDS)
+    assert len(lines) == len(found.DEVICE_KINDS)
     assert all(
         f'"{kind.product}"' in format_udev_rules() and 'uaccess' in format_udev_rules()
-        for kind in found.KINDS
+        for kind in found.DEVICE_KINDS
     )
 
 

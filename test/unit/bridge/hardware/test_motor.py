@@ -10,7 +10,7 @@ import time
 from lta_bridge.crazyflie.cflib_link import CflibLink
 from lta_bridge.crazyflie.drone_lock import DroneLock
 from lta_bridge.crazyflie.link import LinkFailed
-from lta_bridge.crazyflie.log_table import BLOCKS
+from lta_bridge.crazyflie.log_table import LOG_BLOCKS
 from lta_bridge.hardware.motor import interrupt_on_signals, MotorBench
 from lta_config.schema.crazyflie_file import load_crazyflie
 from lta_emulation.crazyflie.commander import BenchBody
@@ -49,7 +49,7 @@ def drone():
 
 
 def bench_of(server, motor='m2'):
-    link = CflibLink(server.uri, BLOCKS, time.time_ns)
+    link = CflibLink(server.uri, LOG_BLOCKS, time.time_ns)
     link.open(PATIENCE)
     return link, MotorBench(link, FILE, VEHICLE, motor)
 

@@ -329,7 +329,7 @@ SIMULATED = """
     from lta_config.topics import load_topic_table
     import numpy as np
 
-    fly.THREADS = 2
+    fly.BLOCK_THREADS = 2
     out, device, *changes = sys.argv[1:]
     base = load_spec('gtmab', 'lamp_room', 'bag', 'gtmab').with_values(
         dict(map(parse_assignment, changes))

@@ -2,7 +2,7 @@
 
 from leg_validation import compare_leg_with_loop
 from lta_config.schema.mission_file import load_mission
-from lta_energy.irradiance import DARK
+from lta_energy.irradiance import NO_IRRADIANCE
 from lta_model.electrical.charger import resting_flow, total_stored_energy
 from lta_model.light.ray_integration import LAMP_ROWS, scratch_size
 from lta_sim import light_link as heard
@@ -33,7 +33,7 @@ def scenes():
 
 @pytest.fixture(scope='module')
 def made(scenes):
-    return scenes.build_beacon_flight('aisle', DARK, 1.0)
+    return scenes.build_beacon_flight('aisle', NO_IRRADIANCE, 1.0)
 
 
 @pytest.fixture(scope='module')
@@ -112,8 +112,8 @@ def test_a_payload_is_carried_and_not_trimmed_away(scenes):
 
 def test_the_brightness_that_homing_is_told_is_that_of_its_own_settings(scenes):
     """In the shipped room homing's default of 2100 counts is that of its lamp at 0.8 off axis."""
-    dark = scenes.build_beacon_flight('aisle', DARK, 1.0).craft
-    bright = scenes.build_beacon_flight('aisle', DARK, 5e4).craft
+    dark = scenes.build_beacon_flight('aisle', NO_IRRADIANCE, 1.0).craft
+    bright = scenes.build_beacon_flight('aisle', NO_IRRADIANCE, 5e4).craft
     lamp = scenes.lamp('aisle')
     assert dark.mission.homing.brightness == pytest.approx(lamp_brightness(dark.listening, lamp))
     assert (

@@ -11,7 +11,7 @@ import zlib
 
 from lta_bridge.bag.mcap_file import PROVENANCE
 from lta_config.errors import strip_control_codes, to_one_line
-from lta_config.limits import CHANNELS, NOTE_BYTES, SUMMARY_BYTES
+from lta_config.limits import MOST_CHANNELS, NOTE_BYTES, SUMMARY_BYTES
 from lta_data.bag.mcap_file.chunks import DamagedRecord, iterate_records, RECORD
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
@@ -19,7 +19,7 @@ from mcap.opcode import Opcode
 from mcap.records import Channel, Metadata, MetadataIndex, Schema, Statistics
 from mcap.writer import MCAP0_MAGIC
 
-TOO_MANY = f'The recording has more than {CHANNELS} topics; the others are left out.'
+TOO_MANY = f'The recording has more than {MOST_CHANNELS} topics; the others are left out.'
 
 
 @final
@@ -97,7 +97,7 @@ class McapContents:
             elif opcode == Opcode.CHANNEL:
                 channel = Channel.read(stream)
                 channel.topic = to_one_line(channel.topic)
-                if len(self.channels) >= CHANNELS and channel.id not in self.channels:
+                if len(self.channels) >= MOST_CHANNELS and channel.id not in self.channels:
                     self._note_channel_limit()
                 else:
                     self.channels.setdefault(channel.id, channel)

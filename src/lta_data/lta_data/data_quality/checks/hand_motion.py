@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import itertools
 from typing import final, NamedTuple
 
-from lta_config.limits import GRID
+from lta_config.limits import GRID_POINTS
 from lta_data.data_quality import limits, roles
 from lta_data.data_quality.motion import VectorSeries
 from lta_data.data_quality.recording import CheckContext, CheckVerdict, QualityFinding, Severity
@@ -107,7 +107,7 @@ def measure_tremor(vector: VectorSeries, values: Array) -> TremorLevels:
     step = median_period(vector.time)
     grid = build_uniform_time_grid(vector.time[0], vector.time[-1], step, len(vector.time))
     table, valid = interpolate_on_grid(vector.time, values, grid)
-    count = round(min(limits.HOLD_WINDOW / max(FINEST, step), GRID))
+    count = round(min(limits.HOLD_WINDOW / max(FINEST, step), GRID_POINTS))
     starts = np.arange(0, len(grid) - count + 1, max(1, count // HOP))
     # Shape (windows, count)
     index = starts[:, None] + np.arange(count)

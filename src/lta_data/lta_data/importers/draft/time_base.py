@@ -3,7 +3,7 @@
 from typing import Final, final, NamedTuple
 
 from lta_config.errors import BadInput
-from lta_config.quantity import UNITS
+from lta_config.quantity import SI_UNITS
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.protocol import Numbers
 from lta_data.importers.readers.column_log import parse_date, split_date
@@ -54,8 +54,8 @@ def find_time_base(
                            'each')  # fmt: skip
         whole, rest = (table[split[key]] for key in ('column', 'fraction'))
         _refuse_second_log(split['column'], whole)
-        seconds = (whole - whole[0]) + (rest - rest[0]) * UNITS[split['fraction_unit']][1]
-        first = float(whole[0]) + float(rest[0]) * UNITS[split['fraction_unit']][1]
+        seconds = (whole - whole[0]) + (rest - rest[0]) * SI_UNITS[split['fraction_unit']][1]
+        first = float(whole[0]) + float(rest[0]) * SI_UNITS[split['fraction_unit']][1]
         return TimeBase(np.asarray(seconds, dtype=np.float64), split, first)
     column = choices.override(f'{prefix}time.column', _find_time_column(table, groups))
     if column in table:
@@ -89,7 +89,7 @@ def _find_split_time(table: Columns) -> dict[str, str]:
         name = parse_column_name(column)
         words = name.words | {name.unit}
         fraction = next((one for one, its in FRACTIONS.items() if words & its), '')
-        if fraction and cells.min() >= 0 and cells.max() * UNITS[fraction][1] < 1.0:
+        if fraction and cells.min() >= 0 and cells.max() * SI_UNITS[fraction][1] < 1.0:
             rest.append((column, fraction))
         elif (
             words & SECOND_WORDS
@@ -99,7 +99,7 @@ def _find_split_time(table: Columns) -> dict[str, str]:
             whole.append(column)
     for column in whole:
         for other, unit in rest:
-            total = (table[column] - table[column][0]) + table[other] * UNITS[unit][1]
+            total = (table[column] - table[column][0]) + table[other] * SI_UNITS[unit][1]
             if _rises(np.asarray(total, dtype=np.float64)):
                 return {'column': column, 'unit': 's', 'fraction': other, 'fraction_unit': unit}
     return {}
@@ -198,7 +198,7 @@ def _read_time_column(
     if not unit:
         fitting = _list_units(cells)
         options = [
-            (one, f'{1.0 / (_median_step(cells) * UNITS[one][1]):.4g} rows per second')
+            (one, f'{1.0 / (_median_step(cells) * SI_UNITS[one][1]):.4g} rows per second')
             for one in fitting or EPOCHS
         ]
         question = 'The rate of the rows is plausible in each unit.'
@@ -210,7 +210,7 @@ def _read_time_column(
     choices.add_reason(f'{prefix}time', [column], unit, why)
     _refuse_second_log(column, cells)
     first = cells[np.isfinite(cells)][0]
-    scale = UNITS[unit][1]
+    scale = SI_UNITS[unit][1]
     entry = {'column': column, 'unit': unit}
     return TimeBase((cells - first) * scale, entry, float(first) * scale)
 
@@ -232,10 +232,10 @@ def _find_time_unit(
     rate, _ = _derive_rate(table, groups)
     if rate:
         step = _median_step(cells)
-        best = min(EPOCHS, key=lambda unit: abs(np.log(step * UNITS[unit][1] * rate)))
+        best = min(EPOCHS, key=lambda unit: abs(np.log(step * SI_UNITS[unit][1] * rate)))
         return best, f'the derivative of the motion: {rate:g} rows per second'
     if len(fitting) == 1:
-        step = _median_step(cells) * UNITS[fitting[0]][1]
+        step = _median_step(cells) * SI_UNITS[fitting[0]][1]
         return fitting[0], f'{1.0 / step:.4g} rows per second, the only plausible rate'
     return '', ''
 
@@ -244,7 +244,7 @@ def _list_units(cells: Numbers) -> list[str]:
     """Return the units in which the rate of the rows is that of a flight log."""
     step = _median_step(cells)
     return [
-        unit for unit in EPOCHS if LOG_RATES[0] <= 1.0 / (step * UNITS[unit][1]) <= LOG_RATES[1]
+        unit for unit in EPOCHS if LOG_RATES[0] <= 1.0 / (step * SI_UNITS[unit][1]) <= LOG_RATES[1]
     ]
 
 

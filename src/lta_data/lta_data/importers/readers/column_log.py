@@ -13,7 +13,7 @@ import re
 from typing import Any, Final, final, NamedTuple
 
 from lta_config.errors import BadInput
-from lta_config.quantity import UNITS
+from lta_config.quantity import SI_UNITS
 from lta_config.schema.import_file import ImportMapping as MappingFile
 from lta_config.schema.import_file import TimeColumn
 from lta_config.topics import load_topic_table
@@ -141,7 +141,7 @@ def find_time_zone(text: str) -> str | None:
 def build_decimal_parser(unit: str) -> Callable[[str], int]:
     """Return a function that parses decimals in a unit of time. [ns]"""
     # Decimal: float64 has too few digits for nanoseconds since 1970
-    factor = Decimal(str(UNITS[unit][1])) * SECOND_NS
+    factor = Decimal(str(SI_UNITS[unit][1])) * SECOND_NS
 
     def parse(text: str) -> int:
         time = Decimal(text) * factor
@@ -280,7 +280,7 @@ class ColumnLog:
             if is_zoneless and ZONELESS not in self.notes:
                 self.notes.append(ZONELESS)
             return times
-        factor = UNITS[unit][1] * SECOND_NS
+        factor = SI_UNITS[unit][1] * SECOND_NS
         largest = np.abs(cells.astype(np.float64)).max(initial=0.0)
         if cells.dtype.kind in 'iub' and largest < READABLE_TIME / factor:
             return cells.astype(np.int64) * round(factor)
@@ -290,7 +290,7 @@ class ColumnLog:
                 f"Column '{name}' has no time in row {row}; remove the row, or choose another "
                 'column in the mapping.'
             )
-        return round_to_nanoseconds(cells.astype(np.float64) * UNITS[unit][1])
+        return round_to_nanoseconds(cells.astype(np.float64) * SI_UNITS[unit][1])
 
     def _choose_time_offset(self, stamps: Mapping[str, Times]) -> int:
         """Return the offset of all times, equal for all tables. [ns]"""

@@ -24,7 +24,7 @@ from typing import Final, final
 from lta_config.topics import AdcBlockShape
 from lta_model.effects.protocol import Vector
 from lta_model.light.direct_light import DiodeResponse, unpack_beam
-from lta_model.light.lamp import NANOSECONDS, SquareWave
+from lta_model.light.lamp import SECOND_NS, SquareWave
 from lta_model.vehicle import Vehicle
 from lta_studies.light.plan.floor_plan import Array
 from lta_studies.light.plan.rays import diode_light
@@ -75,7 +75,7 @@ def compute_crosstalk(
     """
     rate, samples = ear.light.sample_rate.si, ear.light.samples
     # Sample times in integer nanoseconds, as in the simulator
-    times = np.rint(np.arange(samples) * (NANOSECONDS / rate)).astype(np.int64)
+    times = np.rint(np.arange(samples) * (SECOND_NS / rate)).astype(np.int64)
     # Time constant of the amplifier's pole [s]
     lag = 1.0 / (2.0 * math.pi * ear.vehicle.diodes.bandwidth)
     waves = np.stack(
