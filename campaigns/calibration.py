@@ -28,7 +28,7 @@ from lta_discovery.flights.bags import read_bags, Role
 from lta_discovery.flights.usable_flights import select_usable_flights, UsableFlights
 from lta_discovery.model.calibration_parameters import list_calibration_parameters
 from lta_discovery.model.nominal import NominalVehicle
-from lta_discovery.model.parameters import apply_parameters, NET_LIFT
+from lta_discovery.model.parameters import apply_parameters, NET_LIFT_FORCE
 from lta_discovery.state_filter.forecast_sums import HORIZONS
 from lta_model.effects.protocol import AXES
 from lta_model.vehicle import load_vehicle, Vehicle
@@ -123,7 +123,9 @@ def score_oracle(
 ) -> float:
     """Return the oracle's position error 3 s ahead in the confirming flight. [m]"""
     taught = [case.lifts[one.name] for one in case.flights if one.role == 'train']
-    oracle = find_oracle(case, vehicle).with_value(*NET_LIFT.split('.'), float(np.mean(taught)))
+    oracle = find_oracle(case, vehicle).with_value(
+        *NET_LIFT_FORCE.split('.'), float(np.mean(taught))
+    )
     training = [flight for _, role, flight in usable.flights if role == 'train']
     confirming = {name: flight for name, role, flight in usable.flights if role == 'confirm'}
     model = ComparedModel('oracle', oracle, list(found.noise.values()))

@@ -12,7 +12,7 @@ from typing import Final
 from lta_config.files import load_file
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import list_free_parameters
-from lta_discovery.planning.equivalence_classes import DataKindClasses, FILE, FrozenClasses
+from lta_discovery.planning.equivalence_classes import CLASSES_FILE, DataKindClasses, FrozenClasses
 from lta_model.vehicle import load_vehicle
 import yaml
 
@@ -20,7 +20,7 @@ from campaigns import class_derivation, ROOT
 from campaigns.class_derivation import EffectSeparability
 from campaigns.harness import Campaign, Case, Row, Rows
 
-TABLE = ROOT / 'src/lta_discovery/lta_discovery/planning' / FILE.name
+TABLE = ROOT / 'src/lta_discovery/lta_discovery/planning' / CLASSES_FILE.name
 NEAR = 0.9  # of a cosine, from which a pair is listed
 TOLD = {
     'all': 'pose, IMU, range, pressure and voltage; rich flights',

@@ -9,10 +9,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, final
 
-from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD
+from lta_discovery.flights.measured_flight import GRID_PERIOD, MeasuredFlight
 from lta_discovery.flights.usable_states import find_marked_runs
 from lta_discovery.state_filter.forecast_sums import list_starts
-from lta_discovery.state_filter.forecasts import COASTING, LEAST_COASTING
+from lta_discovery.state_filter.forecasts import COASTING_PERIODS, LEAST_COASTING
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
@@ -21,7 +21,7 @@ from scipy.spatial.transform import Rotation
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-MIDDLE: Final = COASTING // 2  # grid periods; from the middle of the line to the start
+MIDDLE: Final = COASTING_PERIODS // 2  # grid periods; from the middle of the line to the start
 STEERED: Final = [0, 1, 2, 5]  # surge, sway, heave and yaw of a commanded wrench
 LEARNED: Final = (1.0, 3.0)  # s; horizons to which the physics is fitted
 APART: Final = 1.5  # s; between the forecasts that teach the physics
@@ -97,7 +97,7 @@ class Starts:
 
     def truth(self, horizon: float) -> Array:
         """Return position and heading after a time, shape (N, 4); NaN where not measured."""
-        out, ahead = np.full((len(self.at), 4), np.nan), round(horizon / PERIOD)
+        out, ahead = np.full((len(self.at), 4), np.nan), round(horizon / GRID_PERIOD)
         for n, (f, k) in enumerate(zip(self.of, self.at + ahead, strict=True)):
             if k < len(self.flights[f].pose):
                 out[n] = self.flights[f].pose[k, [0, 1, 2, 5]]
@@ -117,7 +117,7 @@ class Starts:
 
 def fit_line(flight: Flown, start: int) -> tuple[Array, Array] | None:
     """Return pose and rates at a start from the half second before; None with too few poses."""
-    rows = np.arange(max(start - COASTING, 0), start + 1)
+    rows = np.arange(max(start - COASTING_PERIODS, 0), start + 1)
     table, late = flight.pose[rows], flight.flight.time[rows] - flight.flight.time[start]
     known = np.isfinite(table).all(axis=1)
     if known.sum() < LEAST_COASTING:
@@ -189,17 +189,17 @@ class Physics:
     ) -> dict[float, Array]:
         """Return position and heading at horizons, shape (N, 4); `more`: bias of each forecast."""
         # The slope of a line is the velocity in its middle
-        count = MIDDLE + round(max(horizons) / PERIOD)
-        pushed = starts.told(PERIOD * (np.arange(count) - MIDDLE) - self.delay) @ self.gain.T
-        begun = starts.pose - MIDDLE * PERIOD * starts.rate
+        count = MIDDLE + round(max(horizons) / GRID_PERIOD)
+        pushed = starts.told(GRID_PERIOD * (np.arange(count) - MIDDLE) - self.delay) @ self.gain.T
+        begun = starts.pose - MIDDLE * GRID_PERIOD * starts.rate
         place, yaw = begun[:, :3].copy(), begun[:, 5]
         speed = np.column_stack([turn(starts.rate[:, :3], -yaw), starts.rate[:, 5]])
-        ends = {MIDDLE + round(horizon / PERIOD): horizon for horizon in horizons}
+        ends = {MIDDLE + round(horizon / GRID_PERIOD): horizon for horizon in horizons}
         out = {}
         for k in range(count):
-            place += PERIOD * turn(speed[:, :3], yaw)
-            yaw = yaw + PERIOD * speed[:, 3]
-            speed = speed + PERIOD * (self.bias + more - self.drag * speed + pushed[:, k])
+            place += GRID_PERIOD * turn(speed[:, :3], yaw)
+            yaw = yaw + GRID_PERIOD * speed[:, 3]
+            speed = speed + GRID_PERIOD * (self.bias + more - self.drag * speed + pushed[:, k])
             if k + 1 in ends:
                 out[ends[k + 1]] = np.column_stack([place, yaw])
         return out
@@ -273,7 +273,7 @@ def list_features(starts: Starts, horizon: float) -> Array:
     parts = 6 if horizon > LONG else max(2, round(2.0 * horizon))
     ahead = starts.told(horizon * (np.arange(parts * HELD) + 0.5) / (parts * HELD))
     ahead = ahead.reshape(len(ahead), parts, HELD, -1).mean(axis=2)
-    past = starts.told(-PERIOD * np.arange(COASTING + 1)).mean(axis=1)
+    past = starts.told(-GRID_PERIOD * np.arange(COASTING_PERIODS + 1)).mean(axis=1)
     return np.column_stack([
         turn(starts.rate[:, :3], -starts.yaw),
         starts.rate[:, 3:],

@@ -21,8 +21,8 @@ from lta_discovery.calibration.calibration import calibrate_flights
 from lta_discovery.calibration.prepared_flights import prepare_calibration
 from lta_discovery.discovery.forecast_comparison import compare_forecasts, ComparedModel
 from lta_discovery.flights.bags import read_bags, Role
-from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD
-from lta_discovery.flights.usable_flights import CALIBRATED, select_usable_flights
+from lta_discovery.flights.measured_flight import GRID_PERIOD, MeasuredFlight
+from lta_discovery.flights.usable_flights import CALIBRATION_TIME, select_usable_flights
 from lta_discovery.state_filter.forecasts import FlightForecasts
 from lta_model.vehicle import load_vehicle
 import numpy as np
@@ -153,7 +153,7 @@ def run_study(study: RealStudy) -> Iterator[ForecastRow]:
     held_out = [bag for group in study.held_out.values() for bag in group]
     bags: dict[Role, list[Path]] = {'train': list(study.train), 'confirm': held_out}
     recordings = read_bags(bags, None)
-    usable = select_usable_flights(recordings, vehicle, CALIBRATED).flights
+    usable = select_usable_flights(recordings, vehicle, CALIBRATION_TIME).flights
     taught = [one for one in usable if one[1] == 'train']
     found = calibrate_flights(vehicle, study.vehicle, taught, lambda _what, _part: None)
     prepared = prepare_calibration(vehicle, taught)
@@ -196,7 +196,7 @@ def compare(
     """Yield the errors of all models at each horizon that was reached."""
     flown = [Flown(one) for one in flights]
     at = [
-        np.rint((each.starts - one.time[0]) / PERIOD).astype(np.int64)
+        np.rint((each.starts - one.time[0]) / GRID_PERIOD).astype(np.int64)
         for one, each in zip(flights, told[0], strict=True)
     ]
     starts = Starts(flown, at)

@@ -9,7 +9,7 @@ import textwrap
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from lta_config.quantity import SI_UNITS
-from lta_discovery.model.candidates import companion_values, DESIGN, NO_CANDIDATE, TOGETHER
+from lta_discovery.model.candidates import companion_values, DESIGN, JOINT_PARAMETERS, NO_CANDIDATE
 from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import (
     ActuatorEffect,
@@ -362,7 +362,7 @@ def test_each_candidate_does_something_alone(effect):
     generator = np.random.default_rng(1)
     scenes = [anything(effect, generator) for _ in range(200)]
     taken = {p.name: p.null for p in seen(effect)} | companion_values(effect.name)
-    together = TOGETHER.get(effect.name, ())
+    together = JOINT_PARAMETERS.get(effect.name, ())
     for parameter in seen(effect):
         if f'{effect.name}.{parameter.name}' in NO_CANDIDATE or parameter.beside is not None:
             continue

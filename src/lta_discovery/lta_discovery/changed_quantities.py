@@ -22,7 +22,7 @@ from lta_model.vehicle import Vehicle
 
 SAME: Final = 1e-12  # relative; closer values count as unchanged
 # Effects that derive from other blocks: where their numbers are, and in which order.
-BLOCKS: Final[dict[str, tuple[tuple[str, tuple[str, ...]], ...]]] = {
+DERIVED_EFFECT_BLOCKS: Final[dict[str, tuple[tuple[str, tuple[str, ...]], ...]]] = {
     'linear_drag': (('aero.linear_drag.force', AXES[:3]),),
     'quadratic_drag': (('aero.quadratic_drag.force', AXES[:3]),),
     'rotational_drag': (
@@ -33,7 +33,7 @@ BLOCKS: Final[dict[str, tuple[tuple[str, tuple[str, ...]], ...]]] = {
     'added_inertia': (('hull.added_mass.inertia', AXES[3:]),),
     'moving_mass': (('moving_mass.mass', ('mass',)), ('moving_mass.position', ('x', 'y', 'z'))),
 }
-TOGETHER: Final = ('added_mass', 'added_inertia')  # a hull states both or none
+PAIRED_EFFECTS: Final = ('added_mass', 'added_inertia')  # a hull states both or none
 # Follows from the drag of the aero block, as far as it is not about the shape of the hull.
 FOLLOWS: Final = {'cross_flow': AXES[:3]}
 
@@ -65,12 +65,12 @@ def list_changed_quantities(
     """Yield the changed quantities of a file, with a note for each parameter in `notes`."""
     content = parse_yaml(text, vehicle.file.name)
     moved = _find_changed_parameters(nominal.effect_parameters, learned.effect_parameters)
-    if set(moved) & set(TOGETHER):
+    if set(moved) & set(PAIRED_EFFECTS):
         # Both blocks have to be written if one changes
-        moved = {**dict.fromkeys(TOGETHER, ()), **moved}
+        moved = {**dict.fromkeys(PAIRED_EFFECTS, ()), **moved}
     for effect, names in moved.items():
         own_notes = {name: notes[effect, name] for name in names if (effect, name) in notes}
-        if effect in BLOCKS:
+        if effect in DERIVED_EFFECT_BLOCKS:
             yield from _list_block_quantities(
                 content, vehicle, learned, effect, names, own_notes, source
             )
@@ -116,8 +116,8 @@ def _list_block_quantities(
 ) -> Iterator[VehicleFileQuantity]:
     """Yield the quantities of an effect that derives from a block."""
     units = {one.name: one.unit for one in EFFECTS[effect].parameters}
-    for place, order in BLOCKS[effect]:
-        if not set(order) & set(names) and effect not in TOGETHER:
+    for place, order in DERIVED_EFFECT_BLOCKS[effect]:
+        if not set(order) & set(names) and effect not in PAIRED_EFFECTS:
             continue
         numbers = [learned.parameter_value(effect, name) for name in order]
         if effect == 'quadratic_drag':

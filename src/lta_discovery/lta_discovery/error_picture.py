@@ -19,7 +19,7 @@ COLOURS: Final = {
     'vehicle.yaml': GOOD,
 }
 TICKS: Final = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500]  # cm
-SIDES: Final = ('x', 'y', 'z')
+PLOT_AXES: Final = ('x', 'y', 'z')
 
 
 def draw_errors(
@@ -43,16 +43,16 @@ def draw_errors(
 
 def draw_errors_along(name: str, models: Mapping[str, FlightForecasts], horizon: float) -> Picture:
     """Return the position errors of the forecasts of a flight, by the time they are for."""
-    figure = add_legend(create_figure(len(SIDES)))
+    figure = add_legend(create_figure(len(PLOT_AXES)))
     for model, forecasts in models.items():
         h = forecasts.horizons.index(horizon)
-        for row, side in enumerate(SIDES, start=1):
+        for row, side in enumerate(PLOT_AXES, start=1):
             figure.add_scatter(
                 x=forecasts.starts + horizon, y=-100.0 * forecasts.errors[:, h, row - 1],
                 name=model, mode='lines+markers', line={'color': COLOURS[model]},
                 marker={'size': 4}, legendgroup=model, showlegend=row == 1, row=row, col=1,
             )  # fmt: skip
             figure.update_yaxes(title=f'{side} [cm]', row=row, col=1)
-    figure.update_xaxes(title='time [s]', row=len(SIDES), col=1)
+    figure.update_xaxes(title='time [s]', row=len(PLOT_AXES), col=1)
     caption = f'{name}: position forecast {horizon:g} s before less the measured one, in the map.'
     return Picture('flight', 'Forecast errors along a flight', caption, figure, height=480)

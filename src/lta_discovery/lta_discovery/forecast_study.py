@@ -27,14 +27,14 @@ from lta_discovery.calibration.verdict import format_error
 from lta_discovery.error_picture import COLOURS
 from lta_discovery.flights.bags import read_bags
 from lta_discovery.flights.role_assignment import Role
-from lta_discovery.flights.usable_flights import CALIBRATED, select_usable_flights
-from lta_discovery.formatting import DEGREES, format_number
+from lta_discovery.flights.usable_flights import CALIBRATION_TIME, select_usable_flights
+from lta_discovery.formatting import format_number, TO_DEG
 from lta_discovery.progress import DiscoverProgress
 from lta_discovery.state_filter.forecast_noise import fit_forecast_noise
 from lta_discovery.state_filter.forecasts import (
-    APART,
     FlightForecasts,
     forecast_flights,
+    FORECAST_INTERVAL,
     list_flight_parameters,
 )
 from lta_discovery.state_filter.likelihood import linearize_all, ParameterPrior
@@ -50,7 +50,7 @@ import numpy as np
 
 Tell = Callable[[str, float | None], None]
 
-KINDS: Final = {'vehicle file': 'errors', 'coasting': 'coasting'}  # fields of FlightForecasts
+RMS_FIELDS: Final = {'vehicle file': 'errors', 'coasting': 'coasting'}  # fields of FlightForecasts
 
 
 @final
@@ -135,7 +135,7 @@ def study_forecasts(
     try:
         flights = read_bags({'train': bags}, robot, lambda bag: tell(f'reading {bag}', None))
         tell('checking data quality', None)
-        usable = select_usable_flights(flights, vehicle, CALIBRATED)
+        usable = select_usable_flights(flights, vehicle, CALIBRATION_TIME)
     except BadInput as fault:
         # All flights have one role, whose option has another name in other studies
         raise BadInput(str(fault).replace('--train', '--commands')) from fault
@@ -245,20 +245,20 @@ def _build_table(scores: Sequence[ForecastScore]) -> TextTable:
     rows = [
         [f'{one.horizon:g} s', kind, *_format_errors(errors), str(one.count)]
         for one in scores
-        for kind, errors in zip(KINDS, (one.after, one.coast), strict=True)
+        for kind, errors in zip(RMS_FIELDS, (one.after, one.coast), strict=True)
     ]
     heads = ('ahead', 'by', 'position', 'attitude', 'nose', 'side', 'up', 'forecasts')
     note = (
-        f'RMS errors. A forecast begins every {APART:g} s from past readings only, and a flight '
-        'tells its lift and the strength of its commands on the way. Nose and side are those '
-        'of the position by the heading in which the forecast begins.'
+        f'RMS errors. A forecast begins every {FORECAST_INTERVAL:g} s from past readings only, '
+        'and a flight tells its lift and the strength of its commands on the way. Nose and side '
+        'are those of the position by the heading in which the forecast begins.'
     )
     return TextTable('Forecasts', heads, rows, note)
 
 
 def _format_errors(errors: ForecastRms) -> list[str]:
     """Return the cells of some errors: position, attitude, nose, side and up."""
-    turn = f'{format_number(DEGREES * errors.attitude)}\N{DEGREE SIGN}'
+    turn = f'{format_number(TO_DEG * errors.attitude)}\N{DEGREE SIGN}'
     sizes = (errors.nose, errors.side, errors.up)
     return [format_error(errors.position, 3), turn, *(format_error(one, 3) for one in sizes)]
 
@@ -267,7 +267,7 @@ def _build_picture(study: ForecastStudy, main: ForecastScore) -> Picture:
     """Return the position error of each forecast by its start."""
     figure, flights = add_legend(create_figure()), study.forecasts
     h = flights[0].horizons.index(main.horizon)
-    for kind, field in KINDS.items():
+    for kind, field in RMS_FIELDS.items():
         errors = np.concatenate([getattr(one, field)[:, h, :3] for one in flights])
         figure.add_scatter(
             x=np.concatenate([one.starts for one in flights]),

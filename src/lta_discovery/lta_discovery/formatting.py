@@ -9,9 +9,9 @@ from lta_model.effects.protocol import describe_effect
 from lta_report.formatting import MISSING
 
 MINUS: Final = '\N{MINUS SIGN}'
-DEGREES: Final = 180.0 / math.pi
+TO_DEG: Final = 180.0 / math.pi
 DEGREE: Final = '\N{DEGREE SIGN}'
-SHOWN_UNITS: Final = {'rad': (DEGREE, DEGREES), 'rad/s': (f'{DEGREE}/s', DEGREES)}
+SHOWN_UNITS: Final = {'rad': (DEGREE, TO_DEG), 'rad/s': (f'{DEGREE}/s', TO_DEG)}
 
 
 def format_parameter(knob: str) -> str:

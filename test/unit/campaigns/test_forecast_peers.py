@@ -1,7 +1,7 @@
 """The two peers of `make campaign forecasts` on flights that are integrated exactly."""
 
 from campaigns import forecast_peers as peers
-from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD, Stream
+from lta_discovery.flights.measured_flight import GRID_PERIOD, MeasuredFlight, Stream
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -19,9 +19,9 @@ FINE = 5  # steps in a grid period
 def fly(seed, lift=0.0, seconds=60.0):
     """Return a flight with steps of the commands, by the exact solution of each axis."""
     draw = np.random.default_rng(seed)
-    count = round(seconds / PERIOD)
+    count = round(seconds / GRID_PERIOD)
     orders = draw.normal(size=(round(seconds / HELD), 4)) * (0.03, 0.02, 0.03, 0.01)
-    step = PERIOD / FINE
+    step = GRID_PERIOD / FINE
     place, yaw, speed = np.array([0.0, 0.0, 2.0]), 0.3, np.zeros(4)
     positions, yaws = [place], [yaw]
     fade = np.exp(-DRAG * step)
@@ -37,7 +37,7 @@ def fly(seed, lift=0.0, seconds=60.0):
         if (k + 1) % FINE == 0:
             positions.append(place)
             yaws.append(yaw)
-    time, none = PERIOD * np.arange(count + 1), np.zeros((1, 0))
+    time, none = GRID_PERIOD * np.arange(count + 1), np.zeros((1, 0))
     wrench = np.zeros((len(orders), 6))
     wrench[:, [0, 1, 2, 5]] = orders
     return MeasuredFlight(

@@ -11,7 +11,7 @@ from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_config.vehicle_edit import set_yaml_values
 from lta_discovery.flights.bags import read_bags
-from lta_discovery.flights.usable_flights import CALIBRATED, select_usable_flights
+from lta_discovery.flights.usable_flights import CALIBRATION_TIME, select_usable_flights
 from lta_discovery.forecast_study import build_report, ForecastStudy, study_forecasts
 from lta_discovery.state_filter.forecasts import FlightForecasts
 from lta_model.vehicle import load_vehicle
@@ -43,7 +43,7 @@ def test_coasting_keeps_the_twist_of_the_past_half_second(
 ) -> None:
     """Least squares with NumPy, and the exponential of the twist with SciPy, from poses alone."""
     usable = select_usable_flights(
-        read_bags({'train': hidden_bags[:2]}), load_vehicle('gtmab'), CALIBRATED
+        read_bags({'train': hidden_bags[:2]}), load_vehicle('gtmab'), CALIBRATION_TIME
     )
     flights = {name: flight for name, _, flight in usable.flights}
     for row in rows:

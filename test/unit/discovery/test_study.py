@@ -19,7 +19,7 @@ from lta_discovery.discovery.study import (
     CALIBRATED,
     Discovery,
     estimate_numbers,
-    FILE,
+    FILE_MODEL,
     NAMED,
     NamedElement,
     study_flights,
@@ -45,7 +45,7 @@ from .hidden_flight import flown
 
 Known = tuple[NominalVehicle, list[FreeParameter]]
 DRAG = 'linear_drag.surge'
-MODELS = (FILE, TUNED, NAMED, WRITTEN)
+MODELS = (FILE_MODEL, TUNED, NAMED, WRITTEN)
 GOOD = (0.3, 0.2, 0.05, 0.1)  # m; errors of these models along x
 COAST = 0.5  # m
 FORECAST = 'vehicle_file'  # topic
@@ -156,7 +156,7 @@ def calibrate_study(study: Discovery, error: float, is_start: bool = True) -> Di
     calibration = Calibration('gtmab', file, file, file, (gain,), {}, 'likelihood', {})
     first = FirstStep(calibration) if is_start else FirstStep(alternative=calibration)
     forecasts = {
-        FILE: study.comparison.forecasts[FILE],
+        FILE_MODEL: study.comparison.forecasts[FILE_MODEL],
         CALIBRATED: [forecast(study.comparison.flights[0], error)],
         **study.comparison.forecasts,
     }
@@ -323,4 +323,4 @@ def test_a_hidden_drag_is_named_with_its_value_and_shrinks_the_error() -> None:
     assert study.comparison.main is not None
     errors = study.comparison.main.errors
     assert errors[NAMED].position < 0.6 * errors[TUNED].position
-    assert errors[WRITTEN].position < errors[FILE].position
+    assert errors[WRITTEN].position < errors[FILE_MODEL].position

@@ -23,13 +23,13 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-NAME: Final = 'calibrated.yaml'
+CALIBRATED_FILE: Final = 'calibrated.yaml'
 CURVE: Final = 'thrust_curve'  # the effect whose numbers belong to the rotors
-STRIPS: Final = 'strip_damping'  # the effect whose numbers follow from the drag of the parts
+STRIP_EFFECT: Final = 'strip_damping'  # the effect whose numbers follow from the drag of the parts
 # Beginnings of places whose numbers the file states in other blocks
-ELSEWHERE: Final = (
+DERIVED_PLACES: Final = (
     f'effects.{CURVE}.',
-    f'effects.{STRIPS}.',
+    f'effects.{STRIP_EFFECT}.',
     *(f'effects.rotor_envelope_interaction.{axis}_' for axis in AXES),
 )
 
@@ -95,7 +95,7 @@ def format_changed_vehicle(
     values = {
         quantity.place: quantity.as_yaml
         for quantity in list_changed_quantities(text, vehicle, *straight, notes, source)
-        if not quantity.place.startswith(ELSEWHERE)
+        if not quantity.place.startswith(DERIVED_PLACES)
     }
     values |= dict(_list_thrusts(vehicle, change, source))
     values |= dict(_list_part_drags(vehicle, change, source))
@@ -186,7 +186,7 @@ def _list_part_drags(
     vehicle: Vehicle, change: VehicleUpdate, source: str
 ) -> Iterator[tuple[str, Any]]:
     """Yield the drag coefficients of parts whose rotational damping changed, which scale it."""
-    before, after = (one.effect_parameters.get(STRIPS, {}) for one in change)
+    before, after = (one.effect_parameters.get(STRIP_EFFECT, {}) for one in change)
     factor = max(
         (after[name] / value for name, value in before.items() if after[name] != value and value),
         default=1.0,

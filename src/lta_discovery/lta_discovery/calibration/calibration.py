@@ -28,7 +28,7 @@ from lta_discovery.model.calibration_parameters import (
     ordinary_tolerances,
 )
 from lta_discovery.model.nominal import NominalVehicle
-from lta_discovery.model.parameters import apply_parameters, FreeParameter, NET_LIFT
+from lta_discovery.model.parameters import apply_parameters, FreeParameter, NET_LIFT_FORCE
 from lta_discovery.state_filter.forecast_noise import adapt_noise, fit_forecast_noise
 from lta_discovery.state_filter.likelihood import ParameterPrior
 from lta_discovery.state_filter.noise_model import average_noise, NoiseModel
@@ -40,13 +40,13 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Progress = Callable[[str, float | None], None]
 
-KNOWN: Final = 0.7  # of the deviation before; a value with a larger one was not learned
-ALIKE: Final = 0.85  # correlation; values above it cannot be separated
-FAR: Final = 3.0  # tolerances; a value further from the file is reported first
+LEARNED_SHARE: Final = 0.7  # of the deviation before; a value with a larger one was not learned
+ALIKE_CORRELATION: Final = 0.85  # correlation; values above it cannot be separated
+FAR_VALUE: Final = 3.0  # tolerances; a value further from the file is reported first
 # Of the forecast error of a fit to all readings; a fit to the forecasts themselves needs less, as
 # it follows the noise in them
-BETTER: Final = 0.9
-MAP: Final = 'the direction of the axes of the map'
+FORECAST_FIT_RATIO: Final = 0.9
+MAP_DIRECTION: Final = 'the direction of the axes of the map'
 
 
 @final
@@ -161,7 +161,7 @@ def _choose_estimate(
             main = find_main_score(scores)
             if main.after.position <= main.before.position:
                 chosen = one, built, scores
-        limit = min(limit, BETTER * error)
+        limit = min(limit, FORECAST_FIT_RATIO * error)
     return chosen
 
 
@@ -170,7 +170,7 @@ def _build_calibrated_vehicle(
 ) -> NominalVehicle:
     """Return the vehicle with the calibrated values and the mean net lift of the flights."""
     mean = best.shared[: len(knobs)].copy()
-    lift = find_index(knobs, NET_LIFT)
+    lift = find_index(knobs, NET_LIFT_FORCE)
     mean[lift] = _mean_lift(best, knobs)
     for k, knob in enumerate(knobs):
         # What a flight has of its own, apart from the mean of the lift, is not of the vehicle
@@ -181,7 +181,7 @@ def _build_calibrated_vehicle(
 
 def _mean_lift(best: _Estimate, knobs: Sequence[FreeParameter]) -> float:
     """Return the mean net lift of the flights. [N]"""
-    lift = find_index(knobs, NET_LIFT)
+    lift = find_index(knobs, NET_LIFT_FORCE)
     return float(np.mean([values[lift] for values, _ in best.flights]))
 
 
@@ -212,7 +212,7 @@ def _list_free_heading(
         return []
     now = nominal.parameter_value(*HEADING.split('.'))
     ends = (now - math.pi, now + math.pi)
-    return [CalibratedValue(HEADING, 'rad', '', now, now, ends, False, False, (MAP,))]
+    return [CalibratedValue(HEADING, 'rad', '', now, now, ends, False, False, (MAP_DIRECTION,))]
 
 
 def _build_value(
@@ -228,9 +228,11 @@ def _build_value(
     knob, change = knobs[k], float(values[k])
     deviation = math.sqrt(max(float(covariance[k, k]), 0.0))
     ends = (change - WIDE * deviation, change + WIDE * deviation)
-    is_known = deviation < KNOWN * knob.tolerance
+    is_known = deviation < LEARNED_SHARE * knob.tolerance
     before, value, (low, high) = _to_file_unit(nominal, knob, change, ends)
-    is_far = is_known and abs(change) > FAR * math.hypot(usual.get(knob.name, 0.0), deviation)
+    is_far = is_known and abs(change) > FAR_VALUE * math.hypot(
+        usual.get(knob.name, 0.0), deviation
+    )
     return CalibratedValue(
         knob.name, knob.unit, flight, before, value, (low, high), is_known, is_far,
         tuple(_list_inseparable(knobs, k, covariance)),
@@ -256,4 +258,4 @@ def _list_inseparable(knobs: Sequence[FreeParameter], k: int, covariance: Array)
     """Return the parameters whose estimates move together with one."""
     deviation = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
     alike = np.abs(covariance[k] / (deviation[k] * deviation))
-    return [other.name for j, other in enumerate(knobs) if j != k and alike[j] > ALIKE]
+    return [other.name for j, other in enumerate(knobs) if j != k and alike[j] > ALIKE_CORRELATION]

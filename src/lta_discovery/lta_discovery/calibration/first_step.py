@@ -29,7 +29,7 @@ from lta_discovery.calibration.scores import (
     score_forecasts,
 )
 from lta_discovery.flights.role_assignment import assign_roles, Role
-from lta_discovery.model.parameters import NET_LIFT
+from lta_discovery.model.parameters import NET_LIFT_FORCE
 from lta_discovery.state_filter.noise_model import average_noise
 from lta_model.vehicle import Vehicle
 import numpy as np
@@ -48,15 +48,15 @@ CALLS: Final = {
     # Relative; the mass is not fitted well enough
     **{f'vehicle.{axis}': 0.25 for axis in ('roll', 'pitch', 'yaw')},
 }
-LIFT: Final = 0.005  # N; difference between the net lifts of two flights
-SURE: Final = 3.0  # standard deviations
+LIFT_GAP: Final = 0.005  # N; difference between the net lifts of two flights
+LIFT_SIGMA: Final = 3.0  # standard deviations
 MAYBE: Final = 0.7  # of a difference; a linear fit may underestimate it
 USELESS: Final = 0.9  # of the error of coasting; a file with a larger one predicts nothing
 POOR: Final = 0.5  # of the error of coasting; a file with a larger one predicts poorly
 MUCH: Final = 0.7  # of the position error of such a file; a calibration needs less
 # Of the file's forecast error; a calibration needs less, by its method. Where a fit to all
 # readings forecasts poorly, something that the model lacks looks like a turned marker.
-BETTER: Final = {'likelihood': 0.8, 'forecasts': 0.3, 'file': 0.0}
+ERROR_RATIOS: Final = {'likelihood': 0.8, 'forecasts': 0.3, 'file': 0.0}
 
 
 @final
@@ -99,7 +99,7 @@ def calibrate_first(
         return FirstStep(_mark_reasons(calibration, reasons))
     usable = calibration.method != 'file' and not is_contradicted(calibration.scores)
     alternative = calibration if usable else None
-    if NET_LIFT not in suspicions:
+    if NET_LIFT_FORCE not in suspicions:
         return FirstStep(alternative=alternative)
     lifts = list(_list_different_lifts(calibration))
     if not lifts:
@@ -124,7 +124,7 @@ def _is_clearly_better(calibration: Calibration, reasons: Sequence[CalibratedVal
     error, place = relative_error(scores), relative_position_error(scores)
     # From a file that predicts poorly, no effect can be named
     if _beats_coasting(calibration):
-        if _predicts_poorly(calibration.scores, USELESS) and error <= BETTER['likelihood']:
+        if _predicts_poorly(calibration.scores, USELESS) and error <= ERROR_RATIOS['likelihood']:
             return True
         if _predicts_poorly(calibration.scores, POOR) and place <= MUCH:
             return True
@@ -132,7 +132,7 @@ def _is_clearly_better(calibration: Calibration, reasons: Sequence[CalibratedVal
         # The lift of a flight shows in its positions alone
         error = min(error, place)
     # An error that is not a number is not better
-    return error <= BETTER[calibration.method]
+    return error <= ERROR_RATIOS[calibration.method]
 
 
 def _predicts_poorly(scores: Mapping[str, Sequence[ForecastScore]], share: float) -> bool:
@@ -163,7 +163,7 @@ def _list_suspicions(vehicle: Vehicle, flights: Sequence[Role]) -> list[str]:
     prepared = prepare_calibration(vehicle, both)
     fit = fit_quickly(prepared)
     names = [one.name for one in prepared.parameters]
-    own = names.index(NET_LIFT)
+    own = names.index(NET_LIFT_FORCE)
     lifts = [float(values[own]) for values, _ in fit.own]
     deviations = np.sqrt(np.diag(fit.covariance))
     off = [
@@ -171,8 +171,8 @@ def _list_suspicions(vehicle: Vehicle, flights: Sequence[Role]) -> list[str]:
         for name, value, deviation in zip(names, fit.values, deviations, strict=True)
         if _is_off(name, float(value), float(deviation))
     ]
-    if max(lifts) - min(lifts) > MAYBE * LIFT:
-        return [NET_LIFT, *off]
+    if max(lifts) - min(lifts) > MAYBE * LIFT_GAP:
+        return [NET_LIFT_FORCE, *off]
     if off:
         return off
     # A pendulum of another period does not show in few steps
@@ -185,7 +185,7 @@ def _list_suspicions(vehicle: Vehicle, flights: Sequence[Role]) -> list[str]:
 def _is_off(name: str, value: float, deviation: float) -> bool:
     """Return whether a parameter of a quick fit may be off."""
     least = find_calling_difference(name)
-    return least is not None and abs(value) > max(MAYBE * least, SURE * deviation)
+    return least is not None and abs(value) > max(MAYBE * least, LIFT_SIGMA * deviation)
 
 
 def find_calling_difference(name: str) -> float | None:
@@ -206,13 +206,13 @@ def _list_reasons(calibration: Calibration) -> Iterator[CalibratedValue]:
 
 def _list_different_lifts(calibration: Calibration) -> Iterator[CalibratedValue]:
     """Yield the lowest and the highest net lift of the flights if they differ clearly."""
-    lifts = calibration.list_of_flights(NET_LIFT)
+    lifts = calibration.list_of_flights(NET_LIFT_FORCE)
     if lifts:
         low, high = (each(lifts, key=lambda one: one.value) for each in (min, max))
-        if high.value - low.value > max(LIFT, SURE * (low.deviation + high.deviation)):
+        if high.value - low.value > max(LIFT_GAP, LIFT_SIGMA * (low.deviation + high.deviation)):
             yield from (low, high)
 
 
 def is_difference_clear(one: CalibratedValue, least: float) -> bool:
     """Return whether a value is off by more than a size and by more than its interval explains."""
-    return one.is_known and abs(one.value - one.before) > max(least, SURE * one.deviation)
+    return one.is_known and abs(one.value - one.before) > max(least, LIFT_SIGMA * one.deviation)

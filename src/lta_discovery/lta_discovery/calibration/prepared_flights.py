@@ -19,7 +19,7 @@ from lta_discovery.model.calibration_parameters import (
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.state_filter.forecast_sums import choose_horizons
-from lta_discovery.state_filter.likelihood import RAN_AWAY
+from lta_discovery.state_filter.likelihood import SIMULATION_RAN_AWAY
 from lta_discovery.state_filter.linear_flight import FlightSystem
 from lta_discovery.state_filter.noise_model import NoiseModel
 from lta_discovery.state_filter.parameter_fit import (
@@ -36,16 +36,21 @@ Array = NDArray[np.float64]
 MARKER_HEADING: Final = 'marker_offset.yaw'
 DELAY: Final = 'command_delay.delay'
 FIRST_DELAY: Final = 0.1  # s; a fit from no delay at all sees no slope of it
-QUICK: Final = 3  # linearizations of a first look
-FEW: Final = 2  # flights of a look at other headings
+LOOK_ROUNDS: Final = 3  # linearizations of a first look
+HEADING_FLIGHTS: Final = 2  # flights of a look at other headings
 # Nats; by which another heading than the file's has to be more probable. Of ten simulated vehicles
 # none was more probable the wrong way round after a whole fit
-CLEARLY: Final = 20.0
-FAR: Final = 2.0  # tolerances; the assumption must not hold back what is further off
+HEADING_EVIDENCE: Final = 20.0
+ASSUMED_TOLERANCE: Final = 2.0  # tolerances; the assumption must not hold back what is further off
 ANY_HEADING: Final = 1.6  # standard deviation of the heading of such a marker frame [rad]
-HEADINGS: Final = (0.0, 0.5 * math.pi, math.pi, -0.5 * math.pi)  # where it is looked for [rad]
+TRIED_HEADINGS: Final = (
+    0.0,
+    0.5 * math.pi,
+    math.pi,
+    -0.5 * math.pi,
+)  # where it is looked for [rad]
 # Of the period of a pendulum, by the beginnings of the names
-PENDULUM: Final = ('vehicle.roll', 'vehicle.pitch', 'vehicle.yaw', 'cg_height', 'cg_offset')
+PENDULUM_KNOBS: Final = ('vehicle.roll', 'vehicle.pitch', 'vehicle.yaw', 'cg_height', 'cg_offset')
 WIDER: Final = 2.0  # times the tolerance of all of these, if one is further off
 
 
@@ -117,7 +122,7 @@ def fit_quickly(prepared: PreparedCalibration) -> ParameterFit:
 def _look(prepared: PreparedCalibration, begin: Array, count: int) -> ParameterFit:
     """Return a first look at the parameters from some values, with the first flights."""
     systems, nominal = prepared.systems[:count], prepared.nominal
-    return fit_likelihood(systems, nominal, begin, _guess_noise(nominal, systems), QUICK, ())
+    return fit_likelihood(systems, nominal, begin, _guess_noise(nominal, systems), LOOK_ROUNDS, ())
 
 
 def _guess_noise(nominal: NominalVehicle, systems: Sequence[FlightSystem]) -> list[NoiseModel]:
@@ -138,9 +143,9 @@ def fit_calibration(
     looks = _look_at_headings(prepared)
     own, best = looks[0], max(looks, key=lambda look: look[1].evidence)
     out = _fit_from_look(prepared, *own)
-    if best[1].evidence > own[1].evidence + CLEARLY:
+    if best[1].evidence > own[1].evidence + HEADING_EVIDENCE:
         other = _fit_from_look(prepared, *best)
-        if other[1].evidence > out[1].evidence + CLEARLY:
+        if other[1].evidence > out[1].evidence + HEADING_EVIDENCE:
             return other
     return out
 
@@ -155,14 +160,14 @@ def _look_at_headings(prepared: PreparedCalibration) -> list[tuple[Array, Parame
     heading = find_index(prepared.parameters, MARKER_HEADING)
     wide = prepared.widen({MARKER_HEADING: ANY_HEADING})
     out = []
-    for angle in HEADINGS:
+    for angle in TRIED_HEADINGS:
         begin = prepared.begin.copy()
         begin[heading] += angle
         # A vehicle that is turned the wrong way may diverge
         with contextlib.suppress(BadInput):
-            out.append((begin, _look(wide, begin, FEW)))
+            out.append((begin, _look(wide, begin, HEADING_FLIGHTS)))
     if not out:
-        raise BadInput(RAN_AWAY)
+        raise BadInput(SIMULATION_RAN_AWAY)
     return out
 
 
@@ -173,11 +178,11 @@ def _fit_from_look(
     usual = {one.name: one.tolerance for one in prepared.parameters}
     off = dict(zip(usual, np.abs(look.values), strict=True))
     wider = {}
-    if off[MARKER_HEADING] > FAR * usual[MARKER_HEADING]:
+    if off[MARKER_HEADING] > ASSUMED_TOLERANCE * usual[MARKER_HEADING]:
         wider[MARKER_HEADING] = ANY_HEADING
     # Where the pendulum is far off, the file is that of another vehicle
-    pendulum = [name for name in usual if name.startswith(PENDULUM)]
-    if any(off[name] > FAR * usual[name] for name in pendulum):
+    pendulum = [name for name in usual if name.startswith(PENDULUM_KNOBS)]
+    if any(off[name] > ASSUMED_TOLERANCE * usual[name] for name in pendulum):
         wider |= {name: WIDER * usual[name] for name in pendulum}
     prepared = replace(prepared.widen(wider), begin=begin)
     systems, nominal = prepared.systems, prepared.nominal

@@ -16,7 +16,7 @@ from lta_discovery.model.calibration_parameters import (
     prior_deviation,
 )
 from lta_discovery.model.nominal import NominalVehicle
-from lta_discovery.model.parameters import FreeParameter, GAINS, NET_LIFT
+from lta_discovery.model.parameters import FreeParameter, GAIN_SPREAD, NET_LIFT_FORCE
 
 NO_THRUST: Final = 0.05  # relative; a rotor with less has an uncertain thrust
 
@@ -46,7 +46,7 @@ def apply_calibration(
         if own:
             tolerance = _flight_deviation(knob, nominal, values)
         elif knob.name in GAIN_NAMES:
-            tolerance = max(GAINS * abs(one.value), one.deviation)
+            tolerance = max(GAIN_SPREAD * abs(one.value), one.deviation)
         low = -math.inf if own else knob.low
         out.append(
             replace(
@@ -66,7 +66,7 @@ def free_flight_lifts(
     """Return the free parameters with a net lift that each flight may have of its own."""
     return [
         replace(knob, tolerance=prior_deviation(knob, nominal), typical=0.0, low=-math.inf)
-        if knob.name == NET_LIFT
+        if knob.name == NET_LIFT_FORCE
         else knob
         for knob in knobs
     ]
@@ -76,7 +76,7 @@ def _flight_deviation(
     knob: FreeParameter, nominal: NominalVehicle, values: Sequence[CalibratedValue]
 ) -> float:
     """Return the standard deviation of what each flight has of its own."""
-    if knob.name == NET_LIFT:
+    if knob.name == NET_LIFT_FORCE:
         # That of other flights does not tell it
         return prior_deviation(knob, nominal)
     trends = [one.value for one in values if one.name == knob.name]

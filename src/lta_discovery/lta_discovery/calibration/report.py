@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any, Final
 
-from lta_discovery.calibration.calibrated_file import NAME
+from lta_discovery.calibration.calibrated_file import CALIBRATED_FILE
 from lta_discovery.calibration.result import (
     CalibratedValue,
     Calibration,
@@ -22,10 +22,10 @@ from lta_discovery.calibration.verdict import (
 )
 from lta_discovery.error_picture import draw_errors
 from lta_discovery.formatting import (
-    DEGREES,
     format_number,
+    TO_DEG,
 )
-from lta_discovery.model.parameters import NET_LIFT
+from lta_discovery.model.parameters import NET_LIFT_FORCE
 from lta_report.formatting import Tile
 from lta_report.report import Emphasis, Picture, Report, TextSection, TextTable
 
@@ -35,8 +35,8 @@ METHODS: Final = {
     'forecasts': 'forecasts, which follow something that the model lacks',
     'file': 'nothing forecasts the flights better than the file',
 }
-HEADS: Final = ('value', 'vehicle file', 'calibrated', '95 % interval', 'remark')
-DIRECTIONS: Final = ('nose', 'side', 'up')  # as in `ForecastRms`
+CALIBRATION_HEADS: Final = ('value', 'vehicle file', 'calibrated', '95 % interval', 'remark')
+ERROR_DIRECTIONS: Final = ('nose', 'side', 'up')  # as in `ForecastRms`
 ALWAYS: Final = (
     'The heading of the tracker defines where the map points. Only a wind in the vehicle file, '
     'which is fixed to the room, shows it. The heading of the markers on the vehicle is fitted.',
@@ -45,8 +45,8 @@ ALWAYS: Final = (
     'Net lift is that of a flight: a payload, ballast, gas or the temperature change it alike.',
 )
 NEXT: Final = (
-    f'Next: lta discover with --vehicle {NAME} and flights that took no part finds what the file '
-    'still lacks.'
+    f'Next: lta discover with --vehicle {CALIBRATED_FILE} and flights that took no part finds '
+    'what the file still lacks.'
 )
 ONLY_POSE: Final = (
     'Only poses were recorded, so the delay of the commands cannot be separated from the clock '
@@ -56,7 +56,7 @@ ONLY_POSE: Final = (
 
 def build_report(calibration: Calibration, calibrated_file: str | None) -> Report:
     """Return the report; the vehicle file is None if it could not be written."""
-    outputs = {} if calibrated_file is None else {NAME: calibrated_file}
+    outputs = {} if calibrated_file is None else {CALIBRATED_FILE: calibrated_file}
     limits = [*ALWAYS]
     if calibration.find('clock_offset.offset') is None and not calibration.list_of_flights(
         'clock_offset.offset'
@@ -100,7 +100,9 @@ def _build_tiles(calibration: Calibration) -> list[Tile]:
     scores = calibration.scores.get('confirm') or calibration.scores.get('train', ())
     # What a headline names: numbers of the vehicle, and the net lift of the flights
     far = {one.name for one in calibration.values if one.is_far}
-    count = len(far & {NET_LIFT, *(one.name for one in calibration.values if not one.flight)})
+    count = len(
+        far & {NET_LIFT_FORCE, *(one.name for one in calibration.values if not one.flight)}
+    )
     tiles = [Tile('Beyond tolerance', str(count), '', 'of the calibrated numbers, in bold')]
     if scores:
         last = find_main_score(scores)
@@ -122,19 +124,19 @@ def _build_value_table(heading: str, values: Sequence[CalibratedValue]) -> TextT
         name = Emphasis(format_name(one)) if one.is_far else format_name(one)
         rows.append([name, before, now, interval, format_inseparable(one)])
     note = 'Bold: the vehicle file is off by more than its tolerance explains.'
-    return TextTable(heading, HEADS, rows, note)
+    return TextTable(heading, CALIBRATION_HEADS, rows, note)
 
 
 def build_first_step_table(calibration: Calibration) -> TextTable:
     """Return the table of a discovery's first step: differences, and the lift of each flight."""
     rows = []
     for one in calibration.values:
-        lift = bool(one.flight) and one.name == NET_LIFT
+        lift = bool(one.flight) and one.name == NET_LIFT_FORCE
         if one.is_known and (lift or (one.is_far and not one.flight)):
             before, now, interval = format_in_unit(one)
             where = f', {one.flight}' if one.flight else ''
             rows.append([f'{format_name(one)}{where}', before, now, interval])
-    return TextTable(FIRST_STEP, HEADS[:-1], rows)
+    return TextTable(FIRST_STEP, CALIBRATION_HEADS[:-1], rows)
 
 
 def _build_flight_tables(calibration: Calibration) -> list[TextTable]:
@@ -155,7 +157,7 @@ def _build_score_table(scores: Mapping[str, Sequence[ForecastScore]]) -> TextTab
         for one in each:
             cells = []
             for pair in (one.coast, one.before, one.after):
-                turn = format_number(DEGREES * pair[1])
+                turn = format_number(TO_DEG * pair[1])
                 cells.append(f'{format_error(pair[0], 3)}, {turn}\N{DEGREE SIGN}')
             rows.append([f'{role}, {one.horizon:g} s', *cells, str(one.count)])
     heads = ('flights and horizon', 'coasting', 'vehicle file', 'calibrated', 'forecasts')
@@ -171,7 +173,7 @@ def _build_axis_tables(scores: Mapping[str, Sequence[ForecastScore]]) -> list[Te
     rows = []
     for role, each in scores.items():
         for one in each:
-            for name in DIRECTIONS:
+            for name in ERROR_DIRECTIONS:
                 three = (one.coast, one.before, one.after)
                 cells = [format_error(getattr(errors, name), 3) for errors in three]
                 rows.append([f'{role}, {one.horizon:g} s', name, *cells])
@@ -189,8 +191,8 @@ def _build_noise_tables(calibration: Calibration) -> list[TextTable]:
         rows.append(
             [
                 name,
-                f'{1e3 * white[0]:.2g} mm, {DEGREES * white[3]:.2g}\N{DEGREE SIGN}',
-                f'{1e3 * slow[0]:.2g} mm, {DEGREES * slow[3]:.2g}\N{DEGREE SIGN}, '
+                f'{1e3 * white[0]:.2g} mm, {TO_DEG * white[3]:.2g}\N{DEGREE SIGN}',
+                f'{1e3 * slow[0]:.2g} mm, {TO_DEG * slow[3]:.2g}\N{DEGREE SIGN}, '
                 f'{one.correlation:.2g} s',
                 f'{forces} mN, {one.memory[0]:.2g} s',
             ]

@@ -16,7 +16,7 @@ from lta_discovery.calibration.calibration import calibrate_flights
 from lta_discovery.calibration.report import build_report
 from lta_discovery.calibration.result import Calibration
 from lta_discovery.flights.bags import read_bags, Role
-from lta_discovery.flights.usable_flights import CALIBRATED, select_usable_flights
+from lta_discovery.flights.usable_flights import CALIBRATION_TIME, select_usable_flights
 from lta_discovery.progress import DiscoverProgress
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_report.report import Report
@@ -76,7 +76,7 @@ def calibrate_vehicle(
     vehicle = load_vehicle(name)
     flights = read_bags(bags, robot, lambda bag: tell(f'reading {bag}', None))
     tell('checking data quality', None)
-    usable = select_usable_flights(flights, vehicle, CALIBRATED)
+    usable = select_usable_flights(flights, vehicle, CALIBRATION_TIME)
     calibration = calibrate_flights(vehicle, name, usable.flights, tell)
     return report_calibration(vehicle, name, replace(calibration, warnings=usable.warnings))
 

@@ -7,26 +7,28 @@ from typing import Final
 from lta_discovery.calibration.result import CalibratedValue, Calibration, find_main_score
 from lta_discovery.calibration.scores import is_contradicted
 from lta_discovery.formatting import (
-    DEGREES,
     format_number,
     format_parameter,
     format_with_interval,
     SHOWN_UNITS,
+    TO_DEG,
 )
 from lta_discovery.model.calibration_parameters import GAIN_NAMES, HEADING
 from lta_discovery.model.nominal import NominalVehicle
-from lta_discovery.model.parameters import NET_LIFT
+from lta_discovery.model.parameters import NET_LIFT_FORCE
 import numpy as np
 
-PENDULUM: Final = 0.1  # relative; a smaller change of the pendulum's rate is not reported
-AXIS_WORDS: Final = {
+REPORTED_RATE_CHANGE: Final = (
+    0.1  # relative; a smaller change of the pendulum's rate is not reported
+)
+WRENCH_KINDS: Final = {
     'surge': 'force', 'sway': 'force', 'heave': 'force',
     'roll': 'moment', 'pitch': 'moment', 'yaw': 'moment',
 }  # fmt: skip
 DIVERGED: Final = 1e3  # m; no forecast over some seconds is off by more
-LATE: Final = 0.03  # s; a shorter delay is not reported
+REPORTED_DELAY: Final = 0.03  # s; a shorter delay is not reported
 LISTED: Final = 4  # numbers beyond tolerance that have no words of their own
-SIDES: Final = ('yaw', 'pitch', 'roll')
+MARKER_TURNS: Final = ('yaw', 'pitch', 'roll')
 
 
 def pendulum_rates(nominal: NominalVehicle) -> tuple[float, float]:
@@ -63,9 +65,9 @@ def _gain_clauses(calibration: Calibration) -> Iterator[str]:
         percent = format_number(100.0 * abs(one.value / one.before), 2)
         if effect == 'wrench_gain':
             if one.value * one.before < 0.0:
-                yield f'{axis}: {percent} % of the commanded {AXIS_WORDS[axis]} acts backwards'
+                yield f'{axis}: {percent} % of the commanded {WRENCH_KINDS[axis]} acts backwards'
             else:
-                yield f'{axis}: {percent} % of the commanded {AXIS_WORDS[axis]} arrives'
+                yield f'{axis}: {percent} % of the commanded {WRENCH_KINDS[axis]} arrives'
         else:
             side = ', backwards' if one.value < 0.0 else ''
             yield f'{effect.replace("_", " ")}: {percent} % of its thrust arrives{side}'
@@ -82,12 +84,12 @@ def _reverse_clauses(calibration: Calibration) -> Iterator[str]:
             yield f'{axis or rotor.replace("_", " ")} pushes {percent} % {word} in reverse'
         elif kind == 'exponent' and one.is_far:
             size = format_number(one.value, 2)
-            yield f'{axis}: the {AXIS_WORDS[axis]} follows the command to the power {size}'
+            yield f'{axis}: the {WRENCH_KINDS[axis]} follows the command to the power {size}'
 
 
 def _lift_clauses(calibration: Calibration) -> Iterator[str]:
     """Yield the net lift of the flights if it is far from the file's."""
-    lifts = calibration.list_of_flights(NET_LIFT)
+    lifts = calibration.list_of_flights(NET_LIFT_FORCE)
     if any(one.is_far for one in lifts):
         low, high = (
             format_number(1e3 * each([one.value for one in lifts]), 3) for each in (min, max)
@@ -107,11 +109,11 @@ def format_lift_warning(lifts: Sequence[CalibratedValue]) -> str:
 
 def _marker_clauses(calibration: Calibration) -> Iterator[str]:
     """Yield rotation and lever arm of the marker frame."""
-    turns = [one for s in SIDES if (one := calibration.find(f'marker_offset.{s}'))]
+    turns = [one for s in MARKER_TURNS if (one := calibration.find(f'marker_offset.{s}'))]
     arms = [one for a in 'xyz' if (one := calibration.find(f'marker_offset.{a}'))]
     turned = any(one.is_far for one in turns)
     if turned:
-        size = DEGREES * math.sqrt(sum(one.value**2 for one in turns))
+        size = TO_DEG * math.sqrt(sum(one.value**2 for one in turns))
         yield f'the marker frame is turned by {format_number(size, 2)}\N{DEGREE SIGN}'
     if any(one.is_far for one in arms):
         size = 100.0 * math.sqrt(sum(one.value**2 for one in arms if one.is_known))
@@ -127,7 +129,7 @@ def _pendulum_clauses(calibration: Calibration) -> Iterator[str]:
     for axis, (before, after) in zip(('roll', 'pitch'), both, strict=True):
         moved = [calibration.find(name) for name in (f'vehicle.{axis}', 'cg_height.z')]
         learned = any(one is not None and one.is_known for one in moved)
-        if before > 0.0 and learned and abs(after / before - 1.0) > PENDULUM:
+        if before > 0.0 and learned and abs(after / before - 1.0) > REPORTED_RATE_CHANGE:
             word = 'faster' if after > before else 'slower'
             percent = format_number(100.0 * abs(after / before - 1.0), 2)
             yield f'the {axis} pendulum is {percent} % {word}'
@@ -136,7 +138,7 @@ def _pendulum_clauses(calibration: Calibration) -> Iterator[str]:
 def _delay_clauses(calibration: Calibration) -> Iterator[str]:
     """Yield the delay of the commands."""
     late = calibration.find('command_delay.delay')
-    if late is not None and late.is_far and late.value > LATE:
+    if late is not None and late.is_far and late.value > REPORTED_DELAY:
         yield f'commands act {format_number(late.value, 2)} s late'
 
 

@@ -13,7 +13,7 @@ from lta_discovery.demo.hidden_effect import (
     DemoEffect,
     draw_demo_effects,
     fly_hidden,
-    VEHICLE,
+    HIDDEN_VEHICLE,
 )
 from lta_discovery.discovery.run import discover_effects, DiscoveryRequest, Tell
 from lta_discovery.flights.bags import Role
@@ -23,8 +23,8 @@ SECONDS: Final = 48.0  # of each flight
 FLIGHTS: Final[tuple[tuple[str, Role], ...]] = (
     ('A', 'train'), ('B', 'confirm'), ('C', 'holdout'),
 )  # fmt: skip
-APART: Final = 1000  # between the seeds of two demonstrations, so that their flights differ
-DRAWS: Final = 12  # most effects that are drawn; each takes a quarter of the time of a study
+DEMO_SPACING: Final = 1000  # between the seeds of two demonstrations, so that their flights differ
+DEMO_DRAWS: Final = 12  # most effects that are drawn; each takes a quarter of the time of a study
 
 
 def run_discovery_demo(seed: int, folder: Path, tell: Tell) -> Report:
@@ -47,7 +47,7 @@ def discover_hidden_effect(hidden: DemoEffect, seed: int, folder: Path, tell: Te
 
 def _discover(hidden: DemoEffect, bags: Mapping[Role, Sequence[Path]], tell: Tell) -> Report:
     """Return the report of a discovery that says what was hidden, too."""
-    report = discover_effects(DiscoveryRequest.of_bags(VEHICLE, bags), tell)
+    report = discover_effects(DiscoveryRequest.of_bags(HIDDEN_VEHICLE, bags), tell)
     assert isinstance(report.data, dict)
     truth = {'name': hidden.name, 'value': hidden.value, 'unit': hidden.unit}
     return replace(
@@ -63,7 +63,7 @@ def draw_clear_effect(
 ) -> tuple[DemoEffect, Mapping[Role, Sequence[Path]]]:
     """Return the first effect that forecasts of its held-out flight need, and its flights."""
     effects = draw_demo_effects(seed)
-    for count in range(1, DRAWS + 1):
+    for count in range(1, DEMO_DRAWS + 1):
         hidden = next(effects)
         bags = fly_all(hidden, seed, folder, tell)
         tell('checking that forecasts need the hidden effect', None)
@@ -72,7 +72,7 @@ def draw_clear_effect(
         tell(f'forecasts do not need effect {count}: drawing another', None)
         shutil.rmtree(folder / 'flights')
     raise BadInput(
-        f'Forecasts need none of the {DRAWS} effects that seed {seed} draws; choose another '
+        f'Forecasts need none of the {DEMO_DRAWS} effects that seed {seed} draws; choose another '
         '--seed.'
     )
 
@@ -86,7 +86,7 @@ def fly_all(
         tell(f'simulating flight {name} with the hidden effect', None)
         # Each flight has its own seed
         place = folder / 'flights' / name
-        bags[role] = [fly_hidden(hidden, APART * seed + k, SECONDS, place)]
+        bags[role] = [fly_hidden(hidden, DEMO_SPACING * seed + k, SECONDS, place)]
     return bags
 
 

@@ -13,10 +13,10 @@ from lta_discovery.demo.hidden_effect import (
     DemoEffect,
     find_free_parameter,
     find_present_value,
-    VEHICLE,
+    HIDDEN_VEHICLE,
 )
 from lta_discovery.discovery.forecast_comparison import compare_forecasts, ComparedModel
-from lta_discovery.discovery.study import FILE, NAMED, TUNED
+from lta_discovery.discovery.study import FILE_MODEL, NAMED, TUNED
 from lta_discovery.flights.bags import read_bags, Role
 from lta_discovery.flights.measured_flight import MeasuredFlight
 from lta_discovery.flights.usable_flights import select_usable_flights
@@ -51,7 +51,7 @@ class ForecastGain(NamedTuple):
 
 def measure_forecast_gain(hidden: DemoEffect, bags: Mapping[Role, Sequence[Path]]) -> ForecastGain:
     """Return how well the held-out flight is forecast without the hidden effect and with it."""
-    vehicle = load_vehicle(VEHICLE)
+    vehicle = load_vehicle(HIDDEN_VEHICLE)
     nominal = NominalVehicle.from_vehicle(vehicle)
     parameter = find_free_parameter(hidden.name)
     changed = parameter.apply_to(nominal, hidden.value - find_present_value(parameter, nominal))
@@ -59,7 +59,7 @@ def measure_forecast_gain(hidden: DemoEffect, bags: Mapping[Role, Sequence[Path]
     used = [flight for _, role, flight in flights if role != 'holdout']
     guess = [NoiseModel.guess(nominal, one) for one in used]
     models = [
-        ComparedModel(FILE, nominal, guess),
+        ComparedModel(FILE_MODEL, nominal, guess),
         _fit_tolerances(TUNED, vehicle, nominal, used, guess),
         _fit_tolerances(NAMED, vehicle, changed, used, guess),
     ]
@@ -69,7 +69,7 @@ def measure_forecast_gain(hidden: DemoEffect, bags: Mapping[Role, Sequence[Path]
     ).main
     if main is None:
         return ForecastGain(0.0, 0.0, np.inf)
-    return ForecastGain(*(main.errors[name].position for name in (FILE, TUNED, NAMED)))
+    return ForecastGain(*(main.errors[name].position for name in (FILE_MODEL, TUNED, NAMED)))
 
 
 def _fit_tolerances(

@@ -21,6 +21,7 @@ from lta_control.cascade import Setpoint
 from lta_discovery.changed_quantities import format_hypothesis
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter, list_free_parameters
+from lta_discovery.planning.rehearsal import POSE_NOISE, TURN_NOISE
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_run import ROBOT
 from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec, load_spec
@@ -33,15 +34,13 @@ import yaml
 
 Array = NDArray[np.float64]
 
-VEHICLE: Final = 'gtmab'
+HIDDEN_VEHICLE: Final = 'gtmab'
 SCENARIO: Final = 'lamp_room'
-STRATEGY: Final = 'bag'
-SETTLED: Final = 4.0  # s; start of the dither
+HIDDEN_FLIGHT_STRATEGY: Final = 'bag'
+DITHER_START: Final = 4.0  # s; start of the dither
 DITHER: Final = 0.15  # duty, either way; with more, vehicles without reversible rotors would climb
 EACH: Final = (0.4, 1.2)  # s; shortest and longest dither step
 LEG: Final = 8.0  # s; duration of a setpoint
-POSE: Final = 1e-3  # m; noise of a tracker of passive markers
-TURN: Final = 2.5e-3  # rad
 # A large hall, so that walls have no influence.
 HALL: Final = {
     'scenario.room.size': {'value': [60.0, 60.0, 12.0], 'unit': 'm'},
@@ -96,7 +95,7 @@ def draw_demo_effects(seed: int) -> Iterator[DemoEffect]:
 @cache
 def list_candidates() -> dict[str, FreeParameter]:
     """Return the parameters that discovery looks for in the vehicle of the demonstration."""
-    nominal = NominalVehicle.from_vehicle(load_vehicle(VEHICLE))
+    nominal = NominalVehicle.from_vehicle(load_vehicle(HIDDEN_VEHICLE))
     return {each.name: each for each in list_free_parameters(nominal) if each.typical > 0.0}
 
 
@@ -131,7 +130,7 @@ def fly_hidden(hidden: DemoEffect, seed: int, seconds: float, folder: Path) -> P
     # Imported here, so that the study of recorded flights does not need ROS.
     from lta_flight.messages import LoopRecorder
 
-    made_of = load_spec(VEHICLE, SCENARIO, STRATEGY, '').with_values(HALL)
+    made_of = load_spec(HIDDEN_VEHICLE, SCENARIO, HIDDEN_FLIGHT_STRATEGY, '').with_values(HALL)
     vehicle, scenario, policy = build_vehicle_scenario_stack(hidden.hide_in(made_of))
     # The controller's vehicle: without the hidden effect
     nominal_vehicle, table = (
@@ -143,10 +142,15 @@ def fly_hidden(hidden: DemoEffect, seed: int, seconds: float, folder: Path) -> P
         world, table, replace(policy, course=build_demo_course(seed)), nominal_vehicle
     )
     provenance = collect_provenance(
-        VEHICLE, SCENARIO, VEHICLE, seed=str(seed), data='simulated', about='something is hidden'
+        HIDDEN_VEHICLE,
+        SCENARIO,
+        HIDDEN_VEHICLE,
+        seed=str(seed),
+        data='simulated',
+        about='something is hidden',
     )
     rng = np.random.default_rng([seed, 9])
-    dither, until = np.zeros(len(loop.duties)), SETTLED
+    dither, until = np.zeros(len(loop.duties)), DITHER_START
     with BagWriter(folder, provenance) as writer:
         recorder = LoopRecorder(writer, loop, table, ROBOT)
         for _ in loop.iterate_until(lambda: world.elapsed >= seconds):
@@ -166,8 +170,8 @@ def fly_hidden(hidden: DemoEffect, seed: int, seconds: float, folder: Path) -> P
 
 def add_tracker_noise(truth: tuple[float, ...], rng: np.random.Generator) -> tuple[float, ...]:
     """Return a pose with tracker noise, and NaN for the velocities."""
-    place = np.array(truth[:3]) + POSE * rng.standard_normal(3)
+    place = np.array(truth[:3]) + POSE_NOISE * rng.standard_normal(3)
     turn = Rotation.from_quat(truth[3:7])
-    turn *= Rotation.from_rotvec(TURN * rng.standard_normal(3))
+    turn *= Rotation.from_rotvec(TURN_NOISE * rng.standard_normal(3))
     # A tracker of passive markers measures no velocities
     return (*place.tolist(), *turn.as_quat().tolist(), *(float('nan'),) * 6)

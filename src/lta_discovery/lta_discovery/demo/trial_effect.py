@@ -6,8 +6,8 @@ from lta_config.errors import BadInput
 from lta_discovery.demo.hidden_effect import (
     DemoEffect,
     find_present_value,
+    HIDDEN_VEHICLE,
     list_candidates,
-    VEHICLE,
 )
 from lta_discovery.model.candidates import DESIGN
 from lta_discovery.model.nominal import NominalVehicle
@@ -19,12 +19,12 @@ from lta_model.vehicle import load_vehicle
 from lta_report.report import Report
 from lta_report.request import argument, option, ReportRequest, StudyRun
 
-STRENGTH: Final = 40.0  # sigma in the flights of `make campaign classes`, which are longer
+TRIAL_SIGMA: Final = 40.0  # sigma in the flights of `make campaign classes`, which are longer
 FAINT: Final = 3.0  # sigma; discovery names nothing below it
-LARGEST: Final = 8.0  # typical sizes
-LEAST: Final = 1.0  # typical sizes; even where less would be visible
+LARGEST_EFFECT: Final = 8.0  # typical sizes
+SMALLEST_EFFECT: Final = 1.0  # typical sizes; even where less would be visible
 # Limits beyond which a vehicle cannot fly, or is no longer the same kind of vehicle
-CAPS: Final[dict[str, tuple[float, float]]] = {
+FLYABLE_LIMITS: Final[dict[str, tuple[float, float]]] = {
     'steady_wind': (-0.35, 0.35),
     'wind_gradient': (-0.05, 0.05),
     'gas_purity': (-0.03, 0.0015),
@@ -105,7 +105,7 @@ def choose_trial_effect(name: str) -> DemoEffect:
             f"'{name}' cannot be seen in a flight through still air without sun, with any sensor, "
             'so discovery cannot find it there; try another effect, such as motor_deadband.'
         )
-    visible = [each for each in seen if reach[each.name] >= STRENGTH]
+    visible = [each for each in seen if reach[each.name] >= TRIAL_SIGMA]
     best = (visible or sorted(seen, key=lambda each: -reach[each.name]))[0]
     size = choose_trial_size(best, reach[best.name])
     if (strength := reach[best.name] * abs(size) / best.typical) < FAINT:
@@ -114,15 +114,15 @@ def choose_trial_effect(name: str) -> DemoEffect:
             f'tolerances of a vehicle by {strength:.1f} standard deviations, and {FAINT:.0f} are '
             'the least; try another effect, such as motor_deadband.'
         )
-    nominal = NominalVehicle.from_vehicle(load_vehicle(VEHICLE))
+    nominal = NominalVehicle.from_vehicle(load_vehicle(HIDDEN_VEHICLE))
     value = find_present_value(best, nominal) + size
     return DemoEffect(best.name, float(f'{value:.3g}'), best.unit)
 
 
 def choose_trial_size(parameter: FreeParameter, reach: float) -> float:
     """Return a change that is clearly visible and that a vehicle can fly with."""
-    size = parameter.typical * min(max(STRENGTH / reach, LEAST), LARGEST)
-    low, high = CAPS.get(parameter.name.partition('.')[0], (-size, size))
+    size = parameter.typical * min(max(TRIAL_SIGMA / reach, SMALLEST_EFFECT), LARGEST_EFFECT)
+    low, high = FLYABLE_LIMITS.get(parameter.name.partition('.')[0], (-size, size))
     low, high = max(low, parameter.low), min(high, parameter.high)
     # The sign for which there is more room
     return min(size, high) if high >= -low else max(-size, low)

@@ -13,7 +13,7 @@ from lta_discovery.discovery.forecast_comparison import COASTING, HorizonErrors
 from lta_discovery.discovery.study import (
     CALIBRATED,
     Discovery,
-    FILE,
+    FILE_MODEL,
     NAMED,
     NamedElement,
     ParameterEstimate,
@@ -35,8 +35,8 @@ from lta_model.effects.protocol import AXES
 import numpy as np
 
 # Without a name, by the better file
-ADVICE: Final = {
-    FILE: 'Keep the vehicle file.',
+CONCLUSION_ADVICE: Final = {
+    FILE_MODEL: 'Keep the vehicle file.',
     CALIBRATED: 'Use the calibrated vehicle file, calibrated.yaml in the results folder.',
 }
 Verdict = Literal['none', 'named', 'unexplained', 'named+unexplained', 'not_identifiable']
@@ -79,7 +79,7 @@ def draw_conclusion(study: Discovery) -> Conclusion:
             'unexplained' if rest else 'none',
             headline,
             (*details, *_list_possible(study), *_format_tuning(main)),
-            ADVICE[base],
+            CONCLUSION_ADVICE[base],
             writes_file=False,
             writes_calibrated=base == CALIBRATED,
         )
@@ -90,7 +90,7 @@ def draw_conclusion(study: Discovery) -> Conclusion:
     advice = (
         'Use the corrected vehicle file, vehicle.yaml in the results folder.'
         if is_better
-        else f'{ADVICE[base]} With what is named it forecasts these flights worse.'
+        else f'{CONCLUSION_ADVICE[base]} With what is named it forecasts these flights worse.'
     )
     if is_better and doubt:
         advice += ' These flights do not show which of the alternatives is right; see --plan.'
@@ -111,8 +111,8 @@ def _choose_base(study: Discovery, main: HorizonErrors | None) -> str:
     if study.first.calibration is not None:
         return CALIBRATED
     if main is None or CALIBRATED not in main.errors:
-        return FILE
-    return min((FILE, CALIBRATED), key=lambda name: main.errors[name].position)
+        return FILE_MODEL
+    return min((FILE_MODEL, CALIBRATED), key=lambda name: main.errors[name].position)
 
 
 def _is_beaten_by_coasting(main: HorizonErrors) -> bool:
@@ -184,13 +184,15 @@ def _format_errors(main: HorizonErrors, where: str, names: list[str]) -> str:
     """Return the position errors of the file, the calibrated one and other models."""
     sizes = {name: format_error(one.position) for name, one in main.errors.items()}
     words = {
-        FILE: 'with the vehicle file',
+        FILE_MODEL: 'with the vehicle file',
         CALIBRATED: 'with calibrated.yaml',
         TUNED: 'with fitted tolerances',
         NAMED: 'with what is named as well',
     }
     parts = [
-        f'{sizes[name]} {words[name]}' for name in (FILE, CALIBRATED, *names) if name in sizes
+        f'{sizes[name]} {words[name]}'
+        for name in (FILE_MODEL, CALIBRATED, *names)
+        if name in sizes
     ]
     return f'Position error {main.horizon:g} s ahead{where}: {", ".join(parts)}.'
 
@@ -198,7 +200,7 @@ def _format_errors(main: HorizonErrors, where: str, names: list[str]) -> str:
 def _format_calibration(study: Discovery, base: str) -> tuple[str, ...]:
     """Return what the calibration found, if the calibrated file is the better one."""
     calibration = study.first.compared
-    if calibration is None or base == FILE:
+    if calibration is None or base == FILE_MODEL:
         return ()
     differences = '; '.join(list_differences(calibration)) or 'several numbers by little'
     return (f'The vehicle file is off, and was calibrated: {differences}.',)

@@ -9,9 +9,9 @@ from typing import Final
 from lta_discovery.calibration.verdict import format_error
 from lta_discovery.discovery.conclusion import Conclusion
 from lta_discovery.discovery.forecast_comparison import ForecastComparison
-from lta_discovery.discovery.study import CALIBRATED, Discovery, FILE, NAMED, TUNED
+from lta_discovery.discovery.study import CALIBRATED, Discovery, FILE_MODEL, NAMED, TUNED
 from lta_discovery.error_picture import COLOURS, draw_errors, draw_errors_along
-from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD
+from lta_discovery.flights.measured_flight import GRID_PERIOD, MeasuredFlight
 from lta_discovery.model.quaternions import quaternion_exponential, quaternion_product
 from lta_discovery.state_filter.forecasts import FlightForecasts
 from lta_model.effects.protocol import AXES
@@ -23,18 +23,18 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-THIN: Final = 5  # grid points from one drawn sample to the next, 0.2 s
+SAMPLE_STRIDE: Final = 5  # grid points from one drawn sample to the next, 0.2 s
 PICTURE: Final = 'picture.svg'
-WIDTH: Final = 760  # px
+FIGURE_WIDTH: Final = 760  # px
 LEFT: Final = 190  # px; where bars begin
 LONGEST_BAR: Final = 460  # px
-ROW: Final = 34  # px
+ROW_HEIGHT: Final = 34  # px
 LINE: Final = 26  # px; of the headline
 LONGEST_LINE: Final = 76  # characters
 TOP: Final = 66  # px; of the first bar, below the headline
 SHORTEST_BAR: Final = 6  # px
 # Readable on light and dark pages alike
-STYLE: Final = (
+FIGURE_STYLE: Final = (
     'text{font-family:system-ui,sans-serif;fill:#57606e}'
     '.head{font-size:19px;font-weight:600;fill:#c8500a}.note{font-size:13px}.bar{font-size:15px}'
 )
@@ -58,7 +58,7 @@ def build_pictures(study: Discovery) -> Iterator[Block]:
         best = (NAMED, CALIBRATED, TUNED)
         last = next(name for name in best if name in comparison.forecasts)
         horizon = comparison.main.horizon if comparison.main else comparison.scores[0].horizon
-        models = {name: comparison.forecasts[name][0] for name in (FILE, last)}
+        models = {name: comparison.forecasts[name][0] for name in (FILE_MODEL, last)}
         yield draw_errors_along(comparison.names[0], models, horizon)
     wrenches = [
         _draw_wrench(
@@ -82,7 +82,7 @@ def predict_poses(
 ) -> tuple[Array, Array]:
     """Return times, shape (S,), and the poses forecast for them, shape (S, 7) [m]."""
     h = forecasts.horizons.index(horizon)
-    at = np.rint((forecasts.starts + horizon - flight.time[0]) / PERIOD).astype(np.int64)
+    at = np.rint((forecasts.starts + horizon - flight.time[0]) / GRID_PERIOD).astype(np.int64)
     inside = at < len(flight.time)
     at, errors = at[inside], forecasts.errors[inside, h]
     errors = np.where(np.isfinite(errors), errors, np.nan)
@@ -96,7 +96,7 @@ def _draw_wrench(
 ) -> Picture:
     """Return the force and moment that a model leaves unexplained in a flight."""
     figure = add_legend(create_figure(len(AXES)))
-    thin = slice(None, None, THIN)
+    thin = slice(None, None, SAMPLE_STRIDE)
     for row, axis in enumerate(AXES, start=1):
         for model, wrench in wrenches.items():
             figure.add_scatter(
@@ -136,7 +136,7 @@ def draw_picture(conclusion: Conclusion, comparison: ForecastComparison) -> str:
         for k, line in enumerate(head)
     ]
     for k, (name, size) in enumerate(sorted(sizes.items(), key=lambda one: -one[1])):
-        y, share = top + k * ROW, math.log(size / least) / span
+        y, share = top + k * ROW_HEIGHT, math.log(size / least) / span
         length = max(share * LONGEST_BAR, SHORTEST_BAR)
         rows.append(
             f'<text class="bar" x="{LEFT - 12}" y="{y + 16}" text-anchor="end">{escape(name)}'
@@ -144,13 +144,13 @@ def draw_picture(conclusion: Conclusion, comparison: ForecastComparison) -> str:
             f'fill="{COLOURS[name]}"/><text class="bar" x="{LEFT + length + 8:.0f}" '
             f'y="{y + 16}">{format_error(size)}</text>'
         )
-    height = top + len(sizes) * ROW + 10
+    height = top + len(sizes) * ROW_HEIGHT + 10
     note = (
         f'Position error {far.horizon:g} s ahead, RMS of {far.forecasts} forecasts of '
         f'{", ".join(comparison.names)}; logarithmic.'
     )
     return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" role="img" '
-        f'aria-label="{escape(conclusion.headline)}"><style>{STYLE}</style>'
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {FIGURE_WIDTH} {height}" role="img"'
+        f' aria-label="{escape(conclusion.headline)}"><style>{FIGURE_STYLE}</style>'
         f'<text class="note" x="20" y="{top - 30}">{escape(note)}</text>{"".join(rows)}</svg>\n'
     )

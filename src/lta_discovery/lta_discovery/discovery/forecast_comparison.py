@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 COASTING: Final = 'coasting'
-DRAWS: Final = 1000  # of a bootstrap
+FORECAST_DRAWS: Final = 1000  # of a bootstrap
 LEAST_BLOCKS: Final = 4  # independent blocks of forecasts; fewer give no interval
 
 
@@ -126,7 +126,7 @@ def _bootstrap_ratio(sums: Array, seed: int) -> ErrorRatio:
         whole = float(np.sqrt(np.divide(*sums.sum(axis=0))))
         if len(sums) < LEAST_BLOCKS:
             return ErrorRatio(whole, (math.nan, math.nan))
-        draws = np.random.default_rng(seed).integers(len(sums), size=(DRAWS, len(sums)))
+        draws = np.random.default_rng(seed).integers(len(sums), size=(FORECAST_DRAWS, len(sums)))
         totals = sums[draws].sum(axis=1)
         low, high = np.percentile(np.sqrt(totals[:, 0] / totals[:, 1]), [2.5, 97.5])
     return ErrorRatio(whole, (float(low), float(high)))

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from std_msgs.msg import Header
 
 FRAME = 'map'
-SECOND = 1_000_000_000
+SECOND_NS = 1_000_000_000
 
 
 def build_pose_message(time_ns: int, pose: NDArray[np.float64], child: str) -> Odometry:
@@ -31,5 +31,5 @@ def build_offset_message(time_ns: int, vector: NDArray[np.float64]) -> Vector3St
 
 
 def _build_header(time_ns: int) -> Header:
-    seconds, rest = divmod(time_ns, SECOND)
+    seconds, rest = divmod(time_ns, SECOND_NS)
     return Header(stamp=Time(sec=seconds, nanosec=rest), frame_id=FRAME)

@@ -15,7 +15,7 @@ from lta_bridge.bag.schemas import encode_message
 from lta_bridge.bag.writer import BagWriter
 from lta_discovery.discovery.figures import predict_poses
 from lta_discovery.discovery.forecast_comparison import ForecastComparison
-from lta_discovery.discovery.messages import build_offset_message, build_pose_message, SECOND
+from lta_discovery.discovery.messages import build_offset_message, build_pose_message, SECOND_NS
 from lta_discovery.flights.measured_flight import MeasuredFlight
 import numpy as np
 from numpy.typing import NDArray
@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Row = tuple[int, str, Any]
 
-NAME: Final = 'overlay.mcap'
-POSE: Final = 'nav_msgs/msg/Odometry'
+OVERLAY_FILE: Final = 'overlay.mcap'
+POSE_TYPE: Final = 'nav_msgs/msg/Odometry'
 ERROR: Final = 'geometry_msgs/msg/Vector3Stamped'
 
 
@@ -35,7 +35,7 @@ def build_overlay(comparison: ForecastComparison, origin: Mapping[str, str]) -> 
     `origin`: metadata of the bag.
     """
     rows = list(_list_messages(comparison))
-    kinds = {topic: ERROR if topic.endswith('/error') else POSE for _, topic, _ in rows}
+    kinds = {topic: ERROR if topic.endswith('/error') else POSE_TYPE for _, topic, _ in rows}
     qos = [build_offered_qos('reliable', 'volatile', 10)]
     with TemporaryDirectory(prefix='lta-overlay-') as scratch:
         folder = Path(scratch) / 'overlay'
@@ -68,7 +68,7 @@ def _list_poses(topic: str, time: Array, poses: Array) -> Iterator[Row]:
     """Yield the known poses, shape (n, 7), in the map."""
     for stamp, values in zip(time, poses, strict=True):
         if np.isfinite(values).all():
-            time_ns = round(float(stamp) * SECOND)
+            time_ns = round(float(stamp) * SECOND_NS)
             # Each model has its own body frame
             yield time_ns, topic, build_pose_message(time_ns, values, topic.strip('/'))
 
@@ -78,7 +78,7 @@ def _list_errors(topic: str, flight: MeasuredFlight, time: Array, poses: Array) 
     at = np.searchsorted(flight.time, time - 1e-6)
     for stamp, offset in zip(time, poses[:, :3] - flight.position[at], strict=True):
         if np.isfinite(offset).all():
-            time_ns = round(float(stamp) * SECOND)
+            time_ns = round(float(stamp) * SECOND_NS)
             yield time_ns, topic, build_offset_message(time_ns, offset)
 
 

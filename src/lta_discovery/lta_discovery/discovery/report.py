@@ -11,23 +11,23 @@ from lta_discovery.discovery.forecast_comparison import COASTING, ErrorRatio, Ho
 from lta_discovery.discovery.study import (
     CALIBRATED,
     Discovery,
-    FILE,
+    FILE_MODEL,
     NAMED,
     NamedElement,
     TUNED,
     WRITTEN,
 )
-from lta_discovery.flights.measured_flight import PERIOD
+from lta_discovery.flights.measured_flight import GRID_PERIOD
 from lta_discovery.flights.outliers import ExcludedInterval
 from lta_discovery.formatting import (
     append_unit,
-    DEGREES,
     explain_effect,
     format_number,
     format_parameter,
     format_with_interval,
     join_words,
     SHOWN_UNITS,
+    TO_DEG,
 )
 from lta_discovery.state_filter.noise_model import average_noise, wrench_floor
 from lta_model.effects.protocol import AXES
@@ -35,7 +35,7 @@ from lta_report.formatting import Tile
 from lta_report.json_value import to_json_value
 from lta_report.report import Picture, Report, ReportSection, TextSection, TextTable
 
-SCHEMA: Final = 1  # of discovery.json
+REPORT_SCHEMA: Final = 1  # of discovery.json
 LEAST_PROBABILITY: Final = 0.02  # of an element that the table of candidates lists
 ROLES: Final = {'train': 'learned from', 'confirm': 'learned from', 'holdout': 'held out'}
 
@@ -158,7 +158,7 @@ def _build_forecast_table(study: Discovery) -> TextTable:
     for score in study.comparison.scores:
         heads = ['ahead', *score.errors, 'forecasts']
         cells = [
-            f'{format_error(one.position, 3)}, {format_number(DEGREES * one.attitude)}'
+            f'{format_error(one.position, 3)}, {format_number(TO_DEG * one.attitude)}'
             '\N{DEGREE SIGN}'
             for one in score.errors.values()
         ]
@@ -217,7 +217,7 @@ def _encode(
     missing = study.missing
     calibration = study.first.compared
     return {
-        'schema': SCHEMA,
+        'schema': REPORT_SCHEMA,
         'vehicle': name,
         'verdict': conclusion.verdict,
         'conclusion': {
@@ -245,7 +245,7 @@ def _encode(
             role: [title for title, (own, _) in study.flights.items() if own == role]
             for role in ROLES
         },
-        'seconds': {title: PERIOD * float(one.usable.sum())
+        'seconds': {title: GRID_PERIOD * float(one.usable.sum())
                     for title, (_, one) in study.flights.items()},
         'left_out': [
             {'flight': cut.flight, 'channel': cut.channel, 'from_s': cut.from_s, 'to_s': cut.to_s,
@@ -282,7 +282,7 @@ def _encode_score(one: HorizonErrors) -> list[dict[str, Any]]:
     """Return the errors of position and attitude at a horizon, by the model."""
     after = NAMED if NAMED in one.errors else TUNED
     models = {
-        'before': FILE,
+        'before': FILE_MODEL,
         'calibrated': CALIBRATED,
         'tuned': TUNED,
         'after': after,

@@ -9,27 +9,25 @@ from lta_bridge.provenance import describe_environment, read_commit
 from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_discovery.calibration.calibrated_file import (
+    CALIBRATED_FILE,
     format_calibrated_vehicle,
     format_calibration_source,
     format_changed_vehicle,
     VehicleUpdate,
 )
-from lta_discovery.calibration.calibrated_file import NAME as CALIBRATED
 from lta_discovery.calibration.first_step import calibrate_first, FirstStep
 from lta_discovery.calibration.result import Calibration
 from lta_discovery.calibration.verdict import format_lift_warning, list_differences
 from lta_discovery.discovery.conclusion import draw_conclusion, format_names
 from lta_discovery.discovery.figures import draw_picture, PICTURE
-from lta_discovery.discovery.overlay import build_overlay
-from lta_discovery.discovery.overlay import NAME as OVERLAY
+from lta_discovery.discovery.overlay import build_overlay, OVERLAY_FILE
 from lta_discovery.discovery.report import build_report
 from lta_discovery.discovery.study import Discovery, NamedElement, study_flights
 from lta_discovery.flights.bags import read_bags, Role
 from lta_discovery.flights.usable_flights import select_usable_flights, UsableFlights
 from lta_discovery.formatting import format_with_interval, join_words
 from lta_discovery.planning.equivalence_classes import classify_data_kind
-from lta_discovery.planning.next_flight import FILE as NEXT_FLIGHT
-from lta_discovery.planning.next_flight import plan_next_flight
+from lta_discovery.planning.next_flight import NEXT_FLIGHT_FILE, plan_next_flight
 from lta_discovery.progress import DiscoverProgress
 from lta_model.vehicle import load_vehicle, parse_vehicle, Vehicle
 from lta_report.report import Report
@@ -37,8 +35,8 @@ from lta_report.request import option, ReportRequest, ROBOT, StudyRun
 import numpy as np
 
 BAGS: Final = 'Bag folders, results folders or .mcap files'
-VEHICLE: Final = 'vehicle.yaml'
-CALIBRATION: Final = 0.2  # share of the calibration in the progress of a study
+LEARNED_VEHICLE_FILE: Final = 'vehicle.yaml'
+CALIBRATING: Final = 0.2  # share of the calibration in the progress of a study
 Tell = Callable[[str, float | None], None]
 
 
@@ -146,13 +144,13 @@ def discover_effects(request: DiscoveryRequest, tell: Tell) -> Report:
     conclusion = draw_conclusion(study)
     report = build_report(study, conclusion, request.vehicle, usable.cuts, usable.warnings)
     origin = {**describe_environment(), 'flights': ', '.join(study.comparison.names)}
-    outputs: dict[str, str | bytes] = {OVERLAY: build_overlay(study.comparison, origin)}
+    outputs: dict[str, str | bytes] = {OVERLAY_FILE: build_overlay(study.comparison, origin)}
     if picture := draw_picture(conclusion, study.comparison):
         outputs[PICTURE] = picture
     if conclusion.writes_calibrated:
-        outputs[CALIBRATED] = calibrated
+        outputs[CALIBRATED_FILE] = calibrated
     if conclusion.writes_file:
-        outputs[VEHICLE] = format_learned_vehicle(text, study)
+        outputs[LEARNED_VEHICLE_FILE] = format_learned_vehicle(text, study)
     if request.plan:
         report = _add_next_flight(report, outputs, request, study, text, tell)
     return replace(report, outputs=outputs)
@@ -176,7 +174,7 @@ def study_usable_flights(
     calibrated, first, remarks = '', FirstStep(), tuple[str, ...]()
     try:
         if request.calibration:
-            part = _tell_part(tell, 0.0, CALIBRATION)
+            part = _tell_part(tell, 0.0, CALIBRATING)
             first = calibrate_first(vehicle, request.vehicle, usable.flights, part)
         if first.lifts:
             remarks = (format_lift_warning(first.lifts),)
@@ -187,7 +185,7 @@ def study_usable_flights(
                     # The search judges drag and added mass itself
                     rest = replace(calibration, calibrated=calibration.without_flows)
                     text = _format_calibrated(text, vehicle, rest)
-                    vehicle = parse_vehicle(text, CALIBRATED)
+                    vehicle = parse_vehicle(text, CALIBRATED_FILE)
             except BadInput as fault:
                 if first.calibration is not None:
                     differences = '; '.join(list_differences(calibration))
@@ -196,7 +194,7 @@ def study_usable_flights(
                         f'because the calibrated file cannot be written. {fault}',
                     )
                 first = FirstStep(lifts=first.lifts)
-        study = study_flights(vehicle, usable.flights, _tell_part(tell, CALIBRATION, 1.0), first)
+        study = study_flights(vehicle, usable.flights, _tell_part(tell, CALIBRATING, 1.0), first)
     except (np.linalg.LinAlgError, ArithmeticError) as fault:
         names = ', '.join(name for name, _, _ in usable.flights)
         raise BadInput(
@@ -268,5 +266,5 @@ def _add_next_flight(
     kind = classify_data_kind([study.flights[name][1] for name in study.learned_from])
     plan = plan_next_flight(request.vehicle, text, doubtful.present.names, values, kind, tell)
     if plan.scenario is not None:
-        outputs[NEXT_FLIGHT] = plan.format_scenario()
+        outputs[NEXT_FLIGHT_FILE] = plan.format_scenario()
     return replace(report, closing=(*report.closing, plan.text))

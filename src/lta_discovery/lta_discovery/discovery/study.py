@@ -41,7 +41,7 @@ Array = NDArray[np.float64]
 Progress = Callable[[str, float | None], None]
 
 # Names of the compared models
-FILE: Final = 'vehicle file'
+FILE_MODEL: Final = 'vehicle file'
 CALIBRATED: Final = 'calibrated.yaml'
 TUNED: Final = 'tolerances fitted'
 NAMED: Final = 'with what is named'
@@ -236,7 +236,7 @@ def _build_models(
     learned = apply_parameters(nominal, parameters, only)[0]
     bare = apply_parameters(nominal, parameters, missing.bare_values)[0]
     file = nominal if first.calibration is None else first.calibration.nominal
-    models = [ComparedModel(FILE, file, missing.bare_noise)]
+    models = [ComparedModel(FILE_MODEL, file, missing.bare_noise)]
     if calibration := first.compared:
         noise = tuple(calibration.noise.values())
         models.append(ComparedModel(CALIBRATED, calibration.calibrated, noise))

@@ -15,7 +15,7 @@ from lta_data.flight import Flight
 from lta_data.scene import COMMAND, parse_provenance_file
 
 Role = Literal['train', 'confirm', 'holdout']
-ROLES: Final[tuple[Role, ...]] = ('train', 'confirm', 'holdout')
+FLIGHT_ROLES: Final[tuple[Role, ...]] = ('train', 'confirm', 'holdout')
 
 
 @final
@@ -54,12 +54,12 @@ def read_bags(
     if not paths.get('train'):
         raise BadInput('There is no training flight; name one or more with --train.')
     seen: dict[Path, Role] = {}
-    for role in ROLES:
+    for role in FLIGHT_ROLES:
         for path in paths.get(role, ()):
             # Check all paths first, since reading a bag takes seconds
             _register_recording(path, role, seen)
     out: list[StudyRecording] = []
-    for role in ROLES:
+    for role in FLIGHT_ROLES:
         for path in paths.get(role, ()):
             name = _unique_bag_name(path, [one.name for one in out])
             tell(name)

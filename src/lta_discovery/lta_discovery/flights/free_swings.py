@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import math
 from typing import Final, final, NamedTuple
 
-from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD
+from lta_discovery.flights.measured_flight import GRID_PERIOD, MeasuredFlight
 from lta_discovery.flights.role_assignment import Role
 from lta_discovery.flights.usable_states import find_marked_runs
 from lta_discovery.model.nominal import NominalVehicle
@@ -29,15 +29,15 @@ from scipy.signal import savgol_filter
 Array = NDArray[np.float64]
 
 WINDOW: Final = 13  # points of the grid, 0.5 s; smoothing of the accelerations
-SHORTEST: Final = 3.0  # s; of the free part of a swing
+FREE_SECONDS: Final = 3.0  # s; of the free part of a swing
 SWUNG: Final = 0.07  # rad; amplitude of a swing that shows its law
-FREE: Final = 0.35  # of the largest angular acceleration of a swing; more is no free swing
-HELD: Final = 0.2  # s; shortest time that counts as held
+FREE_MISFIT: Final = 0.35  # of the largest angular acceleration of a swing; more is no free swing
+SHORTEST_HOLD: Final = 0.2  # s; shortest time that counts as held
 ODD: Final = 0.1  # share of a free swing that may differ, by gaps and slips of the tracker
-SETTLED: Final = 0.2  # s; margin after the release
-APART: Final = math.radians(2.0)  # rad; tilts at rest that differ by less are the same
-MOVED: Final = 0.05  # m; lever arms of the markers that differ by less are the same
-SURE: Final = 4.0  # standard deviations of such a difference
+RELEASE_MARGIN: Final = 0.2  # s; margin after the release
+SAME_TILT: Final = math.radians(2.0)  # rad; tilts at rest that differ by less are the same
+SAME_LEVER_ARM: Final = 0.05  # m; lever arms of the markers that differ by less are the same
+CERTAIN_SHIFT: Final = 4.0  # standard deviations of such a difference
 UNTURNED: Final = np.array([0.0, 0.0, 0.0, 1.0])  # quaternion x y z w
 
 
@@ -68,17 +68,17 @@ def find_swing_law(flight: MeasuredFlight) -> SwingLaw | None:
     finite = np.isfinite(turning).all(axis=1)
     # Its second half is free
     late = np.flatnonzero(finite)[finite.sum() // 2 :]
-    if len(late) * PERIOD < SHORTEST or np.ptp(angle[late], axis=0).max() < 2.0 * SWUNG:
+    if len(late) * GRID_PERIOD < FREE_SECONDS or np.ptp(angle[late], axis=0).max() < 2.0 * SWUNG:
         return None
     terms = np.column_stack([angle, rate, np.ones(len(angle))])
     law = np.linalg.lstsq(terms[late], turning[late], rcond=None)[0]
     rest = np.linalg.lstsq(law[:2].T, -law[4], rcond=None)[0]
     usual = float(np.linalg.norm(turning[finite], axis=1).max())
-    unlike = np.linalg.norm(turning - terms @ law, axis=1) > FREE * usual
+    unlike = np.linalg.norm(turning - terms @ law, axis=1) > FREE_MISFIT * usual
     for first, end in find_marked_runs(unlike):
-        is_held = end - first >= HELD / PERIOD and end <= late[0]
+        is_held = end - first >= SHORTEST_HOLD / GRID_PERIOD and end <= late[0]
         if is_held and unlike[end : late[0]].sum() <= ODD * (late[0] - end):
-            return SwingLaw(float(flight.time[end]) + SETTLED, rest)
+            return SwingLaw(float(flight.time[end]) + RELEASE_MARGIN, rest)
     return SwingLaw(float(flight.time[0]), rest)
 
 
@@ -107,7 +107,7 @@ def _align_tilts(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:
     out: list[Role] = []
     for (name, role, flight), law in zip(flights, laws, strict=True):
         apart = np.zeros(2) if law is None else law.rest - usual
-        if np.linalg.norm(apart) > APART:
+        if np.linalg.norm(apart) > SAME_TILT:
             turn = quaternion_exponential(np.array([-apart[1], apart[0], 0.0]))
             flight = flight.with_marker_frame(turn, np.zeros(3))
             turned.append(name)
@@ -135,8 +135,8 @@ def _align_markers(
         if arm is not None:
             apart = arm.place - usual
             # A swing about one axis hardly shows the arm along it
-            shift = np.where(np.abs(apart) > SURE * arm.deviation, apart, 0.0)
-        if np.linalg.norm(shift) > MOVED:
+            shift = np.where(np.abs(apart) > CERTAIN_SHIFT * arm.deviation, apart, 0.0)
+        if np.linalg.norm(shift) > SAME_LEVER_ARM:
             flight = flight.with_marker_frame(UNTURNED, -shift)
             moved.append(name)
             most = max(most, float(np.linalg.norm(shift)))
@@ -170,7 +170,7 @@ def measure_marker_arm(flight: MeasuredFlight, nominal: NominalVehicle) -> Marke
     pull = smooth_derivative(flight.position, 2)
     good = flight.usable & (flight.time > law.release)
     good &= np.isfinite(turning).all(axis=1) & np.isfinite(pull).all(axis=1)
-    if good.sum() * PERIOD < SHORTEST:
+    if good.sum() * GRID_PERIOD < FREE_SECONDS:
         return None
     # Along each axis of the world: the arm, a constant and a changing force
     free = flight.time[good] - flight.time[good].mean()
@@ -217,7 +217,9 @@ def smooth_derivative(values: Array, order: int) -> Array:
     valid: NDArray[np.bool_] = np.asarray(np.isfinite(values).all(axis=1))
     for begin, end in find_marked_runs(valid):
         if end - begin >= WINDOW:
-            smooth = savgol_filter(values[begin:end], WINDOW, 3, deriv=order, delta=PERIOD, axis=0)
+            smooth = savgol_filter(
+                values[begin:end], WINDOW, 3, deriv=order, delta=GRID_PERIOD, axis=0
+            )
             # At its ends the filter extrapolates, which amplifies noise
             out[begin + WINDOW // 2 : end - WINDOW // 2] = smooth[WINDOW // 2 : -(WINDOW // 2)]
     return out

@@ -16,7 +16,7 @@ from lta_discovery.flights.noise import (
     estimate_noise,
     estimate_pose_noise,
     find_tracker_outliers,
-    LEAST,
+    LEAST_NOISE,
 )
 from lta_discovery.model.quaternions import quaternion_product, rotate_vectors
 import numpy as np
@@ -24,12 +24,12 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-PERIOD: Final = 0.04  # s; of the grid
+GRID_PERIOD: Final = 0.04  # s; of the grid
 WARM_UP: Final = 2.0  # s; filters and motors settle
-SETTLED: Final = 0.5  # s; the same for flights with a tracker only: motors settle
+MOTOR_WARM_UP: Final = 0.5  # s; the same for flights with a tracker only: motors settle
 GAP: Final = 0.12  # s; longest gap of a tracker that is interpolated
 BRIDGED: Final = 0.5  # s; a shorter gap does not end a piece, but has no poses
-CHANNELS: Final = (
+ALL_CHANNELS: Final = (
     'x', 'y', 'z', 'turn_x', 'turn_y', 'turn_z', 'p', 'q', 'r', 'fx', 'fy', 'fz',
     'range', 'pressure',
 )  # fmt: skip
@@ -75,7 +75,7 @@ class MeasuredFlight:
     # Rates, specific force, range, pressure; the first two as means until the next point, shape
     # (n, 8)
     readings: Array
-    noise: Array  # standard deviation by CHANNELS; infinite for an absent channel, shape (14,)
+    noise: Array  # standard deviation by ALL_CHANNELS; infinite for an absent channel, shape (14,)
     usable: NDArray[np.bool_]  # whether the point is part of the fit, shape (n,)
     commands: Stream
     voltage: Array  # of the battery, NaN where it is unknown, shape (n,) [V]
@@ -178,7 +178,7 @@ def _resample_readings(grid: Array, others: Mapping[str, Stream]) -> tuple[Array
         if width == 3:
             out[:, columns] = _average_periods(grid, stream)
             # A mean over a grid period has the noise of one reading by the root of their number.
-            noise[columns] = single * np.sqrt(min(1.0, _median_interval(stream) / PERIOD))
+            noise[columns] = single * np.sqrt(min(1.0, _median_interval(stream) / GRID_PERIOD))
         else:
             out[:, columns] = _interpolate_slow_sensor(grid, stream)
             noise[columns] = single
@@ -192,7 +192,7 @@ def _bridge_gaps(valid: NDArray[np.bool_]) -> NDArray[np.bool_]:
     edges = np.flatnonzero(np.diff(np.concatenate([[1], valid.astype(np.int8), [1]])))
     for begin, end in edges.reshape(-1, 2):
         inside = begin > 0 and end < len(valid)
-        if inside and (end - begin) * PERIOD <= BRIDGED:
+        if inside and (end - begin) * GRID_PERIOD <= BRIDGED:
             out[begin:end] = True
     return out
 
@@ -212,16 +212,16 @@ def resample_flight(streams: FlightStreams) -> MeasuredFlight:
     wrong |= find_tracker_jumps(pose.time, np.where(wrong[:, None], np.nan, pose.values))
     pose = Stream(pose.time[~wrong], pose.values[~wrong])
     # Grid points at multiples of the period, within the recorded poses
-    check_time_span('of the poses', pose.time[-1] - pose.time[0], PERIOD, len(pose.time))
-    begin = np.ceil(pose.time[0] / PERIOD) * PERIOD
-    count = int(np.floor((pose.time[-1] - begin) / PERIOD + 1e-9)) + 1
-    grid = begin + PERIOD * np.arange(count)
+    check_time_span('of the poses', pose.time[-1] - pose.time[0], GRID_PERIOD, len(pose.time))
+    begin = np.ceil(pose.time[0] / GRID_PERIOD) * GRID_PERIOD
+    count = int(np.floor((pose.time[-1] - begin) / GRID_PERIOD + 1e-9)) + 1
+    grid = begin + GRID_PERIOD * np.arange(count)
     at = _interpolate_stream(grid, pose, GAP)
     # Interpolated components have lost the unit norm
     quaternion = at[:, 3:7] / np.linalg.norm(at[:, 3:7], axis=1, keepdims=True)
     readings, noise = _resample_readings(grid, streams.others)
-    levels = np.concatenate([estimate_pose_noise(pose.values), np.maximum(noise, LEAST[6:])])
-    warm = WARM_UP if any(name in streams.others for name in FILTERS) else SETTLED
+    levels = np.concatenate([estimate_pose_noise(pose.values), np.maximum(noise, LEAST_NOISE[6:])])
+    warm = WARM_UP if any(name in streams.others for name in FILTERS) else MOTOR_WARM_UP
     valid = np.asarray(np.isfinite(at).all(axis=1))
     usable = _bridge_gaps(valid) & (grid - grid[0] >= warm)
     # Written so that NaN heights stay usable: short gaps were bridged

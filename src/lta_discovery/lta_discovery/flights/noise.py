@@ -13,9 +13,9 @@ from scipy.ndimage import median_filter
 
 Array = NDArray[np.float64]
 
-HALF: Final = 0.6745  # median of the absolute value of white noise, in standard deviations
+NOISE_MEDIAN: Final = 0.6745  # median of the absolute value of white noise, in standard deviations
 # Smallest credible noise by channel: m, rad, rad/s, m/s2, m, Pa.
-LEAST: Final = np.array([5e-4] * 3 + [1e-3] * 3 + [3e-4] * 3 + [3e-3] * 3 + [1e-3, 0.3])
+LEAST_NOISE: Final = np.array([5e-4] * 3 + [1e-3] * 3 + [3e-4] * 3 + [3e-3] * 3 + [1e-3, 0.3])
 POSES_AROUND: Final = 7  # poses; width of the median filter
 OUTLIER: Final = 12.0  # times the median distance from the filter, which is noise
 # m, or quaternion component; a fast turn reaches less between few poses
@@ -33,7 +33,7 @@ def estimate_noise(values: Array) -> float:
     if len(third) < 8:
         return np.inf
     # 20 = 1 + 9 + 9 + 1: the variance of a third difference of unit white noise.
-    return float(np.median(np.abs(third)) / HALF / np.sqrt(20.0))
+    return float(np.median(np.abs(third)) / NOISE_MEDIAN / np.sqrt(20.0))
 
 
 def estimate_pose_noise(poses: Array) -> Array:
@@ -46,7 +46,7 @@ def estimate_pose_noise(poses: Array) -> Array:
     own = np.array([estimate_noise(column) for column in poses.T])
     # A small rotation is twice the vector part of its quaternion; 4 components have 3 freedoms.
     turning = np.full(3, 2.0 * np.sqrt(np.mean(own[3:7] ** 2) * 4.0 / 3.0))
-    levels: Array = np.maximum(np.concatenate([own[:3], turning]), LEAST[:6])
+    levels: Array = np.maximum(np.concatenate([own[:3], turning]), LEAST_NOISE[:6])
     return levels
 
 
@@ -64,6 +64,6 @@ def find_tracker_outliers(poses: Array) -> NDArray[np.bool_]:
         return out
     whole = poses[valid]
     off = np.abs(whole - median_filter(whole, size=(POSES_AROUND, 1), mode='nearest'))
-    usual = np.median(off, axis=0) / HALF
+    usual = np.median(off, axis=0) / NOISE_MEDIAN
     out[valid] = (off > np.maximum(OUTLIER * usual, LEAST_OUTLIER)).any(axis=1)
     return out

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Final, final
 
 from lta_discovery.flights.measured_flight import FlightStreams, MeasuredFlight, Stream
-from lta_discovery.flights.noise import HALF
+from lta_discovery.flights.noise import NOISE_MEDIAN
 from lta_discovery.flights.usable_states import find_marked_runs
 import numpy as np
 from numpy.typing import NDArray
@@ -21,17 +21,17 @@ Flags = NDArray[np.bool_]
 
 WILD: Final = 12.0  # standard deviations of the noise, off the cubic
 AROUND: Final = 5  # readings on either side for the second cubic
-SHARE: Final = 0.3  # of the worst; less is the error of the cubic
-LONGEST: Final = 9  # readings in doubt; more are not single outliers
-FULL: Final = 1.0  # duty; more is impossible
+CUBIC_ERROR_SHARE: Final = 0.3  # of the worst; less is the error of the cubic
+LONGEST_OUTLIER: Final = 9  # readings in doubt; more are not single outliers
+TOP_DUTY: Final = 1.0  # duty; more is impossible
 LONGEST_SPIKE: Final = 2  # successive readings of a spike; a longer one is a command
 BEYOND: Final = 3.0  # times all but a hundredth of the commands of an axis
-PART: Final = 99.0  # percent of the commands of an axis that are usual
+USUAL_COMMAND_PERCENT: Final = 99.0  # percent of the commands of an axis that are usual
 LOUD: Final = 3.0  # times the usual noise
-SECOND: Final = 25  # points of the grid
+POINTS_PER_SECOND: Final = 25  # points of the grid
 FEW: Final = 6  # readings; fewest for a noise estimate
 THIRD: Final = 20.0**0.5  # noise of third differences by that of the values
-CHANNEL: Final = {6: 12, 7: 13}  # of CHANNELS by column of the readings
+COLUMN_CHANNELS: Final = {6: 12, 7: 13}  # of ALL_CHANNELS by column of the readings
 
 
 def find_outliers(values: Array, noise: float) -> Flags:
@@ -51,11 +51,11 @@ def find_outliers(values: Array, noise: float) -> Flags:
         around = np.r_[max(0, begin - AROUND) : begin, end : min(len(values), end + AROUND)]
         # Doubtful readings must not shape the second cubic
         around = around[np.isfinite(values[around]) & ~doubt[around]]
-        if end - begin <= LONGEST and len(around) > AROUND:
+        if end - begin <= LONGEST_OUTLIER and len(around) > AROUND:
             inside = np.arange(begin, end)
             cubic = np.polynomial.Polynomial.fit(around, values[around], 3)
             off = np.abs(values[inside] - cubic(inside))
-            out[inside] = off > max(WILD * noise, SHARE * off.max())
+            out[inside] = off > max(WILD * noise, CUBIC_ERROR_SHARE * off.max())
     return out
 
 
@@ -92,11 +92,11 @@ def clip_command_spikes(streams: FlightStreams) -> tuple[FlightStreams, int]:
 
 def _clip_duties(commands: Stream) -> tuple[Stream, int]:
     """Clip duties beyond full duty, unless many are: then they have another unit."""
-    beyond = np.abs(commands.values) > FULL + 1e-6
+    beyond = np.abs(commands.values) > TOP_DUTY + 1e-6
     short = _mark_short_runs(beyond)
     if not short.any():
         return commands, 0
-    values = np.where(short, np.clip(commands.values, -FULL, FULL), commands.values)
+    values = np.where(short, np.clip(commands.values, -TOP_DUTY, TOP_DUTY), commands.values)
     return Stream(commands.time, values), int(short.any(axis=1).sum())
 
 
@@ -105,7 +105,7 @@ def _clip_wrench(wrench: Stream) -> tuple[Stream, int]:
     if not len(wrench.time):
         return wrench, 0
     size = np.abs(wrench.values)
-    usual = BEYOND * np.percentile(size, PART, axis=0)
+    usual = BEYOND * np.percentile(size, USUAL_COMMAND_PERCENT, axis=0)
     short = _mark_short_runs((size > usual) & (usual > 0.0))
     if not short.any():
         return wrench, 0
@@ -151,12 +151,12 @@ def remove_noisy_intervals(
         rough = np.full(len(readings), np.nan)
         # Third differences remove smooth motion and leave the noise
         rough[:-3] = np.abs(np.diff(readings[:, column], 3)) / THIRD
-        for begin in range(0, len(rough), SECOND):
-            here = slice(begin, begin + SECOND)
+        for begin in range(0, len(rough), POINTS_PER_SECOND):
+            here = slice(begin, begin + POINTS_PER_SECOND)
             finite = rough[here][np.isfinite(rough[here])]
-            level = flight.noise[CHANNEL[column]]
-            # The median of absolute values of white noise is HALF of its deviation
-            if len(finite) >= FEW and np.median(finite) < LOUD * HALF * level:
+            level = flight.noise[COLUMN_CHANNELS[column]]
+            # The median of absolute values of white noise is NOISE_MEDIAN of its deviation
+            if len(finite) >= FEW and np.median(finite) < LOUD * NOISE_MEDIAN * level:
                 continue
             # Nothing to exclude, and nothing to report
             if not np.isfinite(readings[here, column]).any():

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-STEPS: Final = (
+CLOCK_STEPS: Final = (
     0.01,
     0.005,
     0.004,
@@ -24,20 +24,20 @@ STEPS: Final = (
 )  # s; possible resolutions of stamps
 EXACT: Final = 2e-6  # s; largest deviation from a step, from floats and conversions
 NEARLY: Final = 0.99  # of the stamps have to be on the step
-ONE: Final = 1.4  # usual intervals; a pose is lost in a longer one (and longer by ONE_STEP)
+LOST_POSE: Final = 1.4  # usual intervals; a pose is lost in a longer one (and longer by ONE_STEP)
 ONE_STEP: Final = 1.25  # steps
-APART: Final = 100  # periods of silence, after which a new raster begins
+SILENCE_GAP: Final = 100  # periods of silence, after which a new raster begins
 FEWEST: Final = 50  # fewest poses of a raster
 KNOTS: Final = 10.0  # s; between changes of the rate, where a clock drifts
-BETTER: Final = 0.9  # of the deviations; a drift is fitted only if it reduces them below this
-TURNS: Final = 100  # iterations of the fit into the steps
-NONE: Final = 2e-5  # s; negligible: 0.02 mm at 1 m/s
+DRIFT_GAIN: Final = 0.9  # of the deviations; a drift is fitted only if it reduces them below this
+RASTER_FIT_ROUNDS: Final = 100  # iterations of the fit into the steps
+RASTER_JITTER: Final = 2e-5  # s; negligible: 0.02 mm at 1 m/s
 
 
 def find_stamp_step(time: Array) -> float:
     """Return the resolution of timestamps, 0 where there is none. [s]"""
     since = time - time[:1]
-    for step in STEPS if len(time) > 1 else ():
+    for step in CLOCK_STEPS if len(time) > 1 else ():
         if np.mean(np.abs(since - step * np.round(since / step)) < EXACT) >= NEARLY:
             return step
     return 0.0
@@ -58,8 +58,8 @@ def fit_regular_times(time: Array, step: float) -> Array:
         return out
     apart = np.diff(time)
     usual = np.median(apart)
-    period = float(np.mean(apart[apart < max(ONE * usual, usual + ONE_STEP * step)]))
-    for part in np.split(np.arange(len(time)), np.flatnonzero(apart > APART * period) + 1):
+    period = float(np.mean(apart[apart < max(LOST_POSE * usual, usual + ONE_STEP * step)]))
+    for part in np.split(np.arange(len(time)), np.flatnonzero(apart > SILENCE_GAP * period) + 1):
         # Number of periods between poses: more than 1 where poses were lost
         counts = np.round(np.diff(time[part]) / period)
         if len(part) >= FEWEST and np.all(counts > 0.0):
@@ -80,15 +80,16 @@ def _fit_line(index: Array, time: Array, step: float) -> Array:
     other = _fit_within_steps(bent, time, step) if len(knots) else line
     return (
         other
-        if _excess_deviation(time - other, step) < BETTER * _excess_deviation(time - line, step)
+        if _excess_deviation(time - other, step)
+        < DRIFT_GAIN * _excess_deviation(time - line, step)
         else line
     )
 
 
 def _excess_deviation(off: Array, step: float) -> float:
     """Return the RMS deviation of stamps beyond rounding. [s]"""
-    # Deviation beyond rounding; NONE keeps the ratio of two tiny values near 1
-    return NONE + float(np.sqrt(np.mean(np.maximum(np.abs(off) - 0.5 * step, 0.0) ** 2)))
+    # Deviation beyond rounding; RASTER_JITTER keeps the ratio of two tiny values near 1
+    return RASTER_JITTER + float(np.sqrt(np.mean(np.maximum(np.abs(off) - 0.5 * step, 0.0) ** 2)))
 
 
 def _fit_within_steps(basis: Array, time: Array, step: float) -> Array:
@@ -99,7 +100,7 @@ def _fit_within_steps(basis: Array, time: Array, step: float) -> Array:
     solve = np.linalg.pinv(basis[good])
     target = time
     # Alternate projections: onto the line, then into the interval that rounds to each stamp.
-    for _ in range(TURNS if step else 1):
+    for _ in range(RASTER_FIT_ROUNDS if step else 1):
         line: Array = basis @ (solve @ target[good])
         target = np.clip(line, time - 0.5 * step, time + 0.5 * step)
     return line

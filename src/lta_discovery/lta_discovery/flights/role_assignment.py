@@ -5,14 +5,14 @@ from dataclasses import replace
 from typing import Final
 
 from lta_config.errors import BadInput
+from lta_discovery.flights.bags import FLIGHT_ROLES
 from lta_discovery.flights.measured_flight import MeasuredFlight
 import numpy as np
 
 Role = tuple[str, str, MeasuredFlight]
 
-ROLES: Final = ('train', 'confirm', 'holdout')
-ONE: Final = (0.4, 0.7)  # of the usable time: ends of the training part and of the confirming part
-TWO: Final = 0.6  # the same, where there is a held-out flight already
+ROLE_ENDS: Final = (0.4, 0.7)  # of the usable time: ends of the training and the confirming part
+TRAINING_END: Final = 0.6  # the same, where there is a held-out flight already
 
 
 def restrict_to_interval(flight: MeasuredFlight, begin: float, end: float) -> MeasuredFlight:
@@ -59,13 +59,13 @@ def assign_roles(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:
     name, _, flight = train[0]
     if rest:
         parts = [
-            (name, 'train', restrict_to_interval(flight, 0.0, TWO)),
-            (name, 'confirm', restrict_to_interval(flight, TWO, 1)),
+            (name, 'train', restrict_to_interval(flight, 0.0, TRAINING_END)),
+            (name, 'confirm', restrict_to_interval(flight, TRAINING_END, 1)),
         ]
         remark = 'No flight is given with --confirm: the last part of the training flight confirms'
         return [*parts, *rest], [f'{remark} the effects, which is weaker than another flight.']
-    first, second = ONE
-    edges = zip(ROLES, (0.0, first, second), (first, second, 1.0), strict=True)
+    first, second = ROLE_ENDS
+    edges = zip(FLIGHT_ROLES, (0.0, first, second), (first, second, 1.0), strict=True)
     remark = 'A single flight is split into a training, a confirming and a held-out part, which'
     return [(name, role, restrict_to_interval(flight, a, b)) for role, a, b in edges], [
         f'{remark} gives weaker evidence than three flights.'

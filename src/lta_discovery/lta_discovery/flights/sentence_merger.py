@@ -8,7 +8,7 @@ TOLD: Final = 3  # most flights that a sentence names; more are counted
 IS: Final = ' is '
 OF: Final = ': '
 # Integers and decimals, but not digits inside of names
-NUMBER: Final = re.compile(r'(?<![\w.])\d+(?:\.\d+)?')
+NUMBER_IN_TEXT: Final = re.compile(r'(?<![\w.])\d+(?:\.\d+)?')
 
 
 def merge_sentences(sentences: Sequence[str], flights: int = 0) -> list[str]:
@@ -34,7 +34,7 @@ def merge_sentences(sentences: Sequence[str], flights: int = 0) -> list[str]:
     for sentence in sentences:
         name, rest = _split_sentence(sentence)
         # Sentences that differ only in numbers have one key.
-        key = NUMBER.sub('#', rest) if rest.startswith(OF) else rest
+        key = NUMBER_IN_TEXT.sub('#', rest) if rest.startswith(OF) else rest
         same.setdefault(key if name else sentence, []).append((name, rest or sentence))
     return [_merge_group(pairs, flights) for pairs in same.values()]
 
@@ -71,11 +71,11 @@ def _merge_group(sentences: Sequence[tuple[str, str]], flights: int) -> str:
 
 def _merge_numbers(rests: Sequence[str]) -> str:
     """Merge sentences that differ only in numbers, giving these as ranges."""
-    several = iter(zip(*(NUMBER.findall(rest) for rest in rests), strict=True))
+    several = iter(zip(*(NUMBER_IN_TEXT.findall(rest) for rest in rests), strict=True))
 
     def format_range(_: re.Match[str]) -> str:
         numbers = next(several)
         low, high = min(numbers, key=float), max(numbers, key=float)
         return low if low == high else f'{low} to {high}'
 
-    return NUMBER.sub(format_range, rests[0])
+    return NUMBER_IN_TEXT.sub(format_range, rests[0])

@@ -15,11 +15,11 @@ from scipy.spatial.transform import Rotation
 
 Array = NDArray[np.float64]
 
-FAINT: Final = 0.1  # N; small rotors have less at full duty
-WRENCH: Final = tuple(
+SMALL_THRUST: Final = 0.1  # N; small rotors have less at full duty
+WRENCH_STREAMS: Final = tuple(
     f'wrench_command/wrench.{kind}.{axis}' for kind in ('force', 'torque') for axis in 'xyz'
 )
-SENSORS: Final[dict[str, tuple[str, ...]]] = {
+SENSOR_STREAMS: Final[dict[str, tuple[str, ...]]] = {
     'rates': tuple(f'imu/angular_velocity.{axis}' for axis in 'xyz'),
     'force': tuple(f'imu/linear_acceleration.{axis}' for axis in 'xyz'),
     'range': ('range/range',),
@@ -43,14 +43,14 @@ def _join_channels(channels: Sequence[Channel]) -> Stream:
 
 def _read_wrench(channels: Mapping[str, Channel]) -> Stream | None:
     """Return the commanded wrench; axes without a command or a value are 0."""
-    parts = [channels[name] for name in WRENCH if name in channels]
+    parts = [channels[name] for name in WRENCH_STREAMS if name in channels]
     if not parts:
         return None
     joined = _join_channels(parts)
-    table = np.zeros((len(joined.time), len(WRENCH)))
+    table = np.zeros((len(joined.time), len(WRENCH_STREAMS)))
     for column, channel in zip(joined.values.T, parts, strict=True):
         # Axes without a channel are not commanded and stay 0
-        table[:, WRENCH.index(channel.name)] = np.nan_to_num(column)
+        table[:, WRENCH_STREAMS.index(channel.name)] = np.nan_to_num(column)
     return Stream(joined.time, table)
 
 
@@ -84,7 +84,7 @@ def convert_to_duties(
     if has_newtons is None:
         most = np.nanmax(np.abs(streams.commands.values), axis=0, initial=0.0)
         # a + b is the thrust at full duty; 10 % margin for an inaccurate curve
-        has_newtons = bool(np.all(a + b < FAINT) and np.all(most <= 1.1 * (a + b)))
+        has_newtons = bool(np.all(a + b < SMALL_THRUST) and np.all(most <= 1.1 * (a + b)))
     if not has_newtons:
         return streams
     size = np.abs(streams.commands.values)
@@ -97,7 +97,7 @@ def convert_to_duties(
 
 def has_commands(channels: Mapping[str, Channel]) -> bool:
     """Return whether a recording has commands of any rotor, or a commanded wrench."""
-    return any(name in WRENCH or name.startswith(COMMAND) for name in channels)
+    return any(name in WRENCH_STREAMS or name.startswith(COMMAND) for name in channels)
 
 
 def build_streams(
@@ -135,7 +135,7 @@ def build_streams(
         commands = _join_channels([channels[f'{COMMAND}{name}'] for name in rotors])
     others = {
         sensor: _join_channels([channels[name] for name in names])
-        for sensor, names in SENSORS.items()
+        for sensor, names in SENSOR_STREAMS.items()
         if all(name in channels for name in names)
     }
     pose = Stream(joined.time, np.column_stack([joined.values[:, :3], quaternion]))

@@ -11,25 +11,25 @@ from dataclasses import replace
 from typing import Final
 
 from lta_discovery.flights.measured_flight import FlightStreams, MeasuredFlight, Stream
-from lta_discovery.flights.noise import HALF
+from lta_discovery.flights.noise import NOISE_MEDIAN
 from lta_discovery.flights.regular_times import (
     FEWEST,
     find_stamp_step,
     fit_regular_times,
     NEARLY,
-    NONE,
+    RASTER_JITTER,
 )
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-SMALL: Final = 0.2  # of a period: largest RMS deviation of stamps from a raster
+RASTER_DEVIATION: Final = 0.2  # of a period: largest RMS deviation of stamps from a raster
 SLOW: Final = 0.3  # of the deviations, in means of FEWEST: more is an unmodelled drift
-AROUND: Final = 0.1  # s; on either side, for the slope of the readings
-PARTS: Final = 20  # parts of a flight, whose scatter gives the standard error
-SURE: Final = 3.0  # standard errors
-UNIFORM: Final = 12.0**-0.5  # standard deviation of rounding, in steps
+SLOPE_MARGIN: Final = 0.1  # s; on either side, for the slope of the readings
+SCATTER_PARTS: Final = 20  # parts of a flight, whose scatter gives the standard error
+CERTAIN_ERRORS: Final = 3.0  # standard errors
+ROUNDING_DEVIATION: Final = 12.0**-0.5  # standard deviation of rounding, in steps
 ROUNDED: Final = 0.55  # steps; a larger deviation is not rounding alone
 WORTH: Final = 0.3  # of the noise; less is not reported
 
@@ -54,8 +54,8 @@ def estimate_stamp_share(values: Array, raster: Array, off: Array) -> tuple[floa
         The share and its standard error, infinite without evidence.
 
     """
-    wide = max(2, round(AROUND / float(np.median(np.diff(raster)))))
-    if len(raster) < 4 * wide + PARTS:
+    wide = max(2, round(SLOPE_MARGIN / float(np.median(np.diff(raster)))))
+    if len(raster) < 4 * wide + SCATTER_PARTS:
         return 0.5, np.inf
     # Slope over a wide interval around each pair of readings
     length = raster[2 * wide + 1 :] - raster[: -2 * wide - 1]
@@ -65,13 +65,13 @@ def estimate_stamp_share(values: Array, raster: Array, off: Array) -> tuple[floa
     moved = np.diff(values[inner], axis=0) - slope * np.diff(raster[inner])[:, None]
     # ... and what the deviations of the stamps would explain
     shifted = slope * np.diff(off[inner])[:, None]
-    good = np.isfinite(moved).all(axis=1) & (length < 4.0 * AROUND)
+    good = np.isfinite(moved).all(axis=1) & (length < 4.0 * SLOPE_MARGIN)
     moved, shifted = moved[good], shifted[good]
-    if len(moved) < PARTS:
+    if len(moved) < SCATTER_PARTS:
         return 0.5, np.inf
-    usual = np.median(np.abs(moved), axis=0) / HALF
+    usual = np.median(np.abs(moved), axis=0) / NOISE_MEDIAN
     moved = np.clip(moved, -4.0 * usual, 4.0 * usual)  # limit the influence of outliers
-    parts = np.linspace(0, len(moved), PARTS, endpoint=False).astype(int)
+    parts = np.linspace(0, len(moved), SCATTER_PARTS, endpoint=False).astype(int)
     over = np.add.reduceat(np.sum(moved * shifted, axis=1), parts)
     under = np.add.reduceat(np.sum(shifted * shifted, axis=1), parts)
     if not under.sum() > 0.0:
@@ -91,7 +91,7 @@ def _is_regular(raster: Array, off: Array, step: float) -> bool:
     whole = there.sum() // FEWEST * FEWEST
     # Means over FEWEST poses keep a slow drift and average out rounding
     slow = float(np.std(off[there][:whole].reshape(-1, FEWEST).mean(axis=1)))
-    return rms <= SMALL * period and slow <= SLOW * max(rms, step)
+    return rms <= RASTER_DEVIATION * period and slow <= SLOW * max(rms, step)
 
 
 def repair_timestamps(name: str, streams: FlightStreams) -> tuple[FlightStreams, float, list[str]]:
@@ -132,15 +132,15 @@ def _repair_stream(who: str, stream: Stream) -> tuple[Stream, float, list[str]]:
         # If all gaps are multiples of one period, readings are missing, but no stamp is wrong.
         gaps = np.rint(np.diff(time) / step).astype(np.int64) if step else np.ones(1, np.int64)
         fine = step > 0.0 and np.median(gaps) >= 3 * np.gcd.reduce(gaps)
-        return stream, UNIFORM * step if fine else 0.0, []
+        return stream, ROUNDING_DEVIATION * step if fine else 0.0, []
     rms = float(np.std(off[there]))
     share, error = estimate_stamp_share(stream.values[there, :3], raster[there], off[there])
     rounded = bool(np.mean(np.abs(off[there]) <= ROUNDED * step) >= NEARLY)
     # Stamps within half a step of a raster are rounded, unless the readings follow them (as in a
     # simulator with fixed steps). Other deviations are jitter only if the readings show it.
-    doubt = share - SURE * error if rounded else share + SURE * error
+    doubt = share - CERTAIN_ERRORS * error if rounded else share + CERTAIN_ERRORS * error
     put = np.where(there, raster, time)
-    if rms < NONE or doubt > 0.5 or np.any(np.diff(put) <= 0.0):
+    if rms < RASTER_JITTER or doubt > 0.5 or np.any(np.diff(put) <= 0.0):
         return stream, 0.0, []
     rate = 1.0 / float(np.median(np.diff(raster[there])))
     what = (

@@ -10,7 +10,7 @@ hand or a wall shows as one that neither commands nor motion explain.
 from typing import Final, final, NamedTuple
 
 from lta_discovery.flights.free_swings import find_swing_law, smooth_derivative, WINDOW
-from lta_discovery.flights.measured_flight import FlightStreams, MeasuredFlight, PERIOD
+from lta_discovery.flights.measured_flight import FlightStreams, GRID_PERIOD, MeasuredFlight
 from lta_discovery.flights.usable_states import find_marked_runs
 from lta_discovery.model.quaternions import rotation_matrix
 import numpy as np
@@ -20,25 +20,25 @@ from scipy.ndimage import uniform_filter1d
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-EDGE: Final = 8.0  # s; length of the ends in which a hand is looked for
-REST: Final = 6.0  # s; least length of the rest of the flight, which shows what is usual
-CALM: Final = 0.8  # share of that rest whose acceleration has to be known
+HAND_EDGE: Final = 8.0  # s; length of the ends in which a hand is looked for
+LEAST_REST: Final = 6.0  # s; least length of the rest of the flight, which shows what is usual
+MEASURED_REST_SHARE: Final = 0.8  # share of that rest whose acceleration has to be known
 HARD: Final = 2.5  # times the largest usual acceleration; a hand
-SWING: Final = 4.0  # s; period of the slowest swing
-SMALLEST: Final = 0.1  # m/s2; smaller accelerations are no hand
+SLOW_SWING: Final = 4.0  # s; period of the slowest swing
+WEAK_PULL: Final = 0.1  # m/s2; smaller accelerations are no hand
 AFTER: Final = 0.5  # s; margin after a release, and before a catch
 LIFTED: Final = 1.0  # s; margin after the vehicle leaves the floor
-IDLE: Final = 0.02  # of the largest command; smaller commands are none
+IDLE_COMMAND: Final = 0.02  # of the largest command; smaller commands are none
 STANDING: Final = 0.6  # s; shortest time with idle actuators that counts as held
 CARRIED: Final = 0.15  # m/s; a vehicle that is faster flies before its first command
-TURNED: Final = 0.05  # rad/s; the same for its rates: it swings freely
+CARRIED_RATE: Final = 0.05  # rad/s; the same for its rates: it swings freely
 DELAYS: Final = (0.0, 0.1, 0.2, 0.3, 0.4)  # s; of the commands, tried
 PUSH: Final = 0.6  # m/s2; smaller unexplained accelerations are no hand and no wall
 UNUSUAL: Final = 8.0  # times the median of the unexplained accelerations
 LONE: Final = 0.2  # s; shorter ones are outliers of the tracker
-TOGETHER: Final = 3.0  # s; a hand may move steadily for so long
-MOST: Final = 0.5  # of a flight; what covers more is no exception
-ROUNDS: Final = 10  # of a fit of least absolute errors
+STEADY_HAND_TIME: Final = 3.0  # s; a hand may move steadily for so long
+LARGEST_HAND_SHARE: Final = 0.5  # of a flight; what covers more is no exception
+ABSOLUTE_FIT_ROUNDS: Final = 10  # of a fit of least absolute errors
 
 
 @final
@@ -113,13 +113,13 @@ def _find_rest_end(flight: MeasuredFlight) -> float:
         for part in (flight.position, 2.0 * flight.quaternion)
     )
     # A gap in the poses continues what was before it
-    still = idle & ~(speed > CARRIED) & ~(rate > TURNED)
+    still = idle & ~(speed > CARRIED) & ~(rate > CARRIED_RATE)
     runs = find_marked_runs(still)
-    reach = round(STANDING / PERIOD)
+    reach = round(STANDING / GRID_PERIOD)
     # The first points have no smoothed speed, so the run may begin a little later
     if not runs or runs[0][0] > WINDOW or runs[0][1] - runs[0][0] < reach:
         return float(flight.time[0])
-    end = min(runs[0][1] + round(AFTER / PERIOD), len(flight.time) - 1)
+    end = min(runs[0][1] + round(AFTER / GRID_PERIOD), len(flight.time) - 1)
     return float(flight.time[end])
 
 
@@ -131,7 +131,7 @@ def _mark_idle_points(flight: MeasuredFlight) -> Mask:
     if largest == 0.0:
         return np.zeros(len(flight.time), dtype=np.bool_)
     newest = np.searchsorted(orders.time, flight.time + 1e-9, side='right') - 1
-    idle: Mask = (newest < 0) | (size[np.maximum(newest, 0)] < IDLE * largest)
+    idle: Mask = (newest < 0) | (size[np.maximum(newest, 0)] < IDLE_COMMAND * largest)
     return idle
 
 
@@ -154,17 +154,19 @@ def _find_hands(flight: MeasuredFlight) -> tuple[float, float]:
 def _find_release(pull: Array) -> int | None:
     """Return the last point of a hand's disturbance at the beginning; None without any."""
     # A short flight has shorter ends, and less of it shows what is usual
-    edge = min(round(EDGE / PERIOD), (len(pull) - round(REST / PERIOD)) // 2)
+    edge = min(round(HAND_EDGE / GRID_PERIOD), (len(pull) - round(LEAST_REST / GRID_PERIOD)) // 2)
     if edge < 1:
         return None
     rest = pull[edge : len(pull) - edge]
     rest = rest[np.isfinite(rest)]
-    if len(rest) < CALM * REST / PERIOD:
+    if len(rest) < MEASURED_REST_SHARE * LEAST_REST / GRID_PERIOD:
         return None
-    usual = max(HARD * float(rest.max()), SMALLEST if edge == round(EDGE / PERIOD) else PUSH)
+    usual = max(
+        HARD * float(rest.max()), WEAK_PULL if edge == round(HAND_EDGE / GRID_PERIOD) else PUSH
+    )
     for k in np.flatnonzero(pull[:edge] > usual)[::-1]:
         # The swings of a free decay also get smaller, but not at once
-        later = pull[k + round(AFTER / PERIOD) : k + round(SWING / PERIOD)]
+        later = pull[k + round(AFTER / GRID_PERIOD) : k + round(SLOW_SWING / GRID_PERIOD)]
         if pull[k] > HARD * np.nanmax(later, initial=0.0):
             return int(k)
     return None
@@ -174,27 +176,27 @@ def _find_disturbances(flight: MeasuredFlight, inside: Mask) -> list[Transient]:
     """Return where accelerations occur that neither commands nor motion explain."""
     unexplained = _measure_unexplained_acceleration(flight, inside)
     finite = np.isfinite(unexplained)
-    if finite.sum() * PERIOD < REST:
+    if finite.sum() * GRID_PERIOD < LEAST_REST:
         return []
     limit = max(PUSH, UNUSUAL * float(np.median(unexplained[finite])))
     strong = finite & (unexplained > limit)
     idle = _mark_idle_points(flight)
-    near, out = round(TOGETHER / PERIOD), list[tuple[int, int]]()
+    near, out = round(STEADY_HAND_TIME / GRID_PERIOD), list[tuple[int, int]]()
     for begin, end in find_marked_runs(strong):
-        if (end - begin) * PERIOD < LONE:
+        if (end - begin) * GRID_PERIOD < LONE:
             continue
         # Carried from one place to the next, the vehicle gets no command
         if out and (begin - out[-1][1] < near or idle[out[-1][1] : begin].all()):
             out[-1] = (out[-1][0], end)
         else:
             out.append((begin, end))
-    if sum(end - begin for begin, end in out) > MOST * inside.sum():
+    if sum(end - begin for begin, end in out) > LARGEST_HAND_SHARE * inside.sum():
         return []
     # A decay is strongest from the first moment on; a hand comes to a vehicle that flies
     begun = int(np.flatnonzero(finite)[0])
     out = [(begin, end) for begin, end in out if begin > begun + near]
     last = len(flight.time) - 1
-    margin = round(AFTER / PERIOD)
+    margin = round(AFTER / GRID_PERIOD)
     return [
         Transient(
             float(flight.time[max(begin - margin, 0)]),
@@ -243,7 +245,7 @@ def _fit_rest(terms: Array, values: Array, inside: Mask) -> Array:
         return out
     table, right = terms[finite], values[finite]
     weights = np.ones(len(right))
-    for _ in range(ROUNDS):
+    for _ in range(ABSOLUTE_FIT_ROUNDS):
         law = np.linalg.lstsq(table * weights[:, None], right * weights, rcond=None)[0]
         left = right - table @ law
         # Iteratively reweighted least squares

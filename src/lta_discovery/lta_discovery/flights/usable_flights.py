@@ -46,26 +46,26 @@ from lta_report.formatting import format_count
 import numpy as np
 from numpy.typing import NDArray
 
-MOST: Final = 0.5  # of a flight; a channel that is bad for longer is dropped
-AROUND: Final = 0.2  # s; margin cut on either side of an interval
+LARGEST_BAD_SHARE: Final = 0.5  # of a flight; a channel that is bad for longer is dropped
+INTERVAL_MARGIN: Final = 0.2  # s; margin cut on either side of an interval
 # m above the standing height; a swinging vehicle may still touch the floor
 NEAR_FLOOR: Final = 0.05
 # m; clearance from a floor that the tracker does not know, so that the model has no contact there
-CLEAR: Final = 0.5
+UNKNOWN_FLOOR_CLEARANCE: Final = 0.5
 LOWEST: Final = 0.01  # quantile; lower poses may be outliers
-SHORTEST: Final = 1.5  # s; of a flight; only the total length decides beyond it
-LEAST: Final = 20.0  # s; of all training flights together
-CALIBRATED: Final = 5.0  # s; for a calibration, to which one step or swing tells something
-STILL: Final = 0.005  # of the largest command: standard deviation over all training flights
+SHORT_FLIGHT: Final = 1.5  # s; of a flight; only the total length decides beyond it
+SHORTEST_TRAINING: Final = 20.0  # s; of all training flights together
+CALIBRATION_TIME: Final = 5.0  # s; for a calibration, to which one step or swing tells something
+STEADY_DUTY: Final = 0.005  # of the largest command: standard deviation over all training flights
 DRIFTING: Final = 0.1  # m; a vehicle that moves less, and turns less, is at rest
 SWINGING: Final = 0.05  # rad
-FULL: Final = 0.98  # duty
+SATURATED_DUTY: Final = 0.98  # duty; from it on a rotor is saturated
 LOST: Final = 0.02  # of the poses; more lost poses are reported
 DUTY: Final = 'motors/effort.'
 LIGHT: Final = 'illuminance/illuminance'
 LATE: Final = ('lag', 'drift')  # clock faults that may be an effect of the library
 # Columns of each sensor in MeasuredFlight.readings, by the prefix of its channels.
-SENSORS: Final = {
+SENSOR_COLUMNS: Final = {
     'imu/angular_velocity': ('rates', slice(0, 3)),
     'imu/linear_acceleration': ('force', slice(3, 6)),
     'imu': ('', slice(0, 6)),
@@ -88,7 +88,7 @@ class UsableFlights:
 
 
 def select_usable_flights(
-    flights: Sequence[StudyRecording], vehicle: Vehicle, least: float = LEAST
+    flights: Sequence[StudyRecording], vehicle: Vehicle, least: float = SHORTEST_TRAINING
 ) -> UsableFlights:
     """
     Return the usable parts of some flights of one vehicle.
@@ -133,10 +133,10 @@ def select_usable_flights(
         # After cutting, which may leave little
         seconds = _usable_seconds(flight)
         # A short flight is left out; an error follows only if too little remains in all.
-        if seconds < SHORTEST:
+        if seconds < SHORT_FLIGHT:
             warnings.append(
-                f'{one.name}: only {seconds:.1f} s are usable, and {SHORTEST:g} s are needed; '
-                'the flight is left out.'
+                f'{one.name}: only {seconds:.1f} s are usable, and {SHORT_FLIGHT:g} s are needed;'
+                ' the flight is left out.'
             )
         elif _find_longest_run(flight) < SHORTEST_RUN:
             warnings.append(
@@ -212,7 +212,7 @@ def _raise_to_floor(
     if low >= 0.0 or finite.max() <= 0.0:
         return streams, []
     # A range reading says how high the lowest pose was; otherwise it need not be on the floor
-    clear = 0.0 if 'range' in streams.others else CLEAR
+    clear = 0.0 if 'range' in streams.others else UNKNOWN_FLOOR_CLEARANCE
     more = vehicle.hull_height_on_floor + clear - low
     values = streams.pose.values.copy()
     values[:, 2] += more
@@ -239,7 +239,7 @@ def _check_commands_move(training: Sequence[FlightStreams]) -> None:
             shares.append(float(tables.std(axis=0).max()) / scale if scale > 0.0 else 0.0)
     # Free decays, drops and pushes by hand have constant commands, and a vehicle that moves
     if (
-        max(shares) < STILL
+        max(shares) < STEADY_DUTY
         and training
         and not any(_is_moving(command_streams) for command_streams in training)
     ):
@@ -276,14 +276,14 @@ def _clean_flight(
     sound = bool(np.all(np.abs(streams.commands.values) <= 1.0))
     # Checks of channels that a study does not use are ignored.
     for finding in run_checks(recording).findings:
-        if not finding.channel.startswith((pose, 'motors', 'wrench_command', *SENSORS)):
+        if not finding.channel.startswith((pose, 'motors', 'wrench_command', *SENSOR_COLUMNS)):
             continue
         if finding.kind == impossible_values.KIND and finding.channel.startswith(DUTY) and sound:
             continue  # clipped
         lost = (
             finding.kind == impossible_values.KIND and impossible_values.LOST_KEY in finding.values
         )
-        if lost and finding.channel.startswith((pose, *SENSORS)):
+        if lost and finding.channel.startswith((pose, *SENSOR_COLUMNS)):
             continue  # each leaves a gap of its own, and the readings between them are good
         if finding.kind == impossible_values.FILTERED:
             smooth.append(finding.channel.rpartition('/')[0])
@@ -326,7 +326,7 @@ def _exclude_interval(name: str, finding: QualityFinding, end: float) -> Exclude
     """Return the interval that a finding excludes; a clock jump excludes everything after it."""
     # After a jump of the clock all later times are wrong: exclude to the end
     jumped = finding.kind == clocks.STAMPS and {'jump', 'back'} & set(finding.values)
-    begin, last = finding.from_s - AROUND, finding.to_s + AROUND
+    begin, last = finding.from_s - INTERVAL_MARGIN, finding.to_s + INTERVAL_MARGIN
     return ExcludedInterval(
         name,
         finding.channel,
@@ -345,7 +345,7 @@ def _drop_bad_sensors(
     length = float(streams.pose.time[-1] - streams.pose.time[0])
     short_cuts, others = [], dict(streams.others)
     for cut in cuts:
-        if cut.to_s - cut.from_s < MOST * length:
+        if cut.to_s - cut.from_s < LARGEST_BAD_SHARE * length:
             short_cuts.append(cut)
             continue
         if cut.channel.startswith((pose, 'motors', 'wrench_command')):
@@ -353,7 +353,7 @@ def _drop_bad_sensors(
                 f'{name}: {cut.channel} is unreliable: {cut.reason} Without it no model can be '
                 'compared with the flight; leave the flight out, or record it again.'
             )
-        for start, (sensor, _) in SENSORS.items():
+        for start, (sensor, _) in SENSOR_COLUMNS.items():
             if cut.channel.startswith(start):
                 for one in (sensor,) if sensor else ('rates', 'force'):
                     others.pop(one, None)
@@ -372,7 +372,7 @@ def _mask_intervals(
         if of_all or cut.disturbs_all:
             usable &= ~inside
             continue
-        for start, (_, columns) in SENSORS.items():
+        for start, (_, columns) in SENSOR_COLUMNS.items():
             if cut.channel.startswith(start):
                 readings[inside, columns] = np.nan
                 break
@@ -390,8 +390,8 @@ def _list_data_warnings(name: str, flight: MeasuredFlight, streams: FlightStream
             f'{gaps} {"gap" if gaps == 1 else "gaps"}; these are not used.'
         )
     # Saturated duties do not show how thrust depends on duty
-    full = np.abs(streams.commands.values) > FULL
-    if len(full) > 1 and full.all(axis=1).mean() > MOST:
+    full = np.abs(streams.commands.values) > SATURATED_DUTY
+    if len(full) > 1 and full.all(axis=1).mean() > LARGEST_BAD_SHARE:
         out.append(
             f'{name}: all rotors are at full duty for {100.0 * full.all(axis=1).mean():.0f} % of '
             'the time, so their thrust at lower duty is poorly known.'

@@ -27,25 +27,25 @@ Variant = Literal['', 'smaller', 'reverse']  # of a step: beside it, it shows th
 
 TILT: Final = math.radians(20.0)  # rad; release of a swing
 ENDED: Final = math.radians(2.0)  # rad; a swing that is smaller teaches nothing more
-SWINGS: Final = 4.0  # periods; shortest swing
-LONGEST: Final = 40.0  # s; longest swing, unless its periods are longer
+LEAST_SWING: Final = 4.0  # periods; shortest swing
+LONGEST_SWING: Final = 40.0  # s; longest swing, unless its periods are longer
 FLOAT: Final = 8.0  # s
-STEP: Final = (6.0, 10.0)  # s; range of the length of a step
-SETTLED: Final = 3.0  # time constants after which a step or spin-down has ended
-SHARE: Final = 0.5  # of the largest force or moment; first try of a step
-SECOND: Final = 0.4  # of a step; size of the smaller one on the same axis
+STEP_LENGTHS: Final = (6.0, 10.0)  # s; range of the length of a step
+SETTLING_CONSTANTS: Final = 3.0  # time constants after which a step or spin-down has ended
+FIRST_STEP_SHARE: Final = 0.5  # of the largest force or moment; first try of a step
+SMALLER_STEP_SHARE: Final = 0.4  # of a step; size of the smaller one on the same axis
 SMALLER: Final = 0.75  # factor on the step until it fits the room
 LEAST_STEP: Final = 0.03  # of the largest force; a smaller step drowns in draughts
 RATE: Final = math.radians(90.0)  # rad/s; fastest turn of a step, and start of a spin-down
 SPIN: Final = (8.0, 25.0)  # s; range of the length of a spin-down
-FREE: Final = 60.0  # s; a free flight
-ROOM: Final = 4.0  # m; longest way of a test
-REST: Final = 1.0  # s; before a step
+FREE_FLIGHT_TIME: Final = 60.0  # s; a free flight
+LONGEST_WAY: Final = 4.0  # m; longest way of a test
+STEP_REST: Final = 1.0  # s; before a step
 HEAVIEST: Final = 0.1  # of the weight; a heavier vehicle falls rather than floats
 WEAKEST: Final = 0.02  # of the largest force; a weaker one is no axis of command
-NOTHING: Final = 1e-6  # N, N m
+NEGLIGIBLE_WRENCH: Final = 1e-6  # N, N m
 # Directions in which a step of an axis is looked for, in order, with their signs
-STEPS: Final = {
+STEP_WAYS: Final = {
     'surge': (('forward', 1.0), ('backward', -1.0)),
     'sway': (('left', 1.0), ('right', -1.0)),
     'heave': (('up', 1.0), ('down', -1.0)),
@@ -91,7 +91,7 @@ class LabTest:
         }[self.kind]
 
 
-def list_designed_tests(vehicle: Vehicle, room: float = ROOM) -> list[LabTest]:
+def list_designed_tests(vehicle: Vehicle, room: float = LONGEST_WAY) -> list[LabTest]:
     """
     Return the tests that this vehicle can do, one of each kind and axis.
 
@@ -115,7 +115,7 @@ def list_designed_tests(vehicle: Vehicle, room: float = ROOM) -> list[LabTest]:
         *_design_swings(vehicle),
         *steps,
         *_design_spin_down(vehicle),
-        LabTest('free_flight', '', FREE, parts=tuple(steps)),
+        LabTest('free_flight', '', FREE_FLIGHT_TIME, parts=tuple(steps)),
     ]
 
 
@@ -127,13 +127,13 @@ def _design_swings(vehicle: Vehicle) -> Iterator[LabTest]:
             continue
         halving = mode.half_amplitude_time or math.inf
         duration = halving * math.log2(TILT / ENDED)
-        seconds = float(math.ceil(max(min(duration, LONGEST), SWINGS * mode.period)))
+        seconds = float(math.ceil(max(min(duration, LONGEST_SWING), LEAST_SWING * mode.period)))
         yield LabTest('swing', about, seconds, tilt=TILT, is_neutral=True)
 
 
 def _design_steps(vehicle: Vehicle, room: float) -> Iterator[LabTest]:
     """Yield a step on each axis on which the rotors push, in the first direction that they can."""
-    pushes = {axis: _largest_push(vehicle, axis) for axis in STEPS}
+    pushes = {axis: _largest_push(vehicle, axis) for axis in STEP_WAYS}
     strongest = max(
         (push.most for axis, push in pushes.items() if push and axis != 'yaw'), default=0.0
     )
@@ -151,9 +151,11 @@ def list_step_variants(vehicle: Vehicle, step: LabTest) -> Iterator[LabTest]:
     looks like one with another gain. Propellers push less in reverse.
     """
     smaller = replace(step, variant='smaller')
-    yield scale_step(vehicle, smaller, SECOND)
+    yield scale_step(vehicle, smaller, SMALLER_STEP_SHARE)
     sign = math.copysign(1.0, step.size)
-    push = _largest_push(vehicle, step.axis, [one for one in STEPS[step.axis] if one[1] != sign])
+    push = _largest_push(
+        vehicle, step.axis, [one for one in STEP_WAYS[step.axis] if one[1] != sign]
+    )
     if push is not None:
         share = min(abs(step.size) / push.most, 1.0)
         size, thrusts = push.sign * share * push.most, _mix_thrusts(vehicle, push, share)
@@ -169,21 +171,21 @@ def _largest_push(
     None if they cannot push along it.
     """
     weight = vehicle.heaviness * STANDARD_GRAVITY
-    for direction, sign in directions or STEPS[axis]:
+    for direction, sign in directions or STEP_WAYS[axis]:
         find = find_turn_limit if axis == 'yaw' else find_push_limit
         limit, _ = find(vehicle, direction)
         if limit is None:
             continue
         # Upwards, the limit is the total force, which contains the carried weight
         most = limit.most - (max(weight, 0.0) if direction == 'up' else 0.0)
-        if most > NOTHING:
+        if most > NEGLIGIBLE_WRENCH:
             return _Push(sign, most, limit.thrusts)
     return None
 
 
 def _design_step(vehicle: Vehicle, axis: str, push: _Push, room: float) -> LabTest:
     """Return the largest step of an axis that fits the room."""
-    k, share = AXES.index(axis), SHARE
+    k, share = AXES.index(axis), FIRST_STEP_SHARE
     seconds, way = _follow_step(vehicle, k, share * push.most)
     # A turn needs no room, but should not be faster than a tracker follows
     limit = 1.0 if axis == 'yaw' else room
@@ -191,7 +193,7 @@ def _design_step(vehicle: Vehicle, axis: str, push: _Push, room: float) -> LabTe
         share *= SMALLER
         seconds, way = _follow_step(vehicle, k, share * push.most)
     thrusts, size = _mix_thrusts(vehicle, push, share), push.sign * share * push.most
-    return LabTest('step', axis, REST + seconds, share=share, size=size, thrusts=thrusts)
+    return LabTest('step', axis, STEP_REST + seconds, share=share, size=size, thrusts=thrusts)
 
 
 def _mix_thrusts(vehicle: Vehicle, push: _Push, share: float) -> tuple[float, ...]:
@@ -217,8 +219,8 @@ def _follow_step(vehicle: Vehicle, k: int, force: float) -> tuple[float, float]:
     linear, square = _drag_of_axis(vehicle, axis)
     fastest = terminal_speed(force, linear, square) or math.inf
     # Of the first order about the terminal speed
-    constant = inertia * fastest / force if math.isfinite(fastest) else STEP[1]
-    seconds = min(max(math.ceil(SETTLED * constant), STEP[0]), STEP[1])
+    constant = inertia * fastest / force if math.isfinite(fastest) else STEP_LENGTHS[1]
+    seconds = min(max(math.ceil(SETTLING_CONSTANTS * constant), STEP_LENGTHS[0]), STEP_LENGTHS[1])
     speed, way, dt = 0.0, 0.0, 0.05
     for _ in range(round(seconds / dt)):
         speed += dt * (force - (linear + square * abs(speed)) * speed) / inertia

@@ -23,7 +23,7 @@ from rich.console import Console
 
 MAPPING: Final = 'mapping.yaml'  # in the folder: for all its logs
 MCAP: Final = '.mcap'
-OURS: Final = ('/ground_truth/odom', '/motors', '/wrench_command')  # ends of topics
+OWN_TOPIC_ENDS: Final = ('/ground_truth/odom', '/motors', '/wrench_command')  # ends of topics
 
 
 @final
@@ -108,7 +108,7 @@ def _find_mapping(log: Path, folder: Path, requested: str | None) -> str | None:
 def _has_our_topics(bag: Path) -> bool:
     """Return whether a bag has a pose or commands on topics with the names of LTA."""
     names = LOG_FORMATS['bag'].opened(bag, None).raw
-    return any(f'/{name.lstrip("/")}'.endswith(OURS) for name in names)
+    return any(f'/{name.lstrip("/")}'.endswith(OWN_TOPIC_ENDS) for name in names)
 
 
 def _log_name(log: Path) -> str:

@@ -11,17 +11,17 @@ from dataclasses import dataclass, replace
 from typing import Final, final, Literal
 
 from lta_config.constants import STANDARD_GRAVITY
-from lta_discovery.flights.measured_flight import CHANNELS, MeasuredFlight, PERIOD, Stream
+from lta_discovery.flights.measured_flight import ALL_CHANNELS, GRID_PERIOD, MeasuredFlight, Stream
 from lta_discovery.lab_tests.design import (
     LabTest,
     LEAST_STEP,
     list_designed_tests,
     list_step_variants,
-    REST,
+    LONGEST_WAY,
     rest_duties,
-    ROOM,
     scale_step,
     step_duties,
+    STEP_REST,
 )
 from lta_discovery.model.calibration_parameters import (
     list_calibration_parameters,
@@ -31,8 +31,8 @@ from lta_discovery.model.calibration_parameters import (
 )
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.planning.rehearsal import measure_information, POSE, TURN
-from lta_discovery.replay.replay import FlightReplay, STEPS
+from lta_discovery.planning.rehearsal import measure_information, POSE_NOISE, TURN_NOISE
+from lta_discovery.replay.replay import FlightReplay, STEPS_PER_PERIOD
 from lta_model.effects.protocol import AXES
 from lta_model.state import ACTUATORS
 from lta_model.vehicle import Vehicle
@@ -42,13 +42,13 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Commands = Literal['rotors', 'wrench']
 
-HOLD: Final = (0.4, 1.6)  # s; shortest and mean time for which a pilot holds a command
+PILOT_HOLD_TIMES: Final = (0.4, 1.6)  # s; shortest and mean time for which a pilot holds a command
 MORE: Final = 2.0  # times the information of any shorter test; a test that has it is needed
-NONE: Final = np.zeros((0, len(AXES)))  # no commanded wrench
-KNOWN: Final = 0.8  # of the deviation before; a larger one means that no test teaches it
-LAW: Final = {'smaller': 'exponent', 'reverse': 'reverse'}  # that a variant shows
+NO_WRENCH: Final = np.zeros((0, len(AXES)))  # no commanded wrench
+UNTAUGHT_SHARE: Final = 0.8  # of the deviation before; a larger one means that no test teaches it
+LAW_TERMS: Final = {'smaller': 'exponent', 'reverse': 'reverse'}  # that a variant shows
 HIGH: Final = 100.0  # m; rehearsals never meet the floor
-SEED: Final = 37  # of the commands of the free flight
+FREE_FLIGHT_SEED: Final = 37  # of the commands of the free flight
 
 
 @final
@@ -78,7 +78,7 @@ class LabPlan:
 
 
 def plan_lab_tests(
-    vehicle: Vehicle, name: str, commands: Commands = 'rotors', room: float = ROOM
+    vehicle: Vehicle, name: str, commands: Commands = 'rotors', room: float = LONGEST_WAY
 ) -> LabPlan:
     """
     Plan the tests of an afternoon for a vehicle.
@@ -92,7 +92,7 @@ def plan_lab_tests(
     # Without the free flight, whose sizes are those of the pilot
     orders = [_build_commands(vehicle, test, commands, 0.0) for test in tests[:-1]]
     duties = [each.values for each, _ in orders]
-    wrench = np.concatenate([each.values for _, each in orders if each is not None] or [NONE])
+    wrench = np.concatenate([each.values for _, each in orders if each is not None] or [NO_WRENCH])
     nominal = set_references(nominal, wrench)
     axes = [test.axis for test in tests if test.kind == 'step']
     commanded = [commands == 'wrench' and axis in axes for axis in AXES]
@@ -118,7 +118,7 @@ def plan_lab_tests(
         others = [i for i in drilled if i != k]
         lead = gains[k] / np.maximum(gains[others].max(axis=0), 1e-9 * before)
         # First what it teaches and others do not
-        order = [j for j in np.argsort(-lead) if alone[k, j] < KNOWN]
+        order = [j for j in np.argsort(-lead) if alone[k, j] < UNTAUGHT_SHARE]
         best = [j for j in order if gains[k, j] > MORE * gains[shorter, j].max(initial=0.0)]
         if test.variant:
             # Whatever the other tests say: the lift of a flight in between can hide a law of heave
@@ -132,7 +132,7 @@ def plan_lab_tests(
                 k not in drilled or bool(best),
             )
         )
-    unknown = tuple(knobs[j].name for j in np.flatnonzero(remaining > KNOWN))
+    unknown = tuple(knobs[j].name for j in np.flatnonzero(remaining > UNTAUGHT_SHARE))
     weight = vehicle.heaviness * STANDARD_GRAVITY
     return LabPlan(name, commands, tuple(planned), unknown, weight)
 
@@ -146,7 +146,7 @@ def _shows_law(test: LabTest, name: str) -> bool:
     """Return whether a variant of a step, beside it, shows a parameter."""
     if name.startswith('rotor_'):
         return test.variant == 'reverse' and is_thrust_law(name) and test.axis != 'yaw'
-    return name == f'wrench_gain.{LAW[test.variant]}_{test.axis}' if test.variant else False
+    return name == f'wrench_gain.{LAW_TERMS[test.variant]}_{test.axis}' if test.variant else False
 
 
 def _fit_steps(
@@ -232,8 +232,8 @@ def rehearse_test(
     vehicle: Vehicle, nominal: NominalVehicle, test: LabTest, commands: Commands
 ) -> MeasuredFlight:
     """Return the flight of a test with the model of the vehicle file, as a tracker sees it."""
-    count = round(test.seconds / PERIOD)
-    time = PERIOD * np.arange(count + 1, dtype=np.float64)
+    count = round(test.seconds / GRID_PERIOD)
+    time = GRID_PERIOD * np.arange(count + 1, dtype=np.float64)
     weight = vehicle.heaviness * STANDARD_GRAVITY
     if test.is_neutral:
         nominal = nominal.with_value('net_lift', 'force', weight)
@@ -243,7 +243,7 @@ def rehearse_test(
         np.zeros((count + 1, 3)),
         np.tile([0.0, 0.0, 0.0, 1.0], (count + 1, 1)),
         np.full((count + 1, 8), np.nan),
-        np.array([POSE] * 3 + [TURN] * 3 + [np.inf] * (len(CHANNELS) - 6)),
+        np.array([POSE_NOISE] * 3 + [TURN_NOISE] * 3 + [np.inf] * (len(ALL_CHANNELS) - 6)),
         np.ones(count + 1, dtype=np.bool_),
         duties,
         np.full(count + 1, np.nan),
@@ -254,7 +254,7 @@ def rehearse_test(
     rows = replay.build_replay_rows(nominal)
     none = np.zeros((1, replay.span, len(AXES)))
     inputs = replay.compute_body_inputs(rows)
-    states = replay.integrate_pieces(rows, inputs, start, none)[0, ::STEPS]
+    states = replay.integrate_pieces(rows, inputs, start, none)[0, ::STEPS_PER_PERIOD]
     return replace(blank, position=states[:, :3].copy(), quaternion=states[:, 3:7].copy())
 
 
@@ -294,15 +294,15 @@ def _build_commands(
 def _list_levels(test: LabTest) -> tuple[Array, list[tuple[LabTest, Array]]]:
     """Return times [s], and the level of each step: 1 is the whole of it."""
     if test.kind == 'step':
-        return np.array([0.0, REST]), [(test, np.array([0.0, 1.0]))]
+        return np.array([0.0, STEP_REST]), [(test, np.array([0.0, 1.0]))]
     if test.kind != 'free_flight':
         return np.zeros(1), []
-    draw = np.random.default_rng(SEED)
-    time = np.arange(0.0, test.seconds, HOLD[0])
+    draw = np.random.default_rng(FREE_FLIGHT_SEED)
+    time = np.arange(0.0, test.seconds, PILOT_HOLD_TIMES[0])
     levels = []
     for step in test.parts:
         # A pilot holds each command for a while, on each axis by itself
-        held = np.cumsum(draw.random(len(time)) < HOLD[0] / HOLD[1])
+        held = np.cumsum(draw.random(len(time)) < PILOT_HOLD_TIMES[0] / PILOT_HOLD_TIMES[1])
         levels.append((step, draw.choice([-1.0, 0.0, 1.0], len(time))[held - held[0]]))
     return time, levels
 

@@ -14,9 +14,9 @@ from lta_model.vehicle import Vehicle
 from lta_report.formatting import format_count, Tile
 from lta_report.report import HtmlBlock, Report, TextSection, TextTable
 
-FREE: Final = 2  # free flights: one teaches, one confirms
+FREE_FLIGHTS: Final = 2  # free flights: one teaches, one confirms
 SHOWN: Final = 5  # things that a test teaches, as shown
-CLEAR: Final = 1.0  # m; around the path of a test
+PATH_CLEARANCE: Final = 1.0  # m; around the path of a test
 BOX: Final = '\N{BALLOT BOX}'
 SCALES: Final = (
     'Weigh the vehicle, without its gas, on scales to 0.1 g. Correct the masses of the parts in '
@@ -45,11 +45,11 @@ WRONG: Final[dict[Kind, str]] = {
         'The first and the last second with a hand at the vehicle are cut.'
     ),
 }
-LAW: Final = (
+STEP_SIZE_ADVICE: Final = (
     'Steps of two sizes and in both directions show the law of the thrust: a force that goes by '
     'the square of the command, or is weaker in reverse, looks like another gain at one size.'
 )
-EVERY: Final = (
+TEST_ADVICE: Final = (
     'Track position and attitude: motion capture, or a fixed camera that sees markers on the '
     'vehicle. Without a tracker, no flight calibrates the vehicle file; scales and ruler do.',
     'Log pose and commands with one clock, at 20 Hz or more, one file for each test, all with the '
@@ -74,7 +74,7 @@ def build_plan_report(plan: LabPlan, vehicle: Vehicle) -> Report:
             bullets=True,
             printed=True,
         ),
-        TextSection('In every test', EVERY, bullets=True, printed=True),
+        TextSection('In every test', TEST_ADVICE, bullets=True, printed=True),
     ]
     notes = _list_notes(plan, vehicle, left)
     if notes:
@@ -112,7 +112,7 @@ def build_plan_report(plan: LabPlan, vehicle: Vehicle) -> Report:
 
 def _count_runs(test: LabTest) -> int:
     """Return how often a test is flown."""
-    return FREE if test.kind == 'free_flight' else 1
+    return FREE_FLIGHTS if test.kind == 'free_flight' else 1
 
 
 def _kind_title(kind: Kind) -> str:
@@ -152,8 +152,8 @@ def _build_test_table(tests: Sequence[PlannedTest], plan: LabPlan, vehicle: Vehi
         ])  # fmt: skip
     heads = ('test', 'how', 'how long', 'moves')
     note = (
-        f'Steps begin at rest. Add the size of the vehicle and {CLEAR:g} m on each side to the '
-        'motion; the pilot keeps a free flight within the room.'
+        f'Steps begin at rest. Add the size of the vehicle and {PATH_CLEARANCE:g} m on each side '
+        'to the motion; the pilot keeps a free flight within the room.'
     )
     return TextTable('The afternoon', heads, rows, note)
 
@@ -174,7 +174,7 @@ def _room_size(tests: Sequence[PlannedTest], vehicle: Vehicle) -> float:
     way = max((max(room) for room in drilled), default=0.0)
     hull = vehicle.file.hull
     size = max((each.si for each in (hull.diameter, hull.length) if each is not None), default=0.0)
-    return way + size + 2.0 * CLEAR
+    return way + size + 2.0 * PATH_CLEARANCE
 
 
 def _list_notes(plan: LabPlan, vehicle: Vehicle, left: Sequence[str]) -> list[str]:
@@ -191,7 +191,7 @@ def _list_notes(plan: LabPlan, vehicle: Vehicle, left: Sequence[str]) -> list[st
         hover = max(rest_duties(vehicle), default=0.0)
         out.append(f'In steps, the lifting rotors carry the weight, at a duty of {hover:.2f}.')
     if any(one.is_needed and one.test.variant for one in plan.tests):
-        out.append(LAW)
+        out.append(STEP_SIZE_ADVICE)
     if left:
         out.append(f'Not needed: {join_words(left)}; shorter tests teach as much.')
     unknown = name_parameters(

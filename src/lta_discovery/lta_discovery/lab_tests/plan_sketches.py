@@ -10,11 +10,11 @@ from lta_discovery.lab_tests.design import LabTest
 # Box of a sketch, with the hull in its middle. [px]
 VIEW: Final = '-84 -66 168 132'
 # Tests in which the vehicle turns about the vertical or moves sideways are seen from above
-ABOVE: Final = ('yaw', 'sway')
-HULL: Final = '<ellipse rx="44" ry="30"/>'
+TOP_VIEW_TESTS: Final = ('yaw', 'sway')
+HULL_OUTLINE: Final = '<ellipse rx="44" ry="30"/>'
 NOSE: Final = '<path d="M44 0 l-11 -5 v10 z" class="ink"/>'
 GONDOLA: Final = '<rect x="-12" y="31" width="24" height="8" class="ink"/>'
-STYLE: Final = (
+SKETCH_STYLE: Final = (
     '<style>.sketches { display: flex; flex-wrap: wrap; gap: 8px 16px; } '
     '.sketches figure { margin: 0; width: 160px; text-align: center; font-size: 13px; } '
     '.sketches svg { fill: none; stroke: var(--soft); stroke-width: 1.5; } '
@@ -31,12 +31,12 @@ def draw_sketches(tests: Sequence[LabTest]) -> str:
         f'{draw_sketch(test)}</svg>{escape(test.name)}<br><small>{name_view(test)}</small></figure>'
         for test in tests
     )
-    return f'{STYLE}<div class="sketches">{figures}</div>'
+    return f'{SKETCH_STYLE}<div class="sketches">{figures}</div>'
 
 
 def name_view(test: LabTest) -> str:
     """Return from where a test is seen."""
-    if test.kind == 'spin_down' or test.axis in ABOVE:
+    if test.kind == 'spin_down' or test.axis in TOP_VIEW_TESTS:
         return 'from above, nose to the right'
     return 'from behind' if test.axis == 'roll' else 'from the right side'
 
@@ -45,7 +45,7 @@ def draw_sketch(test: LabTest) -> str:
     """Return the vehicle, and an arrow for what moves it."""
     view = name_view(test)
     below = '' if view.startswith('from above') else GONDOLA
-    body = HULL + below + ('' if view == 'from behind' else NOSE)
+    body = HULL_OUTLINE + below + ('' if view == 'from behind' else NOSE)
     way = -1.0 if test.variant == 'reverse' else 1.0
     if test.kind == 'swing':
         held = f'<g transform="rotate({math.degrees(test.tilt):.0f})">{body}</g>'

@@ -9,11 +9,11 @@ from typing import Final, final
 from lta_discovery.calibration.calibration import calibrate_flights
 from lta_discovery.calibration.result import Calibration
 from lta_discovery.flights.bags import read_bags
-from lta_discovery.flights.measured_flight import PERIOD
+from lta_discovery.flights.measured_flight import GRID_PERIOD
 from lta_discovery.flights.usable_flights import (
-    CALIBRATED,
-    LEAST,
+    CALIBRATION_TIME,
     select_usable_flights,
+    SHORTEST_TRAINING,
     UsableFlights,
 )
 from lta_discovery.formatting import join_words
@@ -26,8 +26,8 @@ from lta_model.vehicle import load_vehicle, Vehicle
 
 Tell = Callable[[str, float | None], None]
 
-NAMED: Final = 4  # parameters that a sentence names at most
-APART: Final = 0.75  # of the largest step of an axis; a smaller one has another size
+MOST_NAMES: Final = 4  # parameters that a sentence names at most
+SAME_STEP_SHARE: Final = 0.75  # of the largest step of an axis; a smaller one has another size
 PAIR: Final = 2  # free flights of an afternoon
 
 
@@ -69,13 +69,15 @@ def read_lab_tests(
             {'train': logs.bags}, robot, lambda bag: tell(f'reading {bag}', None)
         )
     tell('checking data quality', None)
-    usable = select_usable_flights(recordings, vehicle, CALIBRATED)
+    usable = select_usable_flights(recordings, vehicle, CALIBRATION_TIME)
     tests = {title: recognise_tests(flight, vehicle) for title, _, flight in usable.flights}
     calibration = calibrate_flights(vehicle, name, _hold_back_flight(usable, tests).flights, tell)
     calibration = replace(calibration, warnings=(*logs.notes, *usable.warnings))
     wrench = any(flight.wrench is not None for _, _, flight in usable.flights)
     plan = plan_lab_tests(vehicle, name, 'wrench' if wrench else 'rotors')
-    seconds = {title: PERIOD * float(flight.usable.sum()) for title, _, flight in usable.flights}
+    seconds = {
+        title: GRID_PERIOD * float(flight.usable.sum()) for title, _, flight in usable.flights
+    }
     missing = tuple(list_missing_tests(plan, tests, calibration, vehicle.rotor_names))
     return LabReading(vehicle, calibration, tests, seconds, missing, logs.drafts)
 
@@ -91,11 +93,11 @@ def _hold_back_flight(
     """Return the flights with the last free one as confirmation, if the others suffice."""
     free = [title for title, _, _ in usable.flights if _is_free(tests[title])]
     others = sum(
-        PERIOD * float(flight.usable.sum())
+        GRID_PERIOD * float(flight.usable.sum())
         for title, _, flight in usable.flights
         if title not in free[-1:]
     )
-    if len(free) < PAIR or others < LEAST:
+    if len(free) < PAIR or others < SHORTEST_TRAINING:
         return usable
     flights = tuple(
         (title, 'confirm' if title == free[-1] else role, flight)
@@ -137,7 +139,7 @@ def _is_done(test: LabTest, done: Sequence[RecognisedTest]) -> bool:
     if test.variant == 'reverse':
         return min(sizes) < 0.0 < max(sizes)
     most = max(map(abs, sizes))
-    return any(abs(size) < APART * most for size in sizes)
+    return any(abs(size) < SAME_STEP_SHARE * most for size in sizes)
 
 
 def _is_unknown(name: str, calibration: Calibration) -> bool:
@@ -149,7 +151,7 @@ def _is_unknown(name: str, calibration: Calibration) -> bool:
 def _format_missing(planned: PlannedTest, unknown: Sequence[str], rotors: Sequence[str]) -> str:
     """Return the sentence of a missing test."""
     words = name_parameters(unknown, rotors)
-    names = join_words(words[:NAMED]) + (' and more' if len(words) > NAMED else '')
+    names = join_words(words[:MOST_NAMES]) + (' and more' if len(words) > MOST_NAMES else '')
     several = len(words) > 1 or ' and ' in names
     if all(map(is_thrust_law, unknown)):
         # Without a second size or direction, they are those of a proportional command

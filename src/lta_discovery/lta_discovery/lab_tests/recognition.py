@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import math
 from typing import Final, final, NamedTuple
 
-from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD, Stream
+from lta_discovery.flights.measured_flight import GRID_PERIOD, MeasuredFlight, Stream
 from lta_discovery.formatting import join_words
 from lta_discovery.lab_tests.design import Kind
 from lta_discovery.model.quaternions import rotation_matrix
@@ -26,7 +26,7 @@ JUMP: Final = 0.2  # of the range of an axis; a change that counts
 ZERO: Final = 0.02  # of the range of an axis; a command that is zero but for rounding
 LEVELS: Final = 3  # most changes of a command that is stepped
 SMALL: Final = 0.4  # of the largest command; a further axis below it may trim or hold the altitude
-SWUNG: Final = math.radians(4.0)  # rad; amplitude of a swing
+SWING_AMPLITUDE: Final = math.radians(4.0)  # rad; amplitude of a swing
 SPUN: Final = math.radians(15.0)  # rad/s; yaw rate of a spin-down when it begins
 SLOWED: Final = 0.8  # of that rate at the end
 COASTED: Final = 4.0  # s without a command that make a spin-down
@@ -147,7 +147,7 @@ def _recognise_free_motion(flight: MeasuredFlight, begin: int) -> tuple[Recognis
     tilts = {'roll': _amplitude(roll), 'pitch': _amplitude(pitch)}
     axis = max(tilts, key=lambda name: tilts[name])
     tests = []
-    if tilts[axis] > SWUNG:
+    if tilts[axis] > SWING_AMPLITUDE:
         words = f'no command; {axis} swings by {math.degrees(tilts[axis]):.0f} degrees'
         tests.append(RecognisedTest('swing', axis, words))
     first, last = _yaw_rates(quaternion[valid])
@@ -176,7 +176,7 @@ def _recognise_coasting(
         return ()
     # A command holds until the next one
     begin = int(np.searchsorted(flight.time, orders.time[last + 1]))
-    if (len(flight.time) - begin) * PERIOD < COASTED:
+    if (len(flight.time) - begin) * GRID_PERIOD < COASTED:
         return ()
     tests = _recognise_free_motion(flight, begin)
     return tuple(one for one in tests if one.kind == 'spin_down')
@@ -191,6 +191,6 @@ def _yaw_rates(quaternion: Array) -> tuple[float, float]:
     """Return the mean yaw rate in the first and the last two seconds. [rad/s]"""
     rotation = rotation_matrix(quaternion)
     heading = np.unwrap(np.arctan2(rotation[:, 1, 0], rotation[:, 0, 0]))
-    reach = min(round(2.0 / PERIOD), len(heading) // 2)
-    rates = np.gradient(heading, PERIOD)
+    reach = min(round(2.0 / GRID_PERIOD), len(heading) // 2)
+    rates = np.gradient(heading, GRID_PERIOD)
     return float(np.mean(rates[:reach])), float(np.mean(rates[-reach:]))

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import final
 
 from lta_data.importers.draft.choices import Answers
-from lta_discovery.lab_tests.design import ROOM
+from lta_discovery.lab_tests.design import LONGEST_WAY
 from lta_discovery.lab_tests.plan import plan_lab_tests
 from lta_discovery.lab_tests.reading import read_lab_tests
 from lta_discovery.progress import DiscoverProgress
@@ -34,7 +34,7 @@ class LabPlanRequest(ReportRequest, command='tests plan', folder='tests-plan'):
         'The vehicle is commanded by force and moment instead of duties.', default=False
     )
     room: float = option(
-        'Longest way of a test in metres; steps are made smaller.', default=ROOM, low=0.5
+        'Longest way of a test in metres; steps are made smaller.', default=LONGEST_WAY, low=0.5
     )
 
     def run(self, run: StudyRun) -> Report:

@@ -4,11 +4,11 @@ from collections.abc import Sequence
 import math
 from typing import Final
 
-from lta_discovery.formatting import DEGREES, format_number, format_parameter, join_words
+from lta_discovery.formatting import format_number, format_parameter, join_words, TO_DEG
 from lta_discovery.lab_tests.design import LabTest
 
 # Words of effects whose parameters are axes; {} are the axes
-AXIS_WORDS: Final = {
+EFFECT_AXIS_WORDS: Final = {
     'wrench_gain': 'gain in {}',
     'rotational_drag': 'damping in {}',
     'quadratic_drag': 'drag in {}',
@@ -29,7 +29,7 @@ PLAIN_WORDS: Final = {
     'helium_leak.rate': 'loss of lift',
     'vehicle.mass': 'mass',
 }
-DIRECTIONS: Final = {
+STEP_DIRECTION_WORDS: Final = {
     ('surge', 1.0): 'forward', ('surge', -1.0): 'backward', ('sway', 1.0): 'to the left',
     ('sway', -1.0): 'to the right', ('heave', 1.0): 'up', ('heave', -1.0): 'down',
     ('yaw', 1.0): 'to the left', ('yaw', -1.0): 'to the right',
@@ -49,8 +49,8 @@ def name_parameters(names: Sequence[str], rotors: Sequence[str]) -> list[str]:
         elif effect == 'wrench_gain' and '_' in part:
             kind, _, axis = part.partition('_')
             words = LAW_WORDS[kind]
-        elif effect in AXIS_WORDS:
-            words, axis = AXIS_WORDS[effect], part.removesuffix('_2')
+        elif effect in EFFECT_AXIS_WORDS:
+            words, axis = EFFECT_AXIS_WORDS[effect], part.removesuffix('_2')
         elif effect.startswith('rotor_') and part == 'thrust':
             words = 'thrust of {}'
             axis = rotors[int(effect.rpartition('_')[2]) - 1].replace('_', ' ')
@@ -63,17 +63,17 @@ def name_parameters(names: Sequence[str], rotors: Sequence[str]) -> list[str]:
 
 def format_amplitude(test: LabTest, rotors: Sequence[str], duties: Sequence[float]) -> str:
     """Return what is commanded, or how the vehicle is let go."""
-    degrees = f'{DEGREES * test.tilt:.0f} degrees'
+    degrees = f'{TO_DEG * test.tilt:.0f} degrees'
     if test.kind == 'swing':
-        return f'released from {degrees}; once more from {DEGREES * test.tilt / 4.0:.0f}'
+        return f'released from {degrees}; once more from {TO_DEG * test.tilt / 4.0:.0f}'
     if test.kind == 'spin_down':
-        return f'turned by hand to {DEGREES * test.rate:.0f} degrees/s'
+        return f'turned by hand to {TO_DEG * test.rate:.0f} degrees/s'
     if test.kind == 'float':
         return 'released at rest'
     if test.kind == 'free_flight':
         return 'commands of several sizes that change every second or two, on all axes at once'
     unit = 'mN m' if test.axis == 'yaw' else 'mN'
-    side = DIRECTIONS[test.axis, math.copysign(1.0, test.size)]
+    side = STEP_DIRECTION_WORDS[test.axis, math.copysign(1.0, test.size)]
     force = f'{format_number(1e3 * abs(test.size), 2)} {unit} {side}'
     if not duties:
         return force
@@ -89,11 +89,11 @@ def format_instruction(test: LabTest) -> str:
     """Return what to do, as a request."""
     seconds = f'{test.seconds:.0f} s'
     if test.kind == 'swing':
-        return f'let it swing in {test.axis} for {seconds} from {DEGREES * test.tilt:.0f} degrees'
+        return f'let it swing in {test.axis} for {seconds} from {TO_DEG * test.tilt:.0f} degrees'
     if test.kind == 'float':
         return f'let it float without commands for {seconds}'
     if test.kind == 'spin_down':
-        rate = f'{DEGREES * test.rate:.0f} degrees/s'
+        rate = f'{TO_DEG * test.rate:.0f} degrees/s'
         return f'turn it by hand to {rate}, and let it turn for {seconds}'
     if test.kind == 'free_flight':
         return (

@@ -10,28 +10,28 @@ from dataclasses import replace
 import math
 from typing import Final
 
-from lta_discovery.model.candidates import STEP
+from lta_discovery.model.candidates import DIFF_STEP
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import (
     CALIBRATION,
     FreeParameter,
     list_free_parameters,
-    NET_LIFT,
+    NET_LIFT_FORCE,
 )
 from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import AirEffect, AXES
 from lta_model.state import ACTUATORS
 import numpy as np
 
-ROTORS: Final = ('rotor_', 'motor_lag')  # of vehicles that are commanded by duties
+DUTY_PARAMETERS: Final = ('rotor_', 'motor_lag')  # of vehicles that are commanded by duties
 HEADING: Final = 'tracker_misalignment.yaw'
-TURN: Final = 0.2  # rad; heading of the tracker, where the vehicle file has moving air
+HEADING_SIZE: Final = 0.2  # rad; heading of the tracker, where the vehicle file has moving air
 GRAVITY: Final = 9.81  # m/s2
-LIFT: Final = 0.01  # of the weight; net lift of a flight
-TREND: Final = 4e-5  # of the weight per second; change of the lift in a flight
+NET_LIFT_TOLERANCE: Final = 0.01  # of the weight; net lift of a flight
+LIFT_TREND: Final = 4e-5  # of the weight per second; change of the lift in a flight
 THRUST: Final = 1.0  # relative; each rotor
 REVERSE: Final = 0.5  # relative; share of its thrust that a rotor has in reverse
-REVERSED: Final = -0.05  # duty; a rotor that gets a lower one is flown in reverse
+REVERSED_DUTY: Final = -0.05  # duty; a rotor that gets a lower one is flown in reverse
 # Relative, and tolerances in the vehicle file. Added mass follows from the size of the hull.
 FLOWS: Final = {
     'linear_drag': 0.3,
@@ -44,34 +44,34 @@ FLOWS: Final = {
 FLYING: Final = 0.5  # m/s; speed at which linear and quadratic drag are compared
 TURNING: Final = 0.5  # rad/s; rate at which linear and quadratic damping are compared
 CROSS: Final = 0.5  # what a command does on another axis, by the RMS commands of both
-ARM: Final = 0.3  # m; of rotors below the hull centre
+ROTOR_ARM: Final = 0.3  # m; of rotors below the hull centre
 MEASURED: Final = 0.05  # tolerance of these in a vehicle file that was measured
-PER_FLIGHT: Final = frozenset({NET_LIFT, 'helium_leak.rate'})
+PER_FLIGHT: Final = frozenset({NET_LIFT_FORCE, 'helium_leak.rate'})
 # With poses alone the clock of the flight is that of the tracker
 POSE_ONLY: Final = frozenset({'clock_offset.offset'})
-FAR: Final = 20.0  # largest gain
-ROTOR: Final = 4.0  # largest relative change of a rotor's thrust, which may turn it around
+LARGEST_GAIN: Final = 20.0  # largest gain
+THRUST_CHANGE: Final = 4.0  # largest relative change of a rotor's thrust, which may turn it around
 BACKWARD: Final = 0.95  # largest relative loss in reverse
 EXPONENTS: Final = (0.5, 3.0)  # bounds of the exponent of a commanded force
 REVERSES: Final = (0.05, 5.0)  # bounds of the share of a commanded force that acts in reverse
-SIZES: Final = 0.1  # of the mean size of a command; a larger spread shows its exponent
+COMMAND_SPREAD: Final = 0.1  # of the mean size of a command; a larger spread shows its exponent
 GAIN_NAMES: Final = frozenset(f'wrench_gain.{axis}' for axis in AXES)
-SWING: Final = 1.2  # largest logarithm of a factor on mass and inertia
+LARGEST_MASS_FACTOR: Final = 1.2  # largest logarithm of a factor on mass and inertia
 
 
 def prior_deviation(knob: FreeParameter, nominal: NominalVehicle) -> float:
     """Return the standard deviation of a parameter before a calibration; 0 for an effect."""
     weight, effect = GRAVITY * nominal.mass, knob.name.partition('.')[0]
-    if knob.name == NET_LIFT:
-        return LIFT * weight
+    if knob.name == NET_LIFT_FORCE:
+        return NET_LIFT_TOLERANCE * weight
     if knob.name == 'helium_leak.rate':
-        return TREND * weight
+        return LIFT_TREND * weight
     if knob.name.startswith('rotor_') and knob.name.endswith('.thrust'):
         return THRUST
     if knob.name.endswith('.reverse'):
         return REVERSE
     if knob.name == HEADING:
-        return TURN if has_map_fixed_air(nominal) else 0.0
+        return HEADING_SIZE if has_map_fixed_air(nominal) else 0.0
     if effect == 'rotor_misalignment':
         # As in a file that was measured: without it, the markers would turn instead
         return knob.tolerance
@@ -168,7 +168,12 @@ def list_calibration_parameters(
         *(build_reverse_parameter(nominal, i) for i in reversed_rotors),
         *(
             FreeParameter(
-                f'wrench_gain.{name}', units[name], {('wrench_gain', name): 1.0}, STEP, STEP, wide
+                f'wrench_gain.{name}',
+                units[name],
+                {('wrench_gain', name): 1.0},
+                DIFF_STEP,
+                DIFF_STEP,
+                wide,
             )
             for name, wide in (laws or {}).items()
         ),
@@ -181,21 +186,21 @@ def list_calibration_parameters(
             knob.name in POSE_ONLY
             or getattr(kind, 'channel', 'pose') in ('rates', 'force', 'range', 'pressure')
         )
-        unmoved = any(commanded) and knob.name.startswith(ROTORS)
+        unmoved = any(commanded) and knob.name.startswith(DUTY_PARAMETERS)
         if wide == 0.0 or uncommanded or unseen or unmoved:
             continue
         low, high = knob.low, knob.high
         if knob.name in GAIN_NAMES:
-            low, high = -FAR, FAR
+            low, high = -LARGEST_GAIN, LARGEST_GAIN
         elif effect == 'wrench_gain' and part.startswith(('exponent', 'reverse')):
             ends = EXPONENTS if part.startswith('exponent') else REVERSES
             low, high = (end - nominal.parameter_value(effect, part) for end in ends)
         elif knob.name.endswith('.thrust'):
-            low, high = -ROTOR, ROTOR - 2.0
+            low, high = -THRUST_CHANGE, THRUST_CHANGE - 2.0
         elif knob.name.endswith('.reverse'):
-            low, high = -BACKWARD, ROTOR
+            low, high = -BACKWARD, THRUST_CHANGE
         elif effect == 'vehicle':
-            low, high = -SWING, SWING
+            low, high = -LARGEST_MASS_FACTOR, LARGEST_MASS_FACTOR
         elif knob.name == 'helium_leak.rate':
             low = -math.inf
         out.append(
@@ -238,7 +243,7 @@ def build_reverse_parameter(nominal: NominalVehicle, rotor: int) -> FreeParamete
         ('rotor_envelope_interaction', f'{axis}_{rotor}'): number
         for axis, number in zip(AXES, reversed_column(nominal, rotor), strict=True)
     }
-    return FreeParameter(f'rotor_{rotor}.reverse', '1', moves, STEP, STEP)
+    return FreeParameter(f'rotor_{rotor}.reverse', '1', moves, DIFF_STEP, DIFF_STEP)
 
 
 def reversed_column(nominal: NominalVehicle, rotor: int) -> list[float]:
@@ -261,7 +266,7 @@ def list_reversed_rotors(
     return [
         i + 1
         for i, both in enumerate(reversible)
-        if both and any(bool((each[:, i] < REVERSED).any()) for each in duties if len(each))
+        if both and any(bool((each[:, i] < REVERSED_DUTY).any()) for each in duties if len(each))
     ]
 
 
@@ -284,10 +289,10 @@ def list_wrench_laws(
         return out
     for axis, column in zip(AXES, commands.T, strict=True):
         sizes = np.abs(column[column != 0.0])
-        if len(sizes) and sizes.std() > SIZES * sizes.mean():
+        if len(sizes) and sizes.std() > COMMAND_SPREAD * sizes.mean():
             out[f'exponent_{axis}'] = CALIBRATION[f'wrench_gain.exponent_{axis}']
         ends = -float(column.min(initial=0.0)), float(column.max(initial=0.0))
-        if min(ends) > -REVERSED * max(ends):
+        if min(ends) > -REVERSED_DUTY * max(ends):
             out[f'reverse_{axis}'] = CALIBRATION[f'wrench_gain.reverse_{axis}']
     usual = dict(zip(AXES, np.sqrt(np.mean(np.square(commands), axis=0)).tolist(), strict=True))
     for one in EFFECTS['wrench_gain'].parameters:
@@ -295,7 +300,7 @@ def list_wrench_laws(
         if across and usual[source] > 0.0 and np.ptp(commands[:, AXES.index(source)]) > 0.0:
             # A vehicle whose moments are not commanded has rotors somewhere below the hull
             share = CROSS * usual[axis] / usual[source]
-            out[one.name] = ARM if axis in AXES[3:] else share
+            out[one.name] = ROTOR_ARM if axis in AXES[3:] else share
     return {name: deviation for name, deviation in out.items() if deviation > 0.0}
 
 

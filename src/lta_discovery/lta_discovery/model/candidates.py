@@ -13,7 +13,7 @@ from lta_model.effects.protocol import EffectParameter
 from lta_model.state import ACTUATORS
 
 # Parameters that change together, as one candidate.
-TOGETHER: Final[dict[str, tuple[str, ...]]] = {'motor_lag': ('up', 'down')}
+JOINT_PARAMETERS: Final[dict[str, tuple[str, ...]]] = {'motor_lag': ('up', 'down')}
 # Components of a vector: selected and fitted together, each with its own value.
 VECTORS: Final = (
     ('steady_wind.x', 'steady_wind.y'),
@@ -57,17 +57,17 @@ NO_CANDIDATE: Final = frozenset(
     }
 )  # fmt: skip
 _VECTOR_OF: Final = {name: vector for vector in VECTORS for name in vector}
-STEP: Final = 1e-5  # of relative parameters
+DIFF_STEP: Final = 1e-5  # of relative parameters
 FINE: Final = 1e-4  # of the typical size of other parameters
 # Larger steps for discontinuous effects, which small steps would miss.
-STEPS: Final[dict[str, float]] = {
+LARGER_STEPS: Final[dict[str, float]] = {
     'motor_deadband.threshold': 0.03,
     'command_delay.delay': 1e-3,
     'motor_lag': 1e-4,
     # Negative, towards a delay: held commands have another slope on the other side.
     'clock_offset.offset': -5e-6,
 }
-FINER: Final[dict[str, float]] = {**STEPS, 'motor_deadband.threshold': 0.004}
+FINER: Final[dict[str, float]] = {**LARGER_STEPS, 'motor_deadband.threshold': 0.004}
 
 
 def vector_components(name: str) -> tuple[str, ...]:
@@ -83,10 +83,12 @@ def companion_values(effect: str) -> dict[str, float]:
 
 def fine_step(name: str, parameter: EffectParameter) -> float:
     """Return the finite-difference step away from 0, in the unit of the parameter."""
-    usual = STEP if parameter.unit == '1' and parameter.null == 1.0 else FINE * parameter.spread
+    usual = (
+        DIFF_STEP if parameter.unit == '1' and parameter.null == 1.0 else FINE * parameter.spread
+    )
     return FINER.get(name, usual)
 
 
 def first_step(name: str, parameter: EffectParameter) -> float:
     """Return the finite-difference step at 0, in the unit of the parameter."""
-    return STEPS.get(name, fine_step(name, parameter))
+    return LARGER_STEPS.get(name, fine_step(name, parameter))

@@ -15,13 +15,13 @@ from lta_config.errors import BadInput
 from lta_discovery.model.candidates import (
     companion_values,
     DESIGN,
+    DIFF_STEP,
     fine_step,
     first_step,
     FITTED,
+    JOINT_PARAMETERS,
     NO_CANDIDATE,
     SIGNS,
-    STEP,
-    TOGETHER,
 )
 from lta_discovery.model.nominal import NominalVehicle
 from lta_model.effects import EFFECTS
@@ -30,7 +30,7 @@ from lta_model.state import ACTUATORS
 import numpy as np
 from numpy.typing import NDArray
 
-NET_LIFT: Final = 'net_lift.force'
+NET_LIFT_FORCE: Final = 'net_lift.force'
 Target = tuple[str, str]
 Reach = Literal['chain', 'wrench', 'body', 'memory', 'reading', 'delay']
 
@@ -126,7 +126,7 @@ def _scale_mass_properties(nominal: NominalVehicle, what: str, factor: float) ->
 
 
 # Relative tolerances of parameters.
-PARTS: Final[dict[str, float]] = {
+RELATIVE_TOLERANCES: Final[dict[str, float]] = {
     'linear_drag': 0.05,
     'quadratic_drag': 0.05,
     'rotational_drag': 0.05,
@@ -141,7 +141,7 @@ WHOLE: Final[dict[str, float]] = {
     'rotor_envelope_interaction': 0.2,
 }
 # Bounds of the relative change of an effect that a vehicle of the same kind may lack.
-ABSENT: Final = {'oblique_lift': (-1.0, 1.0)}
+ABSENT_EFFECT_BOUNDS: Final = {'oblique_lift': (-1.0, 1.0)}
 # Tolerances of numbers that a vehicle file has from computed flows, which nobody measured.
 COMPUTED: Final[dict[str, float]] = {'munk_moment.lost': 0.2, 'gas_rotation.share': 0.05}
 # Tolerances of every vehicle (standard deviations), in the unit of the parameter.
@@ -157,8 +157,8 @@ TOLERANCES: Final[dict[str, float]] = {
     'motor_lag': 0.006,
     'command_delay.delay': 0.005,
 }
-ROTOR: Final = 0.02  # of the thrust of each
-GAINS: Final = 0.2  # of each axis of a commanded wrench, which is rarely met exactly
+THRUST_SPREAD: Final = 0.02  # of the thrust of each
+GAIN_SPREAD: Final = 0.2  # of each axis of a commanded wrench, which is rarely met exactly
 WITHIN: Final = (-0.5, 1.0)  # bounds of relative changes of mass, inertia, thrust
 TOE: Final = 0.5 * math.pi / 180.0  # rad; misalignment of a rotor axis
 # Calibration: numbers that any vehicle file must have, unlike effects, which it may lack. Their
@@ -169,7 +169,7 @@ CALIBRATION: Final[dict[str, float]] = {
     **{f'wrench_gain.reverse_{axis}': 0.4 for axis in AXES},
     'command_delay.delay': 0.2,
     'motor_lag': 0.02,
-    NET_LIFT: 0.03,
+    NET_LIFT_FORCE: 0.03,
     **{f'marker_offset.{axis}': 0.1 for axis in 'xyz'},
     **{f'marker_offset.{angle}': 0.2 for angle in ('yaw', 'pitch', 'roll')},
     'tracker_misalignment.pitch': 0.03,
@@ -220,14 +220,14 @@ TRIMS: Final[dict[str, float]] = {
     'imu_bias.z': 0.115,
     'range_offset.offset': 0.012,
     'pressure_drift.rate': 0.0035,
-    NET_LIFT: 0.0006,
+    NET_LIFT_FORCE: 0.0006,
     'clock_offset.offset': 0.002,
 }
 
 
 def _list_effect_parameters(nominal: NominalVehicle, effect: str) -> Iterator[FreeParameter]:
     parameters = {first.name: first for first in EFFECTS[effect].parameters}
-    together = TOGETHER.get(effect)
+    together = JOINT_PARAMETERS.get(effect)
     begun = {} if effect in nominal.effect_parameters else companion_values(effect)
     for group in [together] if together else [(name,) for name in parameters]:
         first = parameters[group[0]]
@@ -241,7 +241,7 @@ def _list_effect_parameters(nominal: NominalVehicle, effect: str) -> Iterator[Fr
         # Bounds are of the change from the vehicle file
         low, high = max(lowest, least) - now, min(first.high, most) - now
         moves = {(effect, one): 1.0 for one in group}
-        tolerance = PARTS.get(effect, 0.0) * abs(now)
+        tolerance = RELATIVE_TOLERANCES.get(effect, 0.0) * abs(now)
         if effect in nominal.effect_parameters:
             tolerance = COMPUTED.get(name, tolerance)
         if effect == 'quadratic_drag' and 'cross_flow' in nominal.effect_parameters:
@@ -266,7 +266,14 @@ def _list_vehicle_tolerances(nominal: NominalVehicle) -> Iterator[FreeParameter]
     for part in ('mass', 'roll', 'pitch', 'yaw'):
         name = f'vehicle.{part}'
         yield FreeParameter(
-            name, '1', {('vehicle', part): 1.0}, STEP, STEP, TOLERANCES[name], 0.0, *WITHIN
+            name,
+            '1',
+            {('vehicle', part): 1.0},
+            DIFF_STEP,
+            DIFF_STEP,
+            TOLERANCES[name],
+            0.0,
+            *WITHIN,
         )
     for i in range(1, min(len(nominal.rotors), ACTUATORS) + 1):
         # The thrust is linear in a and b: rates equal to their values scale it relatively
@@ -274,21 +281,27 @@ def _list_vehicle_tolerances(nominal: NominalVehicle) -> Iterator[FreeParameter]
             ('thrust_curve', f'{c}_{i}'): nominal.parameter_value('thrust_curve', f'{c}_{i}')
             for c in 'ab'
         }
-        yield FreeParameter(f'rotor_{i}.thrust', '1', curve, STEP, STEP, ROTOR, 0.0, *WITHIN)
+        yield FreeParameter(
+            f'rotor_{i}.thrust', '1', curve, DIFF_STEP, DIFF_STEP, THRUST_SPREAD, 0.0, *WITHIN
+        )
     for effect, share in WHOLE.items():
         kind, values = EFFECTS[effect], nominal.effect_parameters.get(effect, {})
         linear = kind.linear_in if isinstance(kind, WrenchEffect) else ()
         numbers = {(effect, one): values[one] for one in linear if values.get(one)}
         if numbers:
-            bounds = ABSENT.get(effect, WITHIN)
-            yield FreeParameter(f'{effect}.all', '1', numbers, STEP, STEP, share, 0.0, *bounds)
+            bounds = ABSENT_EFFECT_BOUNDS.get(effect, WITHIN)
+            yield FreeParameter(
+                f'{effect}.all', '1', numbers, DIFF_STEP, DIFF_STEP, share, 0.0, *bounds
+            )
 
 
 def _list_wrench_gains() -> Iterator[FreeParameter]:
     """Yield the gain of a commanded wrench on each axis: a tolerance, not a candidate."""
     for axis in AXES:
         moves = {('wrench_gain', axis): 1.0}
-        yield FreeParameter(f'wrench_gain.{axis}', '1', moves, STEP, STEP, GAINS, 0.0, -1.0, 2.0)
+        yield FreeParameter(
+            f'wrench_gain.{axis}', '1', moves, DIFF_STEP, DIFF_STEP, GAIN_SPREAD, 0.0, -1.0, 2.0
+        )
 
 
 def list_free_parameters(nominal: NominalVehicle, wrench: bool = False) -> list[FreeParameter]:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-SMALL: Final = 1e-8  # rad; below it a rotation is its own rotation vector
+SMALL_ANGLE: Final = 1e-8  # rad; below it a rotation is its own rotation vector
 
 
 def quaternion_product(a: Array, b: Array) -> Array:
@@ -34,8 +34,8 @@ def quaternion_exponential(vector: Array) -> Array:
     """Return the quaternions of rotation vectors, shape (..., 3). [rad]"""
     angle = np.linalg.norm(vector, axis=-1, keepdims=True)
     # Avoids a division by 0; the result is replaced by the limit
-    safe = np.where(angle > SMALL, angle, 1.0)
-    sine = np.where(angle > SMALL, np.sin(0.5 * angle) / safe, 0.5)
+    safe = np.where(angle > SMALL_ANGLE, angle, 1.0)
+    sine = np.where(angle > SMALL_ANGLE, np.sin(0.5 * angle) / safe, 0.5)
     return np.concatenate([vector * sine, np.cos(0.5 * angle)], axis=-1)
 
 
@@ -45,8 +45,8 @@ def quaternion_logarithm(q: Array) -> Array:
     q = np.where(q[..., 3:] < 0.0, -q, q)
     sine = np.linalg.norm(q[..., :3], axis=-1, keepdims=True)
     angle = 2.0 * np.arctan2(sine, q[..., 3:])
-    safe = np.where(sine > SMALL, sine, 1.0)
-    return q[..., :3] * np.where(sine > SMALL, angle / safe, 2.0)
+    safe = np.where(sine > SMALL_ANGLE, sine, 1.0)
+    return q[..., :3] * np.where(sine > SMALL_ANGLE, angle / safe, 2.0)
 
 
 def rotation_matrix(q: Array) -> Array:

@@ -65,7 +65,7 @@ def chain(row, on, arrivals, commands, around, begin, width, longest, out):
 '''
 
 # Piece s begins at step first[s] of the flight; `memory` holds the memory of the effects by step.
-FLY: Final = '''
+REPLAY_ENTRY: Final = '''
 
 $INLINE
 def meet(row, k, commands, around, memory):

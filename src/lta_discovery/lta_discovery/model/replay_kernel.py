@@ -16,7 +16,7 @@ from typing import Final, final
 
 from lta_config.compilation.compiler import ENTRY_DECORATOR, INNER_DECORATOR
 from lta_config.compilation.kernel_cache import load_kernel
-from lta_discovery.model.replay_entries import CHAIN, FLY
+from lta_discovery.model.replay_entries import CHAIN, REPLAY_ENTRY
 from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import (
     ActuatorEffect,
@@ -70,7 +70,7 @@ ACTUATOR_PLACES: Final = row_slices(ACTUATOR_LAYOUT)
 BODY_PLACES: Final = row_slices(BODY_LAYOUT)
 RIGID: Final = 13
 # Release the GIL, so that flights run in parallel.
-FREE: Final = ENTRY_DECORATOR.replace('cache=True', 'cache=True, nogil=True')
+NOGIL: Final = ENTRY_DECORATOR.replace('cache=True', 'cache=True, nogil=True')
 
 
 @final
@@ -120,7 +120,7 @@ def _build_scalar_form(
     entries: str, where: Mapping[str, slice], access: KernelAccess, latent: int = 0
 ) -> KernelTarget:
     """Return the scalar form of the model with more entries."""
-    text = _format_constants(where, latent) + ROW_ENTRIES + entries.replace('$FREE', FREE)
+    text = _format_constants(where, latent) + ROW_ENTRIES + entries.replace('$FREE', NOGIL)
     return KernelTarget(
         'from numba import njit\n', INNER_DECORATOR, ENTRY_DECORATOR, access, Template(text)
     )
@@ -138,8 +138,10 @@ def load_actuator_kernel() -> ModuleType:
 
 @cache
 def load_body_kernel() -> ModuleType:
-    """Return the compiled motion under given thrusts, with the entries of `FLY`."""
+    """Return the compiled motion under given thrusts, with the entries of `REPLAY_ENTRY`."""
     latent = BODY_PLACES['parameters'].start + BODY_LAYOUT.first[LATENT]
     return load_kernel(
-        render_kernel_source(BODY_ONLY, _build_scalar_form(FLY, BODY_PLACES, RowAccess(), latent))
+        render_kernel_source(
+            BODY_ONLY, _build_scalar_form(REPLAY_ENTRY, BODY_PLACES, RowAccess(), latent)
+        )
     )

@@ -13,7 +13,7 @@ import numpy as np
 
 TAKE_OFF: Final = 2.5  # s; time for the estimator to learn its biases
 CLIMB: Final = 6.0  # s
-DESCENT: Final = 40.0  # s; a nearly neutral vehicle descends slowly
+SINK_TIME: Final = 40.0  # s; a nearly neutral vehicle descends slowly
 LENGTHS: Final = (45.0, 120.0)  # s; duration of the pattern
 SHAKES: Final = (0.0, 0.2)  # duty; amplitude of the dither
 HOLD: Final = 0.7  # s
@@ -115,13 +115,13 @@ def build_maneuver(
         rows.append(_build_row(at, now))
         at, k = at + now.lasts, k + 1
     # Land: altitude 0, with time to descend.
-    rows.append(_build_row(at, PlannedLeg(0.0, now.heading, 0.0, DESCENT)))
+    rows.append(_build_row(at, PlannedLeg(0.0, now.heading, 0.0, SINK_TIME)))
     course: dict[str, Any] = {'between': 'step', 'rows': rows}
     if shake:
         course['shake'] = {'duty': _build_quantity(shake, '1'), 'hold': _build_quantity(HOLD, 's')}
         about += f', with a random dither of {100.0 * shake:.0f} % duty on the motors'
     # Effort in seconds; flights without dither are preferred
-    return PlannedManeuver(about, course, at + DESCENT, (at + DESCENT) * (1.0 + 2.0 * shake))
+    return PlannedManeuver(about, course, at + SINK_TIME, (at + SINK_TIME) * (1.0 + 2.0 * shake))
 
 
 def list_maneuvers(space: AltitudeRange) -> list[PlannedManeuver]:

@@ -21,9 +21,9 @@ from pydantic import Field
 
 Kind = Literal['all', 'imu', 'pose', 'wrench', 'hover']
 
-FILE: Final = Path(__file__).with_name('classes.yaml')
-STILL: Final = 0.15  # m/s; 90 % of a hover flight is slower
-LEVEL: Final = 0.3  # m; height range of the middle 80 % of a hover flight
+CLASSES_FILE: Final = Path(__file__).with_name('classes.yaml')
+HOVER_SPEED: Final = 0.15  # m/s; 90 % of a hover flight is slower
+HOVER_HEIGHT_RANGE: Final = 0.3  # m; height range of the middle 80 % of a hover flight
 
 
 class DataKindClasses(StrictModel):
@@ -64,7 +64,7 @@ class FrozenClasses(StrictModel):
 @cache
 def load_frozen_classes() -> FrozenClasses:
     """Load the derived classes."""
-    return load_file(FrozenClasses, FILE)
+    return load_file(FrozenClasses, CLASSES_FILE)
 
 
 def find_kind_classes(kind: Kind) -> DataKindClasses:
@@ -116,5 +116,5 @@ def _is_hover(flight: MeasuredFlight) -> bool:
     # 25 grid periods of 40 ms are 1 s, so distances are speeds in m/s
     speed = np.linalg.norm(np.diff(place[::25], axis=0), axis=1)
     low, high = np.quantile(place[:, 2], [0.1, 0.9])
-    slow = len(speed) == 0 or float(np.quantile(speed, 0.9)) < STILL
-    return bool(slow and high - low < LEVEL)
+    slow = len(speed) == 0 or float(np.quantile(speed, 0.9)) < HOVER_SPEED
+    return bool(slow and high - low < HOVER_HEIGHT_RANGE)

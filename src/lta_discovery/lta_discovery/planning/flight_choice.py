@@ -12,6 +12,7 @@ from typing import Any, Final, final, NamedTuple
 
 from lta_config.errors import BadInput, unknown_name_error
 from lta_discovery.changed_quantities import format_hypothesis
+from lta_discovery.flights.usable_flights import SATURATED_DUTY
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter, list_free_parameters
 from lta_discovery.planning.candidate_maneuvers import (
@@ -44,13 +45,12 @@ Array = NDArray[np.float64]
 Tell = Callable[[str, float | None], None]
 
 WANTED: Final = 12.0  # nats to expect: 3 decide, the standard deviation is the root of 24
-LEAST: Final = 6.0  # nats; a flight with less expected evidence is not proposed
+LEAST_EVIDENCE: Final = 6.0  # nats; a flight with less expected evidence is not proposed
 TRIED: Final = 4  # manoeuvres that are simulated with each effect
 SURE: Final = 1.3  # of WANTED; required in the first simulation
 SEED: Final = 71
 MARGIN: Final = 0.3  # m between the hull and walls or ceiling
 LARGEST_TILT: Final = math.radians(30.0)
-FULL: Final = 0.98  # duty; at or above it a rotor is saturated
 SATURATED_SHARE: Final = 0.15  # of the flight; longest saturation of any rotor
 
 
@@ -130,7 +130,7 @@ class NextFlightPlanner:
         # None reaches the wanted evidence: take the best of the others
         rest.sort(key=lambda pair: -pair[0])
         tried = [self._evaluate_maneuver(one, first, others) for _, one in rest[:TRIED]]
-        useful = [one for one in tried if one is not None and one.nats >= LEAST]
+        useful = [one for one in tried if one is not None and one.nats >= LEAST_EVIDENCE]
         return max(useful, key=lambda one: one.nats, default=None)
 
     def predict_evidence(
@@ -228,7 +228,7 @@ def list_objections(rehearsed: SimulatedFlight, vehicle: Vehicle, scenario: Scen
             f'it tilts by {math.degrees(rehearsed.tilt):.0f} degrees, more than '
             f'{math.degrees(LARGEST_TILT):.0f}'
         )
-    if np.max(np.mean(np.abs(rehearsed.duties) >= FULL, axis=0)) > SATURATED_SHARE:
+    if np.max(np.mean(np.abs(rehearsed.duties) >= SATURATED_DUTY, axis=0)) > SATURATED_SHARE:
         out.append('a rotor is saturated for too long')
     if rehearsed.path[-1, 2] > rehearsed.standing + CLEAR:
         out.append('it does not land')

@@ -25,10 +25,10 @@ from lta_report.report import Report
 from lta_report.request import argument, option, ReportRequest, StudyRun
 import yaml
 
-FILE: Final = 'next_flight.yaml'
-SCENE: Final = 'hall'
-STRATEGY: Final = 'bag'
-MOST: Final = 4  # most rivals of one flight
+NEXT_FLIGHT_FILE: Final = 'next_flight.yaml'
+NEXT_FLIGHT_SCENE: Final = 'hall'
+NEXT_STRATEGY: Final = 'bag'
+MOST_RIVALS: Final = 4  # most rivals of one flight
 BIG: Final = 2.0  # typical sizes; hypothetical size of an effect without earlier flights
 SEEN_BY: Final[dict[Kind, Sensors]] = {
     'all': 'all',
@@ -88,7 +88,7 @@ class NextFlightPlan:
 
     def format_scenario(self) -> str:
         """Return the text of the scenario file."""
-        head = f'# {self.text}\n# Fly it with: lta fly --scenario {FILE}\n'
+        head = f'# {self.text}\n# Fly it with: lta fly --scenario {NEXT_FLIGHT_FILE}\n'
         return head + yaml.safe_dump(
             self.scenario, sort_keys=False, default_flow_style=None, width=110
         )
@@ -111,7 +111,7 @@ class SeparatingFlightRequest(ReportRequest, command='tests between', folder='te
     first: str = argument('Effect, such as linear_drag.surge.')
     second: str = argument('Another effect.')
     vehicle: str = option('Vehicle name or file.', complete='vehicle')
-    scenario: str = option('Scenario to fly in, name or file.', default=SCENE)
+    scenario: str = option('Scenario to fly in, name or file.', default=NEXT_FLIGHT_SCENE)
 
     def run(self, run: StudyRun) -> Report:
         """Return the report with the scenario to fly."""
@@ -119,7 +119,7 @@ class SeparatingFlightRequest(ReportRequest, command='tests between', folder='te
             plan = plan_separating_flight(
                 self.vehicle, self.first, self.second, self.scenario, tell=progress.show_stage
             )
-        path, flies = relative_path(run.folder / FILE), plan.scenario is not None
+        path, flies = relative_path(run.folder / NEXT_FLIGHT_FILE), plan.scenario is not None
         fly = format_lta_command('fly', '--vehicle', self.vehicle, '--scenario', path)
         return Report(
             command='tests between',
@@ -131,7 +131,7 @@ class SeparatingFlightRequest(ReportRequest, command='tests between', folder='te
             data={'next_flight': plan.text, 'expected_nats': plan.nats,
                   'scenario': str(path) if flies else None},
             commands={'fly it': fly} if flies else {},
-            outputs={FILE: plan.format_scenario()} if flies else {},
+            outputs={NEXT_FLIGHT_FILE: plan.format_scenario()} if flies else {},
         )  # fmt: skip
 
 
@@ -139,7 +139,7 @@ def plan_separating_flight(
     vehicle: str,
     first: str,
     second: str,
-    scene: str = SCENE,
+    scene: str = NEXT_FLIGHT_SCENE,
     kind: Kind = 'all',
     tell: Tell = lambda _words, _share: None,
 ) -> NextFlightPlan:
@@ -151,7 +151,7 @@ def plan_separating_flight(
     too low to fly in.
     """
     planner = NextFlightPlanner(
-        load_spec(vehicle, scene, STRATEGY, ''), _read_text(vehicle), SEEN_BY[kind], tell
+        load_spec(vehicle, scene, NEXT_STRATEGY, ''), _read_text(vehicle), SEEN_BY[kind], tell
     )
     if first == second:
         raise BadInput(f"'{first}' is given twice; name two different effects.")
@@ -168,7 +168,7 @@ def plan_next_flight(
     values: Mapping[str, float],
     kind: Kind,
     tell: Tell = lambda _words, _share: None,
-    scene: str = SCENE,
+    scene: str = NEXT_FLIGHT_SCENE,
 ) -> NextFlightPlan:
     """
     Plan the flight that separates effects that earlier flights cannot tell apart.
@@ -183,7 +183,7 @@ def plan_next_flight(
         Their estimates, relative to the file; a typical size where there is none.
 
     """
-    spec = load_spec(vehicle, scene, STRATEGY, '')
+    spec = load_spec(vehicle, scene, NEXT_STRATEGY, '')
     # After a calibration that file flies
     spec = replace(spec, contents={**spec.contents, 'vehicle': parse_yaml(text, vehicle)})
     planner = NextFlightPlanner(spec, text, SEEN_BY[kind], tell)
@@ -216,7 +216,7 @@ def plan_decision(
     name = first.knob.name
     never = tuple(o.knob.name for o in others if is_equivalent(name, o.knob.name, rich))
     # More rivals would need too many simulations
-    open_ = [other for other in others if other.knob.name not in never][:MOST]
+    open_ = [other for other in others if other.knob.name not in never][:MOST_RIVALS]
     words = []
     if never:
         words.append(_format_no_flight(name, never, rich))

@@ -39,8 +39,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Sensors = Literal['all', 'imu', 'pose', 'wrench']
 
-POSE: Final = 1e-3  # m; noise of a tracker of passive markers
-TURN: Final = 2.5e-3  # rad
+POSE_NOISE: Final = 1e-3  # m; noise of a tracker of passive markers
+TURN_NOISE: Final = 2.5e-3  # rad
 SMOOTHED: Final = 3  # times; each leaves the square of the error that the one before left
 CLEAR: Final = 0.05  # m above the standing height; below it the vehicle may touch the floor
 KEPT: Final[dict[str, tuple[str, ...]]] = {
@@ -139,9 +139,9 @@ def _tilt_cosine(quaternion: Array) -> Array:
 
 def _add_tracker_noise(pose: Stream, rng: np.random.Generator) -> Stream:
     values = pose.values.copy()
-    values[:, :3] += POSE * rng.standard_normal((len(values), 3))
+    values[:, :3] += POSE_NOISE * rng.standard_normal((len(values), 3))
     # Small random rotation in the body frame
-    wobble = quaternion_exponential(TURN * rng.standard_normal((len(values), 3)))
+    wobble = quaternion_exponential(TURN_NOISE * rng.standard_normal((len(values), 3)))
     values[:, 3:] = quaternion_product(values[:, 3:], wobble)
     return Stream(pose.time, values)
 

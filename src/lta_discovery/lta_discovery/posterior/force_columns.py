@@ -8,19 +8,19 @@ from collections.abc import Iterator, Sequence
 from typing import Final, final, NamedTuple
 
 from lta_config.constants import STANDARD_GRAVITY
-from lta_discovery.flights.measured_flight import PERIOD
+from lta_discovery.flights.measured_flight import GRID_PERIOD
 from lta_discovery.model.quaternions import rotation_matrix
 from lta_discovery.posterior.elements import ForceGroup
 from lta_discovery.posterior.force_terms import (
     FlightBoundingBox,
     list_axis_terms,
+    OSCILLATION_LIMITS,
     position_terms,
     simulate_oscillator,
-    SWINGS,
     TermInputs,
     thrust_terms,
 )
-from lta_discovery.replay.replay import STEPS
+from lta_discovery.replay.replay import AXIS_COUNT, STEPS_PER_PERIOD
 from lta_discovery.state_filter.linear_flight import FlightSystem, LinearFlight
 from lta_model.effects.protocol import AXES as NAMES
 from lta_model.state import ROTOR, ROTOR_AXIS, ROTOR_PLACE
@@ -29,7 +29,6 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-AXES: Final = 6
 SHAKEN: Final = (0, 1, 2, 1, 0, 1)  # axis of the specific force that drives a swing on each axis
 USUAL_SHAKING: Final = 0.1  # m/s2
 
@@ -68,7 +67,7 @@ def _compute_inputs(system: FlightSystem, flight: LinearFlight) -> TermInputs:
     """Return what the terms depend on, as one piece."""
     motion = flight.motion
     # Acceleration in the body frame; the term w x v is neglected
-    rate = np.gradient(motion[:, 7:10], PERIOD, axis=0)
+    rate = np.gradient(motion[:, 7:10], GRID_PERIOD, axis=0)
     felt = rate + STANDARD_GRAVITY * rotation_matrix(motion[:, 3:7])[:, 2]
     pushed = _compute_push(system, flight)
     return TermInputs(system.flight.time[None], motion[None], pushed[None], felt[None])
@@ -79,11 +78,11 @@ def _compute_push(system: FlightSystem, flight: LinearFlight) -> Array:
     n, commanded = len(flight.motion), system.flight.wrench
     if commanded is not None:
         at = np.searchsorted(commanded.time, system.flight.time, side='right') - 1
-        return commanded.values[np.maximum(at, 0), :AXES]
+        return commanded.values[np.maximum(at, 0), :AXIS_COUNT]
     rows = system.replay.build_replay_rows(flight.nominal)
     commands = system.replay.compute_body_inputs(rows).commands
-    thrust = commands[: n * STEPS].reshape(n, STEPS, -1).mean(axis=1)
-    body, pushed = flight.nominal.build_model().body, np.zeros((n, AXES))
+    thrust = commands[: n * STEPS_PER_PERIOD].reshape(n, STEPS_PER_PERIOD, -1).mean(axis=1)
+    body, pushed = flight.nominal.build_model().body, np.zeros((n, AXIS_COUNT))
     for k in range(len(flight.nominal.rotors)):
         place, axis = (
             body[at + k * ROTOR : at + k * ROTOR + 3] for at in (ROTOR_PLACE, ROTOR_AXIS)
@@ -98,26 +97,26 @@ def _list_forces(inputs: TermInputs, scene: FlightBoundingBox, floor: Array) -> 
     bumps = position_terms(inputs, scene)[1][0]
     # Forces along the axes of the map, on those of the body
     level = floor[0] * np.einsum('nj,nwa->njwa', bumps, turn[:, :2])
-    wide = np.zeros((len(bumps), 2 * bumps.shape[1], AXES))
+    wide = np.zeros((len(bumps), 2 * bumps.shape[1], AXIS_COUNT))
     wide[..., :3] = level.transpose(0, 2, 1, 3).reshape(len(bumps), -1, 3)
     yield Force('level force by place', wide)
     yield _build_force('place', 2, bumps, floor)
     common = [(name, values[0]) for name, _, values in list_axis_terms(inputs, scene)]
     common.append(('thrust x speed', thrust_terms(inputs)[1][0]))
-    for axis in range(AXES):
+    for axis in range(AXIS_COUNT):
         for name, values in common:
             yield _build_force(name, axis, values, floor)
         shaken = inputs.felt[..., SHAKEN[axis]]
         swung = [
             simulate_oscillator(inputs, (shaken - shaken.mean()) / USUAL_SHAKING, hertz)[0]
-            for hertz in SWINGS
+            for hertz in OSCILLATION_LIMITS
         ]
         yield _build_force('something that swings', axis, np.concatenate(swung, axis=1), floor)
 
 
 def _build_force(name: str, axis: int, values: Array, floor: Array) -> Force:
     """Return a force on one axis, with a constant, so that its terms need no mean of 0."""
-    wrenches = np.zeros((len(values), values.shape[1] + 1, AXES))
+    wrenches = np.zeros((len(values), values.shape[1] + 1, AXIS_COUNT))
     wrenches[:, :-1, axis] = floor[axis] * values
     wrenches[:, -1, axis] = floor[axis]
     return Force(f'{NAMES[axis]} by {name}', wrenches)

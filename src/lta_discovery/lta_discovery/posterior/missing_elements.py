@@ -30,11 +30,11 @@ from lta_discovery.posterior.linear_evidence import LinearEvidence
 from lta_discovery.posterior.model_search import log_prior, ModelSearch, ScoredModel
 from lta_discovery.posterior.settings import (
     ALIKE,
-    CAPS,
+    CAPPED_NOISE_FLOORS,
     CERTAIN,
     LEAST_GAIN,
+    MOST_SEARCH_STEPS,
     NEGLIGIBLE,
-    STEPS,
     UNEXPLAINED,
 )
 from lta_discovery.state_filter.kalman import filter_flight, FilteredFlight
@@ -53,7 +53,7 @@ Array = NDArray[np.float64]
 LINEARIZATIONS: Final = 10  # most of a fit
 LEARNING: Final = (0,)  # a fit learns the noise once
 EVEN: Final = 1.01  # of a wrench; a cap that it exceeds by less changes nothing
-SMALLEST: Final = 1e-9  # of the largest singular value of columns that move together
+SMALLEST_SINGULAR: Final = 1e-9  # of the largest singular value of columns that move together
 SENSOR_EFFECTS: Final = ('gyro_', 'imu_', 'range_', 'pressure_')  # idle without these sensors
 
 
@@ -168,7 +168,7 @@ class MissingElementSearch:
         rough = self._fit(self._begin, self._begin.scored)
         best = self._bare = self._fit(rough, rough.scored)
         self._fits = [best.scored]
-        for number in range(STEPS):
+        for number in range(MOST_SEARCH_STEPS):
             tell(1.0 - 0.8 ** (number + 1))
             search = self._look(best, best.noise)
             ranked = search.run(best.scored.model)
@@ -201,7 +201,7 @@ class MissingElementSearch:
         `first`: the model to try first.
         """
         tried = {(best.scored.elements, math.inf)}
-        for floors in (math.inf, *CAPS):
+        for floors in (math.inf, *CAPPED_NOISE_FLOORS):
             most = floors * self._floor
             one, begin = first, best
             if floors < math.inf:
@@ -406,7 +406,7 @@ def _list_alike(search: ModelSearch, best: ScoredModel, choice: ElementChoice) -
         both = information[np.ix_(others, columns)] - across[:, others].T @ across[:, columns]
         both = both @ direction
         # A column that does nothing follows nothing
-        follows = float(both @ np.linalg.lstsq(inner, both, rcond=SMALLEST)[0])
+        follows = float(both @ np.linalg.lstsq(inner, both, rcond=SMALLEST_SINGULAR)[0])
         if math.sqrt(max(follows, 0.0)) > ALIKE * math.sqrt(size):
             out.append(k)
     return out

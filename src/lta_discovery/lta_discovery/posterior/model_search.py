@@ -18,7 +18,15 @@ from lta_discovery.posterior.elements import (
     NO_ELEMENTS,
 )
 from lta_discovery.posterior.linear_evidence import LinearEvidence, RestrictedEvidence
-from lta_discovery.posterior.settings import ADDED, BEAM, GROWTH, HOPELESS, LARGEST, SWAPPED, TRUST
+from lta_discovery.posterior.settings import (
+    ADDED,
+    BEAM_WIDTH,
+    GROWTH,
+    HOPELESS,
+    LARGEST_MODEL,
+    MOST_SWAPS,
+    TRUST,
+)
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import norm
@@ -73,7 +81,7 @@ class ModelSearch:
         self._high = np.array([*(one.high for one in parameters), *[math.inf] * more])
         self._scored: dict[Model, ScoredModel] = {}
         self._best = -math.inf
-        self._largest = LARGEST
+        self._largest = LARGEST_MODEL
 
     def run(self, begin: Model = NO_ELEMENTS) -> list[ScoredModel]:
         """
@@ -81,7 +89,7 @@ class ModelSearch:
 
         None has more than `GROWTH` elements beyond those of the model to begin with.
         """
-        self._largest = min(len(begin) + GROWTH, LARGEST)
+        self._largest = min(len(begin) + GROWTH, LARGEST_MODEL)
         self.score(NO_ELEMENTS)
         self.score(begin)
         extended, exchanged = set[Model](), set[Model]()
@@ -91,7 +99,7 @@ class ModelSearch:
             best = dict[frozenset[int], ScoredModel]()
             for one in ranked:
                 best.setdefault(one.elements, one)
-            ahead = [one for one in list(best.values())[:BEAM] if one.model not in extended]
+            ahead = [one for one in list(best.values())[:BEAM_WIDTH] if one.model not in extended]
             for one in ahead:
                 extended.add(one.model)
                 self._extend(one)
@@ -115,7 +123,7 @@ class ModelSearch:
             less = one.model - {choice}
             for size in self.elements[choice.element].sizes:
                 self.score(less | {ElementChoice(choice.element, size)}, one.trust)
-            for more in self._list_additions(self.score(less, one.trust), SWAPPED):
+            for more in self._list_additions(self.score(less, one.trust), MOST_SWAPS):
                 self.score(less | {more}, one.trust)
 
     def score(self, model: Model, hint: float | None = None) -> ScoredModel:

@@ -15,18 +15,18 @@ EXPECTED_FORCES: Final = 0.5  # forces of another form, on average
 TRUST: Final = {1.0: 0.75, 3.0: 0.25}
 # Noise floors at which the unexplained wrench is capped in further looks: what is missing raises
 # it, and a raised one hides what is missing
-CAPS: Final = (2.5, 1.0)
+CAPPED_NOISE_FLOORS: Final = (2.5, 1.0)
 
 # Search
-BEAM: Final = 4  # models that are extended
-LARGEST: Final = 12  # elements of a model
+BEAM_WIDTH: Final = 4  # models that are extended
+LARGEST_MODEL: Final = 12  # elements of a model
 # Elements that a model may gain before the flights are linearized about it: far from the truth a
 # linear model asks for many elements, of which few remain
 GROWTH: Final = 2
 ADDED: Final = 10  # additions to a model that are tried, the most promising first
-SWAPPED: Final = 5  # the same in place of another element
+MOST_SWAPS: Final = 5  # the same in place of another element
 HOPELESS: Final = 12.0  # nats below the best; such a model is not looked at more closely
-STEPS: Final = 12  # from one model to a better one, most
+MOST_SEARCH_STEPS: Final = 12  # from one model to a better one, most
 
 # Conclusion
 CERTAIN: Final = 0.95  # probability among the models from which on something is named

@@ -4,15 +4,15 @@ from collections.abc import Mapping
 from typing import Final
 
 from lta_config.constants import STANDARD_GRAVITY
-from lta_discovery.flights.measured_flight import PERIOD
+from lta_discovery.flights.measured_flight import GRID_PERIOD
 from lta_discovery.replay.sensing import (
     apply_sensor_effects,
     body_vertical,
+    CHANNEL_READINGS,
     cross_matrix,
-    PARTS,
     SensorPlaces,
 )
-from lta_discovery.replay.variational_equation import WIDTH
+from lta_discovery.replay.variational_equation import STATE_WIDTH
 from lta_model.measurement_chain import Chain
 from lta_model.sensors.pressure import EXPONENT, LAPSE, SEA_TEMPERATURE
 import numpy as np
@@ -25,7 +25,7 @@ TURN, SPEED, RATES = (
     slice(6, 9),
     slice(9, 12),
 )  # of a state change (`variational_equation`)
-SMALL: Final = np.array([1e-4] * 7 + [1.0])  # step of a reading, to differentiate its effects
+READ_STEPS: Final = np.array([1e-4] * 7 + [1.0])  # step of a reading, to differentiate its effects
 
 
 def _write_force_slopes(
@@ -39,11 +39,11 @@ def _write_force_slopes(
     # Derivative of w x (v + w x r) by w
     by_rates = -going - turning @ lever
     for out, state, sign in ((first, begin, -1.0), (last, end, 1.0)):
-        force = out[..., PARTS['force'], :]
+        force = out[..., CHANNEL_READINGS['force'], :]
         # The map's vertical u seen from a body that turns by a: u + u x a.
         force[..., TURN] = 0.5 * STANDARD_GRAVITY * cross_matrix(body_vertical(state))
-        force[..., SPEED] = sign / PERIOD * eye + 0.5 * turning
-        force[..., RATES] = -sign / PERIOD * lever + 0.5 * by_rates
+        force[..., SPEED] = sign / GRID_PERIOD * eye + 0.5 * turning
+        force[..., RATES] = -sign / GRID_PERIOD * lever + 0.5 * by_rates
 
 
 def _write_height_slopes(begin: Array, first: Array, places: SensorPlaces) -> None:
@@ -67,7 +67,7 @@ def _apply_sensor_effects(
 ) -> None:
     """Apply the chain rule of the sensor effects to slopes of ideal readings."""
     whole = apply_sensor_effects(exact, time, acting)
-    for name, part in PARTS.items():
+    for name, part in CHANNEL_READINGS.items():
         if not acting[name]:
             continue
         count = part.stop - part.start
@@ -75,9 +75,9 @@ def _apply_sensor_effects(
         for k in range(count):
             # Disturb one reading of the channel at a time (forward difference)
             aside = exact.copy()
-            aside[..., part.start + k] += SMALL[part.start]
+            aside[..., part.start + k] += READ_STEPS[part.start]
             there = apply_sensor_effects(aside, time, acting)
-            own[..., k] = ((there - whole) / SMALL[part.start])[..., part]
+            own[..., k] = ((there - whole) / READ_STEPS[part.start])[..., part]
         for out in slopes:
             out[..., part, :] = own @ out[..., part, :]
 
@@ -92,9 +92,9 @@ def reading_jacobians(
     `grid` holds the states, shape (S, n + 1, 13), and `exact` the `sensing.ideal_readings`.
     """
     begin, end = grid[:, :-1], grid[:, 1:]
-    first, last = np.zeros((2, *exact.shape, WIDTH))
+    first, last = np.zeros((2, *exact.shape, STATE_WIDTH))
     for out in (first, last):
-        out[..., PARTS['rates'], RATES] = 0.5 * np.eye(3)
+        out[..., CHANNEL_READINGS['rates'], RATES] = 0.5 * np.eye(3)
     _write_force_slopes(begin, end, first, last, places)
     _write_height_slopes(begin, first, places)
     _apply_sensor_effects(exact, time, acting, first, last)

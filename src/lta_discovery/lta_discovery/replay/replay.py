@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 from typing import Final, final, NamedTuple
 
-from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD, Stream
+from lta_discovery.flights.measured_flight import GRID_PERIOD, MeasuredFlight, Stream
 from lta_discovery.model.nominal import NominalVehicle, ReplayRows
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.model.replay_kernel import (
@@ -13,17 +13,17 @@ from lta_discovery.model.replay_kernel import (
     RIGID,
 )
 from lta_discovery.replay.sensing import apply_channel_effects
-from lta_discovery.replay.variational_equation import NUDGE, WIDTH
+from lta_discovery.replay.variational_equation import NUDGE, STATE_WIDTH
 from lta_model.state import ACTUATORS, COMMAND, MASS_PLACE, SURROUNDINGS, VOLTAGE
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-STEPS: Final = 2  # integrator steps in a grid period
-LONGEST: Final = 0.01  # s; longest step of the actuators
+STEPS_PER_PERIOD: Final = 2  # integrator steps in a grid period
+LONGEST_ACTUATOR_STEP: Final = 0.01  # s; longest step of the actuators
 ALL: Final = slice(None)
-AXES: Final = 6
+AXIS_COUNT: Final = 6
 CLOCKS: Final = ('clock', 'pose_time')  # channels that shift the time of a pose
 REMEMBERING: Final = [
     flag for flag, name in enumerate(BODY_LAYOUT.effects) if BODY_LAYOUT.memory_size(name)
@@ -43,7 +43,7 @@ class BodyInputs:
     def average_periods(self) -> tuple[Array, Array, Array]:
         """Return the means over each grid period."""
         first, second, third = (
-            part.reshape(-1, STEPS, part.shape[1]).mean(axis=1)
+            part.reshape(-1, STEPS_PER_PERIOD, part.shape[1]).mean(axis=1)
             for part in (self.commands, self.memory, self.wrench)
         )
         return first, second, third
@@ -80,16 +80,16 @@ class FlightReplay:
         self, flight: MeasuredFlight, first: NDArray[np.int64], length: int, still: Array
     ) -> None:
         self.flight, self._periods, self._still = flight, first, still
-        self.dt = PERIOD / STEPS
+        self.dt = GRID_PERIOD / STEPS_PER_PERIOD
         # One more piece than the flight: the last piece may reach past its end
-        count = (len(flight.time) + length) * STEPS
+        count = (len(flight.time) + length) * STEPS_PER_PERIOD
         self._steps = flight.time[0] + self.dt * np.arange(count)
-        self.first = first * STEPS
-        self.span = length * STEPS
+        self.first = first * STEPS_PER_PERIOD
+        self.span = length * STEPS_PER_PERIOD
         self._around = np.zeros((count, SURROUNDINGS))
         # Of the surroundings only the voltage is recorded; the others stay 0
         self._around[:, VOLTAGE] = self._interpolate_voltage(self._steps)
-        self._sparse = self._around[::STEPS].copy()
+        self._sparse = self._around[::STEPS_PER_PERIOD].copy()
         orders = flight.commands
         self._orders = np.zeros((len(orders.time), COMMAND))
         self._orders[:, : orders.values.shape[1]] = orders.values
@@ -165,7 +165,7 @@ class FlightReplay:
         """Return the mean commanded wrench in each step, after any delay."""
         wrench_stream = self.flight.wrench
         if wrench_stream is None:
-            return np.zeros((len(self._steps), AXES))
+            return np.zeros((len(self._steps), AXIS_COUNT))
         # A delay shifts when commands arrive, not their values
         acting = apply_channel_effects(
             rows.acting['command_wrench'], wrench_stream.values, wrench_stream.time
@@ -184,7 +184,7 @@ class FlightReplay:
         time = self.flight.commands.time
         load_actuator_kernel().chain(
             rows.actuators.copy(), rows.actuators_on, time + _command_delays(rows, time),
-            self._orders, self._met, float(self._steps[0]), self.dt, LONGEST, out,
+            self._orders, self._met, float(self._steps[0]), self.dt, LONGEST_ACTUATOR_STEP, out,
         )  # fmt: skip
         return out
 
@@ -248,7 +248,7 @@ class FlightReplay:
         `states`, shape (S, n, 13), and the mean unexplained wrench `latent`, shape (S, n, 6), are
         those in the middle of each grid period. Only the first parameter set is used.
         """
-        out = np.zeros((*states.shape[:2], WIDTH, WIDTH))
+        out = np.zeros((*states.shape[:2], STATE_WIDTH, STATE_WIDTH))
         load_body_kernel().jacobians(
             turns.rows[0].copy(), turns.on[0], self._periods[which], states, turns.commands[0],
             self._sparse, turns.memory[0], turns.wrench[0], latent, NUDGE, out,
@@ -263,9 +263,9 @@ class FlightReplay:
 
         The change of d/dt of body velocity and rates per unit. Arguments as in `state_jacobians`.
         """
-        out = np.zeros((*states.shape[:2], AXES, len(turns.steps)))
+        out = np.zeros((*states.shape[:2], AXIS_COUNT, len(turns.steps)))
         # Work space of the kernel
-        answers = np.empty((len(turns.rows), states.shape[1], AXES))
+        answers = np.empty((len(turns.rows), states.shape[1], AXIS_COUNT))
         load_body_kernel().answers(
             turns.rows, turns.on, turns.faced, self._periods[which], states, turns.commands,
             self._sparse, turns.memory, turns.wrench, latent, turns.before, turns.after,

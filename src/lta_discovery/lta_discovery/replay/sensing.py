@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any, Final, final, NamedTuple
 
 from lta_config.constants import STANDARD_GRAVITY
-from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD
+from lta_discovery.flights.measured_flight import GRID_PERIOD, MeasuredFlight
 from lta_discovery.model.quaternions import (
     quaternion_conjugate,
     quaternion_exponential,
@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 MARKER: Final = MARKER_OFFSET.reading
 IDENTITY: Final = np.array([0.0, 0.0, 0.0, 1.0])  # quaternion x y z w
 # Readings that each channel of effects acts on.
-PARTS: Final = {
+CHANNEL_READINGS: Final = {
     'rates': slice(0, 3),
     'force': slice(3, 6),
     'range': slice(6, 7),
@@ -96,7 +96,8 @@ def _shift_poses(states: Array, shift: Array) -> tuple[Array, Array]:
     rates, half = states[..., :-1, 10:13], 0.5 * shift**2
     # Accelerations by central differences on the grid
     change, turning = (
-        np.gradient(each, PERIOD, axis=-2)[..., :-1, :] for each in (velocity, states[..., 10:13])
+        np.gradient(each, GRID_PERIOD, axis=-2)[..., :-1, :]
+        for each in (velocity, states[..., 10:13])
     )
     position = states[..., :-1, :3] + shift * velocity[..., :-1, :] + half * change
     turn = quaternion_exponential(shift * rates + half * turning)
@@ -248,7 +249,7 @@ def ideal_readings(
     # The barometer is beside the IMU and moves with it as the vehicle tilts
     height = begin[..., 2] + vertical @ np.array(places.imu)
     pressure = places.floor * (1.0 - LAPSE * height / SEA_TEMPERATURE) ** EXPONENT
-    change = (end - begin) / PERIOD
+    change = (end - begin) / GRID_PERIOD
     states, weights = [begin, end], [0.5, 0.5]
     if middle is not None:
         states, weights = [begin, middle, end], [1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0]
@@ -261,7 +262,7 @@ def ideal_readings(
 def apply_sensor_effects(exact: Array, time: Array, acting: Mapping[str, Chain]) -> Array:
     """Apply the sensor effects to ideal readings, shape (..., 8)."""
     out = exact.copy()
-    for name, part in PARTS.items():
+    for name, part in CHANNEL_READINGS.items():
         if acting[name]:
             out[..., part] = apply_channel_effects(acting[name], exact[..., part], time)
     return out

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-WIDTH: Final = 12
+STATE_WIDTH: Final = 12
 NUDGE: Final = np.array([1e-4] * 3 + [1e-5] * 3 + [1e-5] * 3 + [1e-5] * 3)  # m, rad, m/s, rad/s
 
 
@@ -34,7 +34,7 @@ def apply_state_changes(states: Array, change: Array) -> Array:
 
 def discretize_dynamics(jacobian: Array, dt: float) -> tuple[Array, Array]:
     """Return A and B of x' = A x + B g over a step in which F and g are constant."""
-    eye = np.eye(WIDTH)
+    eye = np.eye(STATE_WIDTH)
     # Taylor series of the integral of exp(F t) in Horner form; A is of fourth order
     hf = dt * jacobian
     half = eye + hf / 4.0

@@ -15,7 +15,7 @@ from lta_discovery.state_filter.noise_model import average_noise, NoiseModel
 import numpy as np
 
 FACTOR: Final = 2.0  # between two sizes or memories that are tried; errors change by some per cent
-MOST: Final = 4  # such factors in either direction
+MOST_NOISE_FACTORS: Final = 4  # such factors in either direction
 CLEARLY: Final = 0.003  # of the mean logarithm of the errors; less is no reason for another noise
 
 
@@ -50,7 +50,7 @@ def fit_forecast_noise(
     while True:
         size, memory = best
         near = [(size - 1, memory), (size, memory - 1), (size + 1, memory), (size, memory + 1)]
-        inside = [one for one in near if max(map(abs, one)) <= MOST]
+        inside = [one for one in near if max(map(abs, one)) <= MOST_NOISE_FACTORS]
         after = min(inside, key=lambda one: measure(*one))
         if not measure(*after) < measure(*best) - CLEARLY:
             return build(*best)

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 import math
 from typing import Final, final, NamedTuple
 
-from lta_discovery.flights.measured_flight import PERIOD
-from lta_discovery.flights.noise import HALF
+from lta_discovery.flights.measured_flight import GRID_PERIOD
+from lta_discovery.flights.noise import NOISE_MEDIAN
 from lta_discovery.parallel import map_parallel
 from lta_discovery.state_filter.kalman import filter_flight, FilteredFlight
 from lta_discovery.state_filter.likelihood import ParameterPrior
@@ -18,11 +18,11 @@ Array = NDArray[np.float64]
 
 HORIZONS: Final = (1.0, 3.0, 8.0)  # s; of the forecasts
 SHORT: Final = (0.4, 0.8, 1.2)  # s; those of flights too short for them
-EVERY: Final = 0.75  # s; between the starts of the forecasts of a fit
+FIT_FORECAST_INTERVAL: Final = 0.75  # s; between the starts of the forecasts of a fit
 FIRST_START: Final = 1.0  # s; from the beginning of a run, in which the filter settles
-PARTS: Final = (slice(0, 3), slice(3, 6))  # position and attitude of an error
+ERROR_PARTS: Final = (slice(0, 3), slice(3, 6))  # position and attitude of an error
 ATTITUDE: Final = 0.5  # weight of an error of attitude by that of position, each in its usual size
-WEIGHTS: Final = np.array([1.0] * 3 + [ATTITUDE] * 3)
+ERROR_WEIGHTS: Final = np.array([1.0] * 3 + [ATTITUDE] * 3)
 ROBUST: Final = 4.5  # usual sizes; larger errors have a linear cost instead of a quadratic one
 BLOCK: Final = 10.0  # s; errors further apart than this are independent
 WEIGHINGS: Final = 5  # times that a step weighs linear errors anew; more change nothing
@@ -63,9 +63,9 @@ def sum_forecasts(
     """Return the errors of all forecasts about some values."""
     errors = np.concatenate(list_errors(flights, noise, prior, horizons))
     places = [
-        (f, int(start * PERIOD / BLOCK))
+        (f, int(start * GRID_PERIOD / BLOCK))
         for f, flight in enumerate(flights)
-        for start in list_starts(flight.runs, EVERY)
+        for start in list_starts(flight.runs, FIT_FORECAST_INTERVAL)
     ]
     weighed, size = weigh_errors(errors)
     inner, pulls = _sum_errors(weighed, prior)
@@ -73,7 +73,7 @@ def sum_forecasts(
     blocks = np.zeros((block.max() + 1, len(values)))
     np.add.at(blocks, block, pulls)
     # What the steps make smaller: a weight of an error is one of its square
-    cost = float(np.average(np.log(size).mean(axis=0), weights=WEIGHTS**2))
+    cost = float(np.average(np.log(size).mean(axis=0), weights=ERROR_WEIGHTS**2))
     return ForecastSum(inner, pulls.sum(axis=0) - values * prior.precision, cost, blocks, errors)
 
 
@@ -95,7 +95,7 @@ def list_errors(
 
     def forecast(one: tuple[LinearFlight, NoiseModel]) -> Array:
         flight, model = one
-        starts = list_starts(flight.runs, EVERY)
+        starts = list_starts(flight.runs, FIT_FORECAST_INTERVAL)
         return settle_own(filter_flight(flight, model.ahead, starts, horizons), prior)
 
     return map_parallel(forecast, list(zip(flights, noise, strict=True)))
@@ -115,14 +115,14 @@ def measure_errors(
         if len(measured):
             # With a model that diverges, the most that a float holds
             squares = np.minimum(np.abs(measured), 1e100) ** 2
-            place, turn = (squares[:, part].sum(axis=1).mean() for part in PARTS)
+            place, turn = (squares[:, part].sum(axis=1).mean() for part in ERROR_PARTS)
             sizes.append(0.5 * (math.log(place) + ATTITUDE * math.log(turn)))
     return float(np.mean(sizes)) if sizes else math.inf
 
 
 def choose_horizons(systems: Sequence[FlightSystem]) -> tuple[float, ...]:
     """Return the horizons of forecasts for which some flight is long enough. [s]"""
-    longest = max((b - a for one in systems for a, b in one.runs), default=0) * PERIOD
+    longest = max((b - a for one in systems for a, b in one.runs), default=0) * GRID_PERIOD
     for horizons in (HORIZONS, SHORT):
         fitting = tuple(one for one in horizons if one + FIRST_START < longest)
         if fitting:
@@ -132,7 +132,7 @@ def choose_horizons(systems: Sequence[FlightSystem]) -> tuple[float, ...]:
 
 def list_starts(runs: Sequence[tuple[int, int]], every: float) -> NDArray[np.int64]:
     """Return the grid points at which forecasts of a flight begin."""
-    wait, apart = round(FIRST_START / PERIOD), round(every / PERIOD)
+    wait, apart = round(FIRST_START / GRID_PERIOD), round(every / GRID_PERIOD)
     return np.concatenate(
         [np.zeros(0, dtype=np.int64), *(np.arange(a + wait, b, apart) for a, b in runs)]
     )
@@ -159,13 +159,13 @@ def weigh_errors(errors: Array) -> tuple[Array, Array]:
     left = errors[..., -1]
     measured = np.isfinite(left)
     size = np.zeros(left.shape[1:])
-    for part in PARTS:
+    for part in ERROR_PARTS:
         for h in range(left.shape[1]):
             some = left[:, h, part][measured[:, h, part]]
             # An outlier must not hide the others
-            usual = np.median(np.abs(some)) / HALF if len(some) else 1.0
+            usual = np.median(np.abs(some)) / NOISE_MEDIAN if len(some) else 1.0
             size[h, part] = usual if usual > 0.0 else 1.0
-    weight = WEIGHTS / size / math.sqrt(left.shape[1])
+    weight = ERROR_WEIGHTS / size / math.sqrt(left.shape[1])
     far = np.where(measured, np.abs(left) / size, 0.0)
     weight = weight * np.sqrt(ROBUST / np.maximum(far, ROBUST))
     return np.where(measured[..., None], errors * weight[..., None], 0.0), size

@@ -12,9 +12,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final, final
 
-from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD
+from lta_discovery.flights.measured_flight import GRID_PERIOD, MeasuredFlight
 from lta_discovery.model.nominal import NominalVehicle
-from lta_discovery.model.parameters import apply_parameters, FreeParameter, NET_LIFT
+from lta_discovery.model.parameters import apply_parameters, FreeParameter, NET_LIFT_FORCE
 from lta_discovery.model.quaternions import (
     quaternion_conjugate,
     quaternion_exponential,
@@ -24,19 +24,19 @@ from lta_discovery.model.quaternions import (
     rotation_matrix,
 )
 from lta_discovery.parallel import map_parallel
-from lta_discovery.replay.replay import FlightReplay, STEPS
+from lta_discovery.replay.replay import FlightReplay, STEPS_PER_PERIOD
 from lta_discovery.replay.sensing import predict_pose
 from lta_discovery.replay.variational_equation import apply_state_changes
 from lta_discovery.state_filter.forecast_sums import (
-    EVERY,
+    FIT_FORECAST_INTERVAL,
     HORIZONS,
     list_starts,
     settle_own,
     weigh_errors,
 )
-from lta_discovery.state_filter.kalman import BODY, filter_flight
+from lta_discovery.state_filter.kalman import BODY_SIZE, filter_flight
 from lta_discovery.state_filter.likelihood import ParameterPrior
-from lta_discovery.state_filter.linear_flight import FlightSystem, LinearFlight, POSE
+from lta_discovery.state_filter.linear_flight import FlightSystem, LinearFlight, POSE_SIZE
 from lta_discovery.state_filter.noise_model import NoiseModel
 from lta_model.vehicle import Vehicle
 import numpy as np
@@ -44,13 +44,13 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-APART: Final = 1.5  # s; between the starts of forecasts
-COASTING: Final = 12  # grid periods; the straight line of coasting goes through half a second
+FORECAST_INTERVAL: Final = 1.5  # s; between the starts of forecasts
+COASTING_PERIODS: Final = 12  # grid periods; coasting goes straight through half a second
 # Relative standard deviation of the strength of a command between flights: batteries and trim
 # differ. Half and twice of it change the errors on real flights by about 4 and 8 % after 3 and 8 s
 VARIES: Final = 0.3
 LEAST_COASTING: Final = 4  # poses of that line
-TREND: Final = 'helium_leak.rate'
+LEAK_RATE: Final = 'helium_leak.rate'
 
 
 @final
@@ -74,7 +74,7 @@ def forecast_flights(
     parameters: Sequence[FreeParameter],
     noise: Sequence[NoiseModel],
     horizons: Sequence[float] = HORIZONS,
-    apart: float = APART,
+    apart: float = FORECAST_INTERVAL,
 ) -> list[FlightForecasts]:
     """
     Forecast flights with a vehicle.
@@ -114,7 +114,7 @@ def list_flight_parameters(
     """
     out = []
     for one in parameters:
-        if one.per_flight and one.name != TREND:
+        if one.per_flight and one.name != LEAK_RATE:
             out.append(one)
         elif share := _strength(nominal, one):
             out.append(replace(one, tolerance=VARIES * share))
@@ -160,7 +160,7 @@ def _estimate_starts(
     prior = ParameterPrior.of(parameters)
     # Any force that the model lacks looks like lift from one reading to the next, and less so over
     # the seconds of a forecast; until one has ended, the most probable noise tells them apart
-    lift = np.array([one.name == NET_LIFT for one in parameters], dtype=np.bool_)
+    lift = np.array([one.name == NET_LIFT_FORCE for one in parameters], dtype=np.bool_)
     without_lift = prior._replace(own=prior.own & ~lift)
     seen, early = (filter_flight(linear, one, starts) for one in (noise.ahead, noise))
     values, is_told = _learn_from_ended(linear, noise.ahead, without_lift, starts)
@@ -180,9 +180,9 @@ def _learn_from_ended(
     0 for parameters that the filter learns. Also returns whether any forecast has ended, (S,).
     """
     out, which = np.zeros((len(starts), len(prior.own))), np.flatnonzero(~prior.own)
-    begun = list_starts(linear.runs, EVERY)
+    begun = list_starts(linear.runs, FIT_FORECAST_INTERVAL)
     errors = settle_own(filter_flight(linear, noise, begun, HORIZONS), prior)
-    ends = begun[:, None] + np.rint(np.array(HORIZONS) / PERIOD).astype(np.int64)
+    ends = begun[:, None] + np.rint(np.array(HORIZONS) / GRID_PERIOD).astype(np.int64)
     limits = np.diag(prior.deviation[which] ** -2.0)
     is_told = np.array([(ends <= start).any() for start in starts], dtype=np.bool_)
     for s in np.flatnonzero(is_told):
@@ -215,27 +215,27 @@ def _fly_forecasts(
     horizons: tuple[float, ...],
 ) -> Array:
     """Fly the model from each start without further readings; return the errors."""
-    flight, count = system.flight, round(horizons[-1] / PERIOD)
-    begun = apply_state_changes(linear.motion[starts], states[:, :BODY])
+    flight, count = system.flight, round(horizons[-1] / GRID_PERIOD)
+    begun = apply_state_changes(linear.motion[starts], states[:, :BODY_SIZE])
     replay = FlightReplay(flight, starts, count, system.vehicle.pack_command(()))
-    time = PERIOD / STEPS * (np.arange(replay.span) + 0.5)
+    time = GRID_PERIOD / STEPS_PER_PERIOD * (np.arange(replay.span) + 0.5)
     memory = noise.ahead.memory
     faded = np.exp(-time[:, None] / memory)
-    out = np.full((len(starts), len(horizons), POSE), np.nan)
+    out = np.full((len(starts), len(horizons), POSE_SIZE), np.nan)
     for s, start in enumerate(starts):
         there, _ = apply_parameters(nominal, system.parameters, values[s])
         rows = replay.build_replay_rows(there)
         ready = replay.compute_body_inputs(rows)
-        wrench = (states[s, BODY : BODY + len(memory)] * faded)[None]
+        wrench = (states[s, BODY_SIZE : BODY_SIZE + len(memory)] * faded)[None]
         motion = replay.integrate_pieces(
             rows, ready, begun[s : s + 1], np.ascontiguousarray(wrench), slice(s, s + 1)
-        )[:, ::STEPS]
+        )[:, ::STEPS_PER_PERIOD]
         # One state more, in which a late pose would end
         grid = np.concatenate([motion, motion[:, -1:]], axis=1)
-        stamps = flight.time[start] + PERIOD * np.arange(count + 1)[None]
+        stamps = flight.time[start] + GRID_PERIOD * np.arange(count + 1)[None]
         position, quaternion = predict_pose(grid, stamps, rows.acting)
         for h, horizon in enumerate(horizons):
-            ahead = round(horizon / PERIOD)
+            ahead = round(horizon / GRID_PERIOD)
             if (at := start + ahead) >= len(flight.time):
                 continue
             turn = quaternion_logarithm(
@@ -256,14 +256,14 @@ def coast(flight: MeasuredFlight, starts: NDArray[np.int64], horizons: Sequence[
 
     Both are those of straight lines through the poses of the half second before each start.
     """
-    out = np.full((len(starts), len(horizons), POSE), np.nan)
+    out = np.full((len(starts), len(horizons), POSE_SIZE), np.nan)
     place, attitude, velocity, rates = _fit_lines(flight, starts)
-    ends = np.rint(np.asarray(horizons) / PERIOD).astype(np.int64)
-    turn = quaternion_exponential(PERIOD * rates)
+    ends = np.rint(np.asarray(horizons) / GRID_PERIOD).astype(np.int64)
+    turn = quaternion_exponential(GRID_PERIOD * rates)
     for k in range(1, int(ends[-1]) + 1):
         # To second order: the velocity in the middle of the period
-        middle = quaternion_product(attitude, quaternion_exponential(0.5 * PERIOD * rates))
-        place = place + PERIOD * rotate_vectors(middle, velocity)
+        middle = quaternion_product(attitude, quaternion_exponential(0.5 * GRID_PERIOD * rates))
+        place = place + GRID_PERIOD * rotate_vectors(middle, velocity)
         attitude = quaternion_product(attitude, turn)
         for h in np.flatnonzero(ends == k):
             at = np.minimum(starts + k, len(flight.time) - 1)
@@ -281,7 +281,7 @@ def _fit_lines(
     """Return position, attitude, body velocity and rates by lines through the past half second."""
     out = np.full((len(starts), 13), np.nan)
     for s, start in enumerate(starts):
-        rows = np.arange(max(start - COASTING, 0), start + 1)
+        rows = np.arange(max(start - COASTING_PERIODS, 0), start + 1)
         middle = flight.quaternion[start]
         away = np.broadcast_to(quaternion_conjugate(middle), (len(rows), 4))
         turn = quaternion_logarithm(quaternion_product(away, flight.quaternion[rows]))

@@ -15,8 +15,9 @@ from dataclasses import dataclass
 import math
 from typing import Final, final
 
-from lta_discovery.flights.measured_flight import PERIOD
-from lta_discovery.state_filter.linear_flight import LinearFlight, POSE
+from lta_discovery.flights.measured_flight import GRID_PERIOD
+from lta_discovery.replay.replay import AXIS_COUNT
+from lta_discovery.state_filter.linear_flight import LinearFlight, POSE_SIZE
 from lta_discovery.state_filter.noise_model import NoiseModel
 from numba import njit
 import numpy as np
@@ -25,10 +26,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-BODY: Final = 12  # components of a change of state
-AXES: Final = 6  # of the wrench
-PRESSURE: Final = 13  # channel of the barometer
-SIZE: Final = BODY + AXES + POSE + 1
+BODY_SIZE: Final = 12  # components of a change of state
+PRESSURE_CHANNEL: Final = 13  # channel of the barometer
+FILTER_SIZE: Final = BODY_SIZE + AXIS_COUNT + POSE_SIZE + 1
 BUFFERED: Final = 256  # rows
 # Deviations of the first state from its polynomial: m, rad, m/s, rad/s
 START: Final = np.array([0.05] * 3 + [0.1] * 3 + [0.2] * 6)
@@ -48,7 +48,7 @@ class FilteredFlight:
     products: Array  # of the whitened innovations, shape (K + 1, K + 1)
     log_determinant: float  # of their covariances
     # At each start of a forecast: state estimated by the readings so far, and products up to
-    # there, shape (S, SIZE, K + 1), (S, K + 1, K + 1)
+    # there, shape (S, FILTER_SIZE, K + 1), (S, K + 1, K + 1)
     states: Array
     sums: Array
     # Measured less forecast pose at each horizon; NaN where unknown, shape (S, H, 6, K + 1)
@@ -67,17 +67,20 @@ def filter_flight(
     `horizons`: how far ahead, rising. [s]
     """
     starts = np.zeros(0, dtype=np.int64) if starts is None else starts
-    ahead = np.array([round(one / PERIOD) for one in horizons], dtype=np.int64)
+    ahead = np.array([round(one / GRID_PERIOD) for one in horizons], dtype=np.int64)
     count = flight.moved.shape[2] + 1
-    states, sums = np.zeros((len(starts), SIZE, count)), np.zeros((len(starts), count, count))
-    errors = np.full((len(starts), len(ahead), POSE, count), np.nan)
+    states, sums = (
+        np.zeros((len(starts), FILTER_SIZE, count)),
+        np.zeros((len(starts), count, count)),
+    )
+    errors = np.full((len(starts), len(ahead), POSE_SIZE, count), np.nan)
     products, log_determinant = np.zeros((count, count)), 0.0
     keep, spread, memory = describe_noise(noise)
     for (begin, end), begun in zip(flight.runs, flight.begun, strict=True):
         inside = np.flatnonzero((starts >= begin) & (starts < end))
         own, more = np.zeros((count, count)), np.zeros(1)
-        parts = np.zeros((len(inside), SIZE, count)), np.zeros((len(inside), count, count))
-        missed = np.full((len(inside), len(ahead), POSE, count), np.nan)
+        parts = np.zeros((len(inside), FILTER_SIZE, count)), np.zeros((len(inside), count, count))
+        missed = np.full((len(inside), len(ahead), POSE_SIZE, count), np.nan)
         _filter_run(
             flight.step, flight.push, flight.moved, flight.defect, flight.left, flight.read,
             flight.felt, flight.read_moved, flight.count, begun, begin, end, keep, spread, memory,
@@ -92,8 +95,8 @@ def filter_flight(
 
 def describe_noise(noise: NoiseModel) -> tuple[Array, Array, Array]:
     """Return initial variances, variances added and factors kept in each period."""
-    memory = np.concatenate([noise.memory, np.full(POSE, noise.correlation), [WEATHER_TIME]])
-    fading = np.concatenate([np.ones(BODY), np.exp(-PERIOD / memory)])
+    memory = np.concatenate([noise.memory, np.full(POSE_SIZE, noise.correlation), [WEATHER_TIME]])
+    fading = np.concatenate([np.ones(BODY_SIZE), np.exp(-GRID_PERIOD / memory)])
     first = np.concatenate([START, noise.wrench, noise.correlated, [WEATHER]]) ** 2
     added = first * (1.0 - fading**2)
     return first, added, fading
@@ -152,7 +155,7 @@ def _filter_run(
                     h[i, 12 + j] = felt[k, c, j]
                 if c < 6:
                     h[i, 18 + c] = 1.0
-                elif c == PRESSURE:
+                elif c == PRESSURE_CHANNEL:
                     h[i, size - 1] = 1.0
                 for j in range(columns - 1):
                     e[i, j] = -read_moved[k, c, j]

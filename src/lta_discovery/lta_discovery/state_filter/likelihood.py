@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-RAN_AWAY: Final = (
+SIMULATION_RAN_AWAY: Final = (
     'The simulation of the recorded flights with this vehicle file diverges; correct the vehicle '
     'file first.'
 )
@@ -97,7 +97,7 @@ def linearize_all(
         with np.errstate(over='ignore', invalid='ignore'):
             flight = system.linearize(nominal, values)
         if not flight.is_finite:
-            raise BadInput(RAN_AWAY)
+            raise BadInput(SIMULATION_RAN_AWAY)
         return flight
 
     return map_parallel(linearize, systems)

@@ -12,7 +12,7 @@ from copy import copy
 from dataclasses import dataclass, replace
 from typing import final
 
-from lta_discovery.flights.measured_flight import CHANNELS, MeasuredFlight, PERIOD
+from lta_discovery.flights.measured_flight import ALL_CHANNELS, GRID_PERIOD, MeasuredFlight
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import apply_parameters, FreeParameter
 from lta_discovery.model.quaternions import (
@@ -26,7 +26,7 @@ from lta_discovery.replay.linearization_inputs import (
     prepare_linearization,
 )
 from lta_discovery.replay.reading_jacobian import reading_jacobians
-from lta_discovery.replay.replay import AXES, FlightReplay, STEPS
+from lta_discovery.replay.replay import AXIS_COUNT, FlightReplay, STEPS_PER_PERIOD
 from lta_discovery.replay.sensing import (
     estimate_floor_pressure,
     ideal_readings,
@@ -41,7 +41,7 @@ from lta_discovery.replay.variational_equation import (
     apply_state_changes,
     discretize_dynamics,
     NUDGE,
-    WIDTH,
+    STATE_WIDTH,
 )
 from lta_discovery.state_filter.motion import collect_readings, find_runs, fit_motion
 from lta_model.vehicle import Vehicle
@@ -51,9 +51,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-POSE = 6  # number of pose channels, the first of CHANNELS
-MIDDLE = STEPS // 2  # step of a period that begins in its middle
-ABSENT = np.array([0.0] * 6 + [1.0] + [0.0] * 6)  # state where the motion is not known
+POSE_SIZE = 6  # number of pose channels, the first of ALL_CHANNELS
+MIDDLE = STEPS_PER_PERIOD // 2  # step of a period that begins in its middle
+UNKNOWN_MOTION = np.array([0.0] * 6 + [1.0] + [0.0] * 6)  # state where the motion is not known
 
 
 @final
@@ -138,12 +138,12 @@ class FlightSystem:
         self.replay = FlightReplay(flight, every, 1, vehicle.pack_command(()))
         places = SensorPlaces.from_vehicle(vehicle, 0.0)
         self._places = SensorPlaces.from_vehicle(vehicle, estimate_floor_pressure(flight, places))
-        self.channels = POSE if flight.has_only_pose else len(CHANNELS)
-        self._terms = np.zeros((len(flight.time), AXES, 0))
-        self._wrench = np.zeros((len(flight.time), AXES))
+        self.channels = POSE_SIZE if flight.has_only_pose else len(ALL_CHANNELS)
+        self._terms = np.zeros((len(flight.time), AXIS_COUNT, 0))
+        self._wrench = np.zeros((len(flight.time), AXIS_COUNT))
         self._is_smooth = False
         inverse = NominalVehicle.from_vehicle(vehicle).build_model().inverse
-        self._inverse = np.array(inverse).reshape(AXES, AXES)
+        self._inverse = np.array(inverse).reshape(AXIS_COUNT, AXIS_COUNT)
 
     def with_parameters(self, parameters: Sequence[FreeParameter]) -> 'FlightSystem':
         """Return the flight with other assumptions about its parameters."""
@@ -204,33 +204,35 @@ class FlightSystem:
         there, values = apply_parameters(nominal, parameters, values[: len(parameters)])
         about = prepare_linearization(self.replay, parameters, there, values, columns)
         acting = about.rows.acting
-        motion_there = np.where(np.isfinite(self._motion), self._motion, ABSENT)
+        motion_there = np.where(np.isfinite(self._motion), self._motion, UNKNOWN_MOTION)
         motion = transform_to_map(motion_there, acting)
         states, step, push, moved, defect = self._linearize_steps(motion, about)
         n, m = len(motion), self.channels
-        left, read = np.full((n, m), np.nan), np.zeros((n, m, WIDTH))
-        felt, read_moved = np.zeros((n, m, AXES)), np.zeros((n, m, len(parameters)))
+        left, read = np.full((n, m), np.nan), np.zeros((n, m, STATE_WIDTH))
+        felt, read_moved = np.zeros((n, m, AXIS_COUNT)), np.zeros((n, m, len(parameters)))
         first = motion_there[[begin for begin, _ in self.runs]]
-        begun = np.zeros((len(self.runs), WIDTH, len(parameters)))
+        begun = np.zeros((len(self.runs), STATE_WIDTH, len(parameters)))
         time = self.flight.time[None]
         # The last point needs a state after it only where a pose is shifted in time
         grid = np.concatenate([motion, motion[-1:]])[None]
         position, quaternion = predict_pose(grid, time, acting)
         left[:, :3] = self._position - position[0]
-        left[:, 3:POSE] = _rotation_between(quaternion[0], self._quaternion)
-        eye = np.ascontiguousarray(np.broadcast_to(np.eye(WIDTH), (n, WIDTH, WIDTH)))
-        read[:, :POSE] = pose_sensitivity(eye, motion, acting)
+        left[:, 3:POSE_SIZE] = _rotation_between(quaternion[0], self._quaternion)
+        eye = np.ascontiguousarray(
+            np.broadcast_to(np.eye(STATE_WIDTH), (n, STATE_WIDTH, STATE_WIDTH))
+        )
+        read[:, :POSE_SIZE] = pose_sensitivity(eye, motion, acting)
         for turn, k in zip(about.turned, about.reading, strict=True):
             before, after = (
                 predict_pose(grid, time, rows.acting) for rows in (turn.before, turn.after)
             )
             change = [(after[0] - before[0])[0], _rotation_between(before[1][0], after[1][0])]
-            read_moved[:, :POSE, k] = np.concatenate(change, axis=1) / turn.step
+            read_moved[:, :POSE_SIZE, k] = np.concatenate(change, axis=1) / turn.step
             # From afar, a calibration finds better values where the first state does not turn
             if self._is_smooth:
                 pair = (transform_to_map(first, rows.acting) for rows in (turn.before, turn.after))
                 begun[..., k] = _change_between(*pair) / turn.step
-        if m > POSE:
+        if m > POSE_SIZE:
             parts = (left, read, felt, read_moved)
             self._linearize_sensors(states, about, parts, (step, push, moved))
         left[~self.flight.usable] = np.nan
@@ -248,25 +250,30 @@ class FlightSystem:
         # About a smoothed motion, unexplained wrenches are those on the vehicle of the file: on
         # one that is lighter in all respects, which moves alike, they must not be smaller. From
         # afar, a calibration finds better values where they are those on the vehicle itself.
-        own = about.rows.body[BODY_PLACES['inverse']].reshape(AXES, AXES)
+        own = about.rows.body[BODY_PLACES['inverse']].reshape(AXIS_COUNT, AXIS_COUNT)
         inverse = self._inverse if self._is_smooth else own
         wrench = self._wrench[:-1, None] @ np.linalg.solve(own, inverse).T
         latent = np.repeat(wrench, replay.span, axis=1)
         begin = np.ascontiguousarray(motion[:-1])
         states = replay.integrate_pieces(about.rows, about.ready, begin, latent)
         end, middle = states[:, -1], np.ascontiguousarray(states[:, MIDDLE, None])
-        _, b = discretize_dynamics(replay.state_jacobians(about.turns, middle, wrench), PERIOD)
+        _, b = discretize_dynamics(
+            replay.state_jacobians(about.turns, middle, wrench), GRID_PERIOD
+        )
         # Accelerations enter the last six components of a change only
-        b = b[:, 0, :, AXES:]
+        b = b[:, 0, :, AXIS_COUNT:]
         # What the unexplained wrench does depends on no parameter
         answers = replay.parameter_sensitivities(about.turns, middle, np.zeros_like(wrench))[:, 0]
-        step, push = np.zeros((n, WIDTH, WIDTH)), np.zeros((n, WIDTH, AXES))
+        step, push = (
+            np.zeros((n, STATE_WIDTH, STATE_WIDTH)),
+            np.zeros((n, STATE_WIDTH, AXIS_COUNT)),
+        )
         moved_count = len(self._own_parameters)
-        moved, defect = np.zeros((n, WIDTH, moved_count)), np.zeros((n, WIDTH))
+        moved, defect = np.zeros((n, STATE_WIDTH, moved_count)), np.zeros((n, STATE_WIDTH))
         # Differences of whole periods: what turns or shifts all motion leaves no trace, which
         # rates in the middle of a period would leave
         for k, nudge in enumerate(np.diag(NUDGE)):
-            near = apply_state_changes(begin, np.broadcast_to(nudge, (n - 1, WIDTH)))
+            near = apply_state_changes(begin, np.broadcast_to(nudge, (n - 1, STATE_WIDTH)))
             ends = replay.integrate_pieces(about.rows, about.ready, near, latent)[:, -1]
             step[:-1, :, k] = _change_between(end, ends) / NUDGE[k]
         push[:-1] = b @ inverse
@@ -295,23 +302,23 @@ class FlightSystem:
         acting, places = about.rows.acting, self._places
         exact = ideal_readings(grid[:, :1], grid[:, 1:], places, states[:, MIDDLE, None])
         base = predict_readings(grid, time, acting, places, exact).readings[:, 0]
-        left[:-1, POSE:] = self.flight.readings[:-1] - base
+        left[:-1, POSE_SIZE:] = self.flight.readings[:-1] - base
         first, last = reading_jacobians(grid, exact, time, acting, places)
         first, last = first[:, 0], last[:, 0]
         # Range and pressure are of an instant
         last[:, 6:] = 0.0
-        read[:-1, POSE:] = first + last @ step
-        felt[:-1, POSE:] = last @ push
-        left[:-1, POSE:] += _apply(felt[:, POSE:], self._wrench)[:-1]
-        read_moved[:-1, POSE:] = last @ moved
+        read[:-1, POSE_SIZE:] = first + last @ step
+        felt[:-1, POSE_SIZE:] = last @ push
+        left[:-1, POSE_SIZE:] += _apply(felt[:, POSE_SIZE:], self._wrench)[:-1]
+        read_moved[:-1, POSE_SIZE:] = last @ moved
         for turn, k in zip(about.turned, about.reading, strict=True):
             before, after = (
                 predict_readings(grid, time, rows.acting, places, exact).readings[:, 0]
                 for rows in (turn.before, turn.after)
             )
-            read_moved[:-1, POSE:, k] += (after - before) / turn.step
-        absent = ~np.isfinite(self.flight.noise[POSE:])
-        left[:, POSE:][:, absent] = np.nan
+            read_moved[:-1, POSE_SIZE:, k] += (after - before) / turn.step
+        absent = ~np.isfinite(self.flight.noise[POSE_SIZE:])
+        left[:, POSE_SIZE:][:, absent] = np.nan
 
 
 def _apply(matrices: Array, vectors: Array) -> Array:

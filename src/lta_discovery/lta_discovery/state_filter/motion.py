@@ -7,7 +7,7 @@ is linear about them estimates how far off they are.
 
 from typing import Final
 
-from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD
+from lta_discovery.flights.measured_flight import GRID_PERIOD, MeasuredFlight
 from lta_discovery.flights.usable_states import find_marked_runs, SHORTEST_RUN
 from lta_discovery.model.quaternions import (
     quaternion_conjugate,
@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 # Grid periods of poses on a side, and degree of the polynomial: through poses on both sides, short
 # enough for a swing, and through past ones alone, where a cubic would amplify noise
 REACHES: Final = {True: 6, False: 12}
-DEGREES: Final = {True: 3, False: 2}
+FIT_ORDERS: Final = {True: 3, False: 2}
 LEAST_SHARE: Final = 0.6  # of the poses of a window have to be known
 CHUNK: Final = 2000  # grid points at a time, to limit memory
 
@@ -39,7 +39,9 @@ def fit_motion(flight: MeasuredFlight, with_future: bool = True) -> Array:
     """
     reach = REACHES[with_future]
     offsets = np.arange(-reach, reach + 1 if with_future else 1)
-    powers = np.vander(offsets * PERIOD, DEGREES[with_future] + 1, increasing=True).astype(float)
+    powers = np.vander(offsets * GRID_PERIOD, FIT_ORDERS[with_future] + 1, increasing=True).astype(
+        float
+    )
     out = np.full((len(flight.time), 13), np.nan)
     for begin in range(0, len(out), CHUNK):
         rows = np.arange(begin, min(begin + CHUNK, len(out)))
@@ -97,7 +99,7 @@ def collect_readings(flight: MeasuredFlight, motion: Array) -> tuple[Array, Arra
     time, values = poses.time, poses.values
     new = np.concatenate([[True], np.any(np.diff(values, axis=0) != 0.0, axis=1)])
     good = new & np.isfinite(values).all(axis=1)
-    at = np.rint((time - flight.time[0]) / PERIOD).astype(np.int64)
+    at = np.rint((time - flight.time[0]) / GRID_PERIOD).astype(np.int64)
     good &= (at >= 0) & (at < len(flight.time))
     time, values, at = time[good], values[good], at[good]
     # Pose and known motion at the grid point

@@ -7,7 +7,7 @@ from typing import Final
 from lta_discovery.flights.usable_states import SHORTEST_RUN
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.parallel import map_parallel
-from lta_discovery.state_filter.kalman import AXES
+from lta_discovery.replay.replay import AXIS_COUNT
 from lta_discovery.state_filter.likelihood import (
     build_moments_root,
     ParameterPrior,
@@ -35,8 +35,8 @@ SPREAD: Final = np.array([1.0] * 4 + [0.3] + [3.0] * 6 + [0.7] * 2)
 FURTHEST: Final = 2.5  # of these deviations; bounds of the search
 # About how well flights tell the logarithms, the unit of the search: white noise from thousands of
 # readings, slow forces from tens of their memories
-KNOWN: Final = np.array([0.01] * 2 + [0.05] * 2 + [0.1] * 7 + [0.25] * 2)
-SETTLED: Final = 0.05  # nats; the search ends with a step that gains less
+NOISE_UNITS: Final = np.array([0.01] * 2 + [0.05] * 2 + [0.1] * 7 + [0.25] * 2)
+SETTLED_NOISE_GAIN: Final = 0.05  # nats; the search ends with a step that gains less
 SENSOR: Final = 5  # of these numbers, the first, that belong to the sensors of a flight
 
 
@@ -127,10 +127,10 @@ def _maximize(
     bounds = np.stack([-limit, limit]) - (begin[0] - first)[which]
     # No model of a vehicle is better than the floor of its forces, however quiet a flight
     least = np.full(len(SPREAD), -np.inf)
-    least[SENSOR : SENSOR + AXES] = np.log(wrench_floor(flights[0].nominal))
+    least[SENSOR : SENSOR + AXIS_COUNT] = np.log(wrench_floor(flights[0].nominal))
     bounds = np.maximum(bounds, (least - begin[0])[which])
     start = np.clip(np.zeros(len(which)), *bounds)
-    unit = KNOWN[which]
+    unit = NOISE_UNITS[which]
 
     def measure_scaled(part: Array) -> tuple[float, Array]:
         cost, slopes = measure(start + unit * part)
@@ -139,7 +139,7 @@ def _maximize(
     best = minimize(
         measure_scaled, np.zeros(len(which)), method='SLSQP', jac=True,
         bounds=list(zip(*((bounds - start) / unit), strict=True)),
-        options={'maxiter': ITERATIONS, 'ftol': SETTLED},
+        options={'maxiter': ITERATIONS, 'ftol': SETTLED_NOISE_GAIN},
     )  # fmt: skip
     return build(start + unit * best.x)
 

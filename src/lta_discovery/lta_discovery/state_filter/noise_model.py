@@ -15,19 +15,19 @@ Array = NDArray[np.float64]
 # mrad, the slow wander of its solution of 1 mm and 2 mrad, and air that moves by some cm/s, which
 # is a force of a thousandth of the weight and the same at a lever arm of 10 cm
 WHITE: Final = np.array([3e-4] * 3 + [6e-4] * 3)  # m, rad
-CORRELATED: Final = np.array([1e-3] * 3 + [2e-3] * 3)  # m, rad
+CORRELATED_NOISE: Final = np.array([1e-3] * 3 + [2e-3] * 3)  # m, rad
 CORRELATION: Final = 0.3  # s
 FORCE: Final = 1e-3  # of the weight
-ARM: Final = 0.1  # m
-MEMORY: Final = 3.0  # s
+MOMENT_ARM: Final = 0.1  # m
+WRENCH_MEMORY: Final = 3.0  # s
 GRAVITY: Final = 9.81  # m/s2
 # Smallest relevant deviation of an unexplained force [N] and moment [N m], for a blimp of this
 # mass [kg] and inertia [kg m2]; it grows with them (`wrench_floor`)
-FLOOR: Final = np.array([4e-4, 4e-4, 4e-4, 8e-5, 8e-5, 4e-5])
+WRENCH_FLOOR: Final = np.array([4e-4, 4e-4, 4e-4, 8e-5, 8e-5, 4e-5])
 FLOOR_MASS: Final = 0.415
 FLOOR_INERTIA: Final = np.array([0.0351, 0.0348, 0.0202])
 GUESS_LOGARITHMS: Final = np.log(
-    np.concatenate([WHITE[[0, 3]], CORRELATED[[0, 3]], [CORRELATION], np.ones(8)])
+    np.concatenate([WHITE[[0, 3]], CORRELATED_NOISE[[0, 3]], [CORRELATION], np.ones(8)])
 )
 
 
@@ -53,13 +53,13 @@ class NoiseModel:
         if not flight.has_only_pose:
             white = np.concatenate([WHITE, flight.noise[6:]])
         guess = np.exp(cls.guess_wrench(nominal))
-        return cls(white, CORRELATED, CORRELATION, guess[:6], np.repeat(guess[6:], 3))
+        return cls(white, CORRELATED_NOISE, CORRELATION, guess[:6], np.repeat(guess[6:], 3))
 
     @staticmethod
     def guess_wrench(nominal: NominalVehicle) -> Array:
         """Return the logarithms of the six wrenches and their memories, before any reading."""
         force = FORCE * GRAVITY * nominal.mass
-        sizes = np.array([force] * 3 + [ARM * force] * 3 + [MEMORY] * 2)
+        sizes = np.array([force] * 3 + [MOMENT_ARM * force] * 3 + [WRENCH_MEMORY] * 2)
         logarithms: Array = np.log(sizes)
         return logarithms
 
@@ -115,5 +115,5 @@ def average_noise(models: Sequence[NoiseModel]) -> NoiseModel:
 def wrench_floor(nominal: NominalVehicle) -> Array:
     """Return the noise floor of the unexplained wrench of a vehicle, shape (6,). [N, N m]"""
     inertia = np.diag(nominal.inertia) / FLOOR_INERTIA
-    floor: Array = FLOOR * np.concatenate([np.full(3, nominal.mass / FLOOR_MASS), inertia])
+    floor: Array = WRENCH_FLOOR * np.concatenate([np.full(3, nominal.mass / FLOOR_MASS), inertia])
     return floor

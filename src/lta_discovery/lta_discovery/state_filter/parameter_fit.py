@@ -27,7 +27,7 @@ from lta_discovery.state_filter.likelihood import (
     LikelihoodSum,
     linearize_all,
     ParameterPrior,
-    RAN_AWAY,
+    SIMULATION_RAN_AWAY,
     spread_out,
     sum_likelihoods,
 )
@@ -40,17 +40,17 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Sums = TypeVar('Sums', LikelihoodSum, ForecastSum)
 
-ROUNDS: Final = 10  # most linearizations
+MOST_LINEARIZATIONS: Final = 10  # most linearizations
 FORECAST_NOISES: Final = 2  # times that a fit to forecasts chooses its noise
-LEARNING: Final = (1, 4)  # rounds before which the noise is learned
+FIT_NOISE_ROUNDS: Final = (1, 4)  # rounds before which the noise is learned
 # Prior deviations; longest step of a parameter from afar, where a model is not linear
-LONGEST: Final = 1.0
+LONGEST_FIT_STEP: Final = 1.0
 DAMPINGS: Final = (0.0, 0.1, 1.0, 10.0, 100.0)  # of a step, until it helps
 MISFIT_RISE: Final = 0.5  # nats; tolerated increase of the misfit in a step
 # Of the mean logarithm of the errors; a step of a fit to forecasts that raises it more is damped
 ERROR_RISE: Final = 0.01
 ERROR_GAIN: Final = 0.002  # of it; a fit to forecasts ends with a step that gains less
-SETTLED: Final = 0.02  # prior deviations; a shorter step is not damped further
+SHORT_MOVE: Final = 0.02  # prior deviations; a shorter step is not damped further
 SETTLED_GAIN: Final = 0.02  # nats; a fit near its end ends with a step that gains less
 # Nats; the same from afar. Then all parameters together are within about their deviation
 SETTLED_GAIN_FROM_AFAR: Final = 1.0
@@ -90,7 +90,7 @@ class _Search(Generic[Sums]):
     nominal: NominalVehicle
     prior: ParameterPrior
     evaluate: Callable[[Sequence[LinearFlight], Array], Sums]
-    longest: float = LONGEST  # of an undamped step [prior deviations]
+    longest: float = LONGEST_FIT_STEP  # of an undamped step [prior deviations]
 
     def look(self, values: Array) -> _Point[Sums]:
         """Linearize about some values; raise `BadInput` if the vehicle is impossible there."""
@@ -99,7 +99,7 @@ class _Search(Generic[Sums]):
             return _Point(values, flights, self.evaluate(flights, values))
         except np.linalg.LinAlgError:
             # So unstable that a filter loses it
-            raise BadInput(RAN_AWAY) from None
+            raise BadInput(SIMULATION_RAN_AWAY) from None
 
     def step(self, at: _Point[Sums], limit: float) -> _Point[Sums] | None:
         """Return a point whose cost is below a limit, after a step; None if no step gets there."""
@@ -124,7 +124,7 @@ class _Search(Generic[Sums]):
     def has_settled(self, before: Array, after: Array) -> bool:
         """Return whether no parameter has moved far."""
         free = self.prior.free
-        return bool(np.all(np.abs(after - before)[free] < SETTLED * self.prior.deviation[free]))
+        return bool(np.all(np.abs(after - before)[free] < SHORT_MOVE * self.prior.deviation[free]))
 
 
 def fit_likelihood(
@@ -132,8 +132,8 @@ def fit_likelihood(
     nominal: NominalVehicle,
     begin: Array,
     noise: Sequence[NoiseModel],
-    rounds: int = ROUNDS,
-    learning: Sequence[int] = LEARNING,
+    rounds: int = MOST_LINEARIZATIONS,
+    learning: Sequence[int] = FIT_NOISE_ROUNDS,
     is_near: bool = False,
 ) -> ParameterFit:
     """
@@ -150,7 +150,7 @@ def fit_likelihood(
         return sum_likelihoods(filter_all(flights, noise), prior, values)
 
     # Limits on some parameters bend a step, which near the best values need not end well
-    longest = math.inf if is_near else LONGEST
+    longest = math.inf if is_near else LONGEST_FIT_STEP
     search = _Search(systems, nominal, prior, evaluate, longest)
     point, left, has_settled = search.look(begin), list(learning), False
     for number in range(rounds):
@@ -179,7 +179,7 @@ def fit_forecasts(
     begin: Array,
     noise: Sequence[NoiseModel],
     horizons: Sequence[float] = HORIZONS,
-    rounds: int = ROUNDS,
+    rounds: int = MOST_LINEARIZATIONS,
 ) -> ParameterFit:
     """
     Fit parameters, and how forces that nothing explains last, to the errors of forecasts.

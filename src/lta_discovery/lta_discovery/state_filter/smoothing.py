@@ -9,17 +9,17 @@ tells how the likelihood changes with the noise (Koopman and Shephard, Biometrik
 from collections.abc import Sequence
 from typing import Final, final, NamedTuple
 
-from lta_discovery.flights.measured_flight import PERIOD
+from lta_discovery.flights.measured_flight import GRID_PERIOD
+from lta_discovery.replay.replay import AXIS_COUNT
 from lta_discovery.replay.variational_equation import apply_state_changes
 from lta_discovery.state_filter.kalman import (
-    AXES,
-    BODY,
+    BODY_SIZE,
     describe_noise,
+    FILTER_SIZE,
     FilteredFlight,
-    PRESSURE,
-    SIZE,
+    PRESSURE_CHANNEL,
 )
-from lta_discovery.state_filter.linear_flight import LinearFlight, POSE
+from lta_discovery.state_filter.linear_flight import LinearFlight, POSE_SIZE
 from lta_discovery.state_filter.noise_model import NoiseModel
 from numba import njit
 import numpy as np
@@ -28,8 +28,10 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-WRENCH: Final = slice(BODY, BODY + AXES)
-FADING: Final = SIZE - BODY  # states that fade: wrench, and errors of tracker and barometer
+WRENCH_STATES: Final = slice(BODY_SIZE, BODY_SIZE + AXIS_COUNT)
+FADING: Final = (
+    FILTER_SIZE - BODY_SIZE
+)  # states that fade: wrench, and errors of tracker and barometer
 
 
 @final
@@ -52,12 +54,12 @@ class FilteredRun(NamedTuple):
 
     number: Indices  # channels that were read at a point, shape (k,)
     which: Indices  # these channels, shape (k, m)
-    rows: Array  # of their readings, by the state, shape (k, m, SIZE)
+    rows: Array  # of their readings, by the state, shape (k, m, FILTER_SIZE)
     lower: Array  # Cholesky factors of the covariances of the innovations, shape (k, m, m)
     innovations: Array  # whitened, shape (k, m, C)
-    gains: Array  # whitened, shape (k, m, SIZE)
-    states: Array  # by the readings up to a point, shape (k, SIZE, C)
-    spread: Array  # covariance of these, shape (k, SIZE, SIZE)
+    gains: Array  # whitened, shape (k, m, FILTER_SIZE)
+    states: Array  # by the readings up to a point, shape (k, FILTER_SIZE, C)
+    spread: Array  # covariance of these, shape (k, FILTER_SIZE, FILTER_SIZE)
 
 
 @final
@@ -76,14 +78,14 @@ def smooth_flight(flight: LinearFlight, noise: NoiseModel, values: Array) -> Smo
 
     `values`: relative to those about which the flight is linearized, shape (K,).
     """
-    states = np.full((len(flight.motion), SIZE), np.nan)
-    spread = np.full((len(flight.motion), AXES), np.nan)
+    states = np.full((len(flight.motion), FILTER_SIZE), np.nan)
+    spread = np.full((len(flight.motion), AXIS_COUNT), np.nan)
     mean = np.append(values, 1.0)[:, None]
     for k, (begin, end) in enumerate(flight.runs):
         run = filter_run(flight, noise, k, mean)
         states[begin:end], spread[begin:end] = go_back(flight, noise, k, run)[:2]
-    motion = apply_state_changes(flight.motion, states[:, :BODY])
-    return SmoothedFlight(motion, states[:, WRENCH], np.sqrt(spread))
+    motion = apply_state_changes(flight.motion, states[:, :BODY_SIZE])
+    return SmoothedFlight(motion, states[:, WRENCH_STATES], np.sqrt(spread))
 
 
 def filter_run(
@@ -100,7 +102,7 @@ def filter_run(
     moved = np.concatenate([flight.moved[inside], flight.defect[inside, :, None]], axis=2)
     off = np.concatenate([-flight.read_moved[inside], flight.left[inside, :, None]], axis=2)
     measured = np.isfinite(flight.left[inside])
-    measured[:, :POSE] &= flight.count[inside, None] > 0.0
+    measured[:, :POSE_SIZE] &= flight.count[inside, None] > 0.0
     off[~measured] = 0.0
     begun = np.pad(flight.begun[k], ((0, 0), (0, 1)))
     if mix is not None:
@@ -108,9 +110,9 @@ def filter_run(
     count, columns = end - begin, begun.shape[1]
     run = FilteredRun(
         np.zeros(count, dtype=np.int64), np.zeros((count, channels), dtype=np.int64),
-        np.zeros((count, channels, SIZE)), np.zeros((count, channels, channels)),
-        np.zeros((count, channels, columns)), np.zeros((count, channels, SIZE)),
-        np.zeros((count, SIZE, columns)), np.zeros((count, SIZE, SIZE)),
+        np.zeros((count, channels, FILTER_SIZE)), np.zeros((count, channels, channels)),
+        np.zeros((count, channels, columns)), np.zeros((count, channels, FILTER_SIZE)),
+        np.zeros((count, FILTER_SIZE, columns)), np.zeros((count, FILTER_SIZE, FILTER_SIZE)),
     )  # fmt: skip
     _filter_run(
         flight.step[inside], flight.push[inside], moved, off, measured, flight.read[inside],
@@ -138,11 +140,11 @@ def go_back(
     """
     Return the states by all readings, the variance of the wrench, and slopes by the noise.
 
-    The states are those of the last column, shape (k, SIZE). The slopes are sums over the columns,
-    as those of the columns of a square root of the second moments of the parameters are.
+    The states are those of the last column, shape (k, FILTER_SIZE). The slopes are sums over the
+    columns, as those of the columns of a square root of the second moments of the parameters are.
     """
     (begin, end), channels = flight.runs[k], flight.left.shape[1]
-    states, spread = np.zeros((end - begin, SIZE)), np.zeros((end - begin, AXES))
+    states, spread = np.zeros((end - begin, FILTER_SIZE)), np.zeros((end - begin, AXIS_COUNT))
     slopes = NoiseSlopes(*(np.zeros(n) for n in (FADING, FADING, FADING, channels)))
     fading = describe_noise(noise)[2]
     _go_back(
@@ -155,14 +157,14 @@ def go_back(
 
 def log_slopes(noise: NoiseModel, runs: NoiseSlopes) -> Array:
     """Return slopes by the learned numbers of a noise model (`NoiseModel.logarithms`)."""
-    first, _, fading = (each[BODY:] for each in describe_noise(noise))
-    memory = np.concatenate([noise.memory, np.full(POSE, noise.correlation)])
+    first, _, fading = (each[BODY_SIZE:] for each in describe_noise(noise))
+    memory = np.concatenate([noise.memory, np.full(POSE_SIZE, noise.correlation)])
     size = 2.0 * first * (runs.first + (1.0 - fading**2) * runs.added)
-    lasting = (runs.fading - 2.0 * fading * first * runs.added)[: AXES + POSE]
-    lasting *= fading[: AXES + POSE] * PERIOD / memory
-    white = 2.0 * noise.white[:POSE] ** 2 * runs.white[:POSE]
-    half = AXES // 2
-    tracker, wrench = slice(AXES, AXES + POSE), slice(0, AXES)
+    lasting = (runs.fading - 2.0 * fading * first * runs.added)[: AXIS_COUNT + POSE_SIZE]
+    lasting *= fading[: AXIS_COUNT + POSE_SIZE] * GRID_PERIOD / memory
+    white = 2.0 * noise.white[:POSE_SIZE] ** 2 * runs.white[:POSE_SIZE]
+    half = AXIS_COUNT // 2
+    tracker, wrench = slice(AXIS_COUNT, AXIS_COUNT + POSE_SIZE), slice(0, AXIS_COUNT)
     return np.concatenate([
         white.reshape(2, half).sum(axis=1),
         size[tracker].reshape(2, half).sum(axis=1),
@@ -197,20 +199,20 @@ def _filter_run(
     spread: Array,
 ) -> None:
     """Filter all grid points of a run; the last eight arrays are written."""
-    x, s = np.zeros((SIZE, begun.shape[1])), np.diag(first)
-    x[:BODY] = begun
+    x, s = np.zeros((FILTER_SIZE, begun.shape[1])), np.diag(first)
+    x[:BODY_SIZE] = begun
     f = np.diag(fading)
     for k in range(len(step)):
         n = 0
         for c in range(measured.shape[1]):
             if measured[k, c]:
                 which[k, n] = c
-                rows[k, n, :BODY] = read[k, c]
-                rows[k, n, BODY : BODY + AXES] = felt[k, c]
-                if c < POSE:
-                    rows[k, n, BODY + AXES + c] = 1.0
-                elif c == PRESSURE:
-                    rows[k, n, SIZE - 1] = 1.0
+                rows[k, n, :BODY_SIZE] = read[k, c]
+                rows[k, n, BODY_SIZE : BODY_SIZE + AXIS_COUNT] = felt[k, c]
+                if c < POSE_SIZE:
+                    rows[k, n, BODY_SIZE + AXIS_COUNT + c] = 1.0
+                elif c == PRESSURE_CHANNEL:
+                    rows[k, n, FILTER_SIZE - 1] = 1.0
                 innovations[k, n] = off[k, c]
                 n += 1
         number[k] = n
@@ -220,7 +222,7 @@ def _filter_run(
             v = cross @ h.T
             for i in range(n):
                 c = which[k, i]
-                v[i, i] += white[c] / count[k] if c < POSE else white[c]
+                v[i, i] += white[c] / count[k] if c < POSE_SIZE else white[c]
             root = np.linalg.cholesky(v)
             lower[k, :n, :n] = root
             gains[k, :n] = np.linalg.solve(root, cross)
@@ -228,11 +230,14 @@ def _filter_run(
             x = x + gains[k, :n].T @ innovations[k, :n]
             s = s - gains[k, :n].T @ gains[k, :n]
         states[k], spread[k] = x, s
-        f[:BODY, :BODY], f[:BODY, BODY : BODY + AXES] = step[k], push[k]
+        f[:BODY_SIZE, :BODY_SIZE], f[:BODY_SIZE, BODY_SIZE : BODY_SIZE + AXIS_COUNT] = (
+            step[k],
+            push[k],
+        )
         x = f @ x
-        x[:BODY] += moved[k]
+        x[:BODY_SIZE] += moved[k]
         s = f @ s @ f.T
-        for i in range(SIZE):
+        for i in range(FILTER_SIZE):
             s[i, i] += added[i]
 
 
@@ -258,22 +263,25 @@ def _go_back(
     by_white: Array,
 ) -> None:
     """Go back through a filtered run; the last six arrays are written."""
-    r, tell = np.zeros((SIZE, states.shape[2])), np.zeros((SIZE, SIZE))
+    r, tell = np.zeros((FILTER_SIZE, states.shape[2])), np.zeros((FILTER_SIZE, FILTER_SIZE))
     f = np.diag(fading)
     for k in range(len(step) - 1, -1, -1):
         # Back over the step to the next point
-        f[:BODY, :BODY], f[:BODY, BODY : BODY + AXES] = step[k], push[k]
+        f[:BODY_SIZE, :BODY_SIZE], f[:BODY_SIZE, BODY_SIZE : BODY_SIZE + AXIS_COUNT] = (
+            step[k],
+            push[k],
+        )
         back, ahead = f.T @ r, f.T @ tell
         whole = states[k] + spread[k] @ back
         for i in range(FADING):
-            j = BODY + i
+            j = BODY_SIZE + i
             by_added[i] += 0.5 * (np.sum(r[j] ** 2) - tell[j, j])
             by_fading[i] += np.sum(r[j] * whole[j]) - np.sum(ahead[:, j] * spread[k, :, j])
         r, tell = back, ahead @ f
         smooth[k] = whole[:, -1]
-        for i in range(AXES):
-            row = spread[k, BODY + i]
-            variance[k, i] = row[BODY + i] - row @ tell @ row
+        for i in range(AXIS_COUNT):
+            row = spread[k, BODY_SIZE + i]
+            variance[k, i] = row[BODY_SIZE + i] - row @ tell @ row
         # Back over the readings of this point
         n = number[k]
         if n == 0:
@@ -285,11 +293,11 @@ def _go_back(
         for i in range(n):
             c = which[k, i]
             slope = 0.5 * (np.sum(u[i] ** 2) - d[i, i])
-            by_white[c] += slope / count[k] if c < POSE else slope
+            by_white[c] += slope / count[k] if c < POSE_SIZE else slope
         r = r + h.T @ u
-        left = np.eye(SIZE) - h.T @ np.linalg.solve(root.T, g)
+        left = np.eye(FILTER_SIZE) - h.T @ np.linalg.solve(root.T, g)
         whiter = np.linalg.solve(root, h)
         tell = left @ tell @ left.T + whiter.T @ whiter
     for i in range(FADING):
-        j = BODY + i
+        j = BODY_SIZE + i
         by_first[i] += 0.5 * (np.sum(r[j] ** 2) - tell[j, j])

@@ -6,7 +6,7 @@ from pathlib import Path
 from lta_config.errors import BadInput
 from lta_data.bag.recorded_flight import open_flight
 from lta_discovery.demo import demo
-from lta_discovery.demo.demo import APART
+from lta_discovery.demo.demo import DEMO_SPACING
 from lta_discovery.demo.forecast_gain import ForecastGain, measure_forecast_gain
 from lta_discovery.demo.hidden_effect import (
     add_tracker_noise,
@@ -14,12 +14,12 @@ from lta_discovery.demo.hidden_effect import (
     DemoEffect,
     draw_demo_effects,
     HALL,
+    HIDDEN_FLIGHT_STRATEGY,
+    HIDDEN_VEHICLE,
     HIDEABLE,
-    POSE,
+    POSE_NOISE,
     SCENARIO,
-    STRATEGY,
-    TURN,
-    VEHICLE,
+    TURN_NOISE,
 )
 from lta_discovery.demo.trial_effect import choose_trial_effect
 from lta_discovery.flights.bags import Role
@@ -41,7 +41,7 @@ def test_a_seed_draws_effects_of_sizes_within_their_bounds():
     for one in found:
         low, high = HIDEABLE[one.name]
         assert low <= one.value <= high
-    assert APART > 3  # no flight of one seed is one of the next
+    assert DEMO_SPACING > 3  # no flight of one seed is one of the next
 
 
 @pytest.mark.parametrize('name', HIDEABLE)
@@ -81,9 +81,9 @@ def test_a_tracker_has_the_noise_that_is_said_and_no_velocities():
     rng = np.random.default_rng(1)
     truth = (1.0, 2.0, 3.0, *Rotation.from_rotvec([0.3, 0.2, 0.1]).as_quat(), *[0.5] * 6)
     seen = np.array([add_tracker_noise(truth, rng) for _ in range(4000)])
-    assert seen[:, :3].std(axis=0) == pytest.approx(POSE, rel=0.1)
+    assert seen[:, :3].std(axis=0) == pytest.approx(POSE_NOISE, rel=0.1)
     off = (Rotation.from_quat(truth[3:7]).inv() * Rotation.from_quat(seen[:, 3:7])).as_rotvec()
-    assert off.std(axis=0) == pytest.approx(TURN, rel=0.1)
+    assert off.std(axis=0) == pytest.approx(TURN_NOISE, rel=0.1)
     assert np.isnan(seen[:, 7:]).all()
 
 
@@ -147,7 +147,7 @@ def test_a_seed_without_such_an_effect_is_refused_and_leaves_nothing(
     monkeypatch.setattr(demo, 'measure_forecast_gain', lambda *_: VAIN)
     with pytest.raises(BadInput, match=r'effects that seed 3 draws; choose another --seed\.'):
         demo.run_discovery_demo(3, tmp_path / 'out', lambda _what, _part: None)
-    assert len(flown) == 3 * demo.DRAWS
+    assert len(flown) == 3 * demo.DEMO_DRAWS
     assert list(tmp_path.iterdir()) == []
 
 
@@ -170,7 +170,7 @@ TRIED = [name for name in EFFECTS if name not in DESIGN | UNSEEN]
 @pytest.fixture(scope='module')
 def plain():
     """Return the flight of the demonstration, and the effects of its vehicle."""
-    spec = load_spec(VEHICLE, SCENARIO, STRATEGY, '').with_values(HALL)
+    spec = load_spec(HIDDEN_VEHICLE, SCENARIO, HIDDEN_FLIGHT_STRATEGY, '').with_values(HALL)
     return spec, build_vehicle_scenario_stack(spec)[0].collect_effects()
 
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 import shutil
 
 from lta_config.errors import BadInput
-from lta_discovery.flights.bags import read_bags
+from lta_discovery.flights.bags import FLIGHT_ROLES, read_bags
 from lta_discovery.flights.measured_flight import (
     FlightStreams,
     MeasuredFlight,
@@ -14,7 +14,6 @@ from lta_discovery.flights.measured_flight import (
 from lta_discovery.flights.role_assignment import (
     assign_roles,
     restrict_to_interval,
-    ROLES,
 )
 from lta_discovery.flights.sentence_merger import merge_sentences
 import numpy as np
@@ -44,7 +43,7 @@ def test_a_part_is_of_the_usable_points_and_nothing_else_changes(flight: Measure
 
 def test_one_flight_is_split_in_time_and_a_warning_says_so(flight: MeasuredFlight) -> None:
     found, warnings = assign_roles([('A', 'train', flight)])
-    assert [role for _, role, _ in found] == list(ROLES)
+    assert [role for _, role, _ in found] == list(FLIGHT_ROLES)
     shares = [each.usable.sum() / flight.usable.sum() for _, _, each in found]
     np.testing.assert_allclose(shares, [0.4, 0.3, 0.3], atol=2e-3)
     assert 'weaker' in warnings[0]

@@ -3,7 +3,12 @@
 from dataclasses import replace
 from typing import Final
 
-from lta_discovery.flights.measured_flight import FlightStreams, PERIOD, resample_flight, Stream
+from lta_discovery.flights.measured_flight import (
+    FlightStreams,
+    GRID_PERIOD,
+    resample_flight,
+    Stream,
+)
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import list_free_parameters
 from lta_discovery.replay.replay import FlightReplay
@@ -96,7 +101,7 @@ def test_poses_have_the_noise_of_their_tracker_or_the_least_one() -> None:
     raw = resample_flight(FlightStreams(Stream(time, np.hstack([noisy, turn])), still))
     assert raw.noise[:3] == pytest.approx(1e-3, rel=0.2)
     assert smooth.usable[0] == raw.usable[0] == False  # noqa: E712 (motors settle)
-    assert smooth.usable[round(0.6 / PERIOD)]
+    assert smooth.usable[round(0.6 / GRID_PERIOD)]
 
 
 def test_a_vehicle_is_weighed_with_its_moving_mass_where_it_is() -> None:

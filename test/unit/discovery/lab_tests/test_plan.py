@@ -6,7 +6,7 @@ from pathlib import Path
 from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_config.vehicle_edit import set_yaml_values
-from lta_discovery.flights.measured_flight import PERIOD, Stream
+from lta_discovery.flights.measured_flight import GRID_PERIOD, Stream
 from lta_discovery.lab_tests.design import LabTest, list_designed_tests
 from lta_discovery.lab_tests.plan import LabPlan, plan_lab_tests, PlannedTest, rehearse_test
 from lta_discovery.lab_tests.plan_report import build_plan_report
@@ -149,7 +149,7 @@ def test_a_step_logged_at_its_changes_alone_ends_in_a_spin_down(gtmab: Vehicle) 
     tests = {one.kind: one for one in list_designed_tests(gtmab)}
     nominal = NominalVehicle.from_vehicle(gtmab)
     spin = rehearse_test(gtmab, nominal, tests['spin_down'], 'wrench')
-    time = np.arange(0.0, 22.0, PERIOD)
+    time = np.arange(0.0, 22.0, GRID_PERIOD)
     # Speeds up while the moment acts, and turns on by 2 rad
     later = np.maximum(time - 8.0, 0.0)
     heading = np.minimum(time, 8.0) ** 2 / 16.0 + 2.0 * (1.0 - np.exp(-later / 2.0))

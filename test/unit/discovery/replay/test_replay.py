@@ -5,12 +5,12 @@ from dataclasses import replace
 from lta_discovery.flights.measured_flight import resample_flight, Stream
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.replay.replay import FlightReplay, STEPS
+from lta_discovery.replay.replay import FlightReplay, STEPS_PER_PERIOD
 from lta_discovery.replay.sensing import marker_frame, transform_to_map
 from lta_discovery.replay.variational_equation import (
     apply_state_changes,
     discretize_dynamics,
-    WIDTH,
+    STATE_WIDTH,
 )
 from lta_discovery.state_filter.linear_flight import FlightSystem
 from lta_model.effects import initial_memory
@@ -69,7 +69,7 @@ def test_pieces_fly_as_the_kernel_flies(gtmab: tuple[NominalVehicle, object]) ->
         rows, replay.compute_body_inputs(rows), start, np.zeros((len(at), replay.span, 6))
     )
     truth = np.array(states[at[0] : at[0] + 401 : 4])
-    error = flown_on[0, ::STEPS] - truth
+    error = flown_on[0, ::STEPS_PER_PERIOD] - truth
     assert np.abs(error[:, :3]).max() < 1e-4  # m
     assert np.abs(error[:, 3:7]).max() < 1e-4
     assert np.abs(error[:, 7:]).max() < 1e-3  # m/s, rad/s
@@ -146,22 +146,25 @@ STEP = 0.04
 
 def test_a_step_is_the_exponential_to_fourth_order() -> None:
     """It is exact for a matrix whose fourth power is 0, since all further terms vanish."""
-    chain = np.zeros((WIDTH, WIDTH))
+    chain = np.zeros((STATE_WIDTH, STATE_WIDTH))
     for row, column, value in ((0, 1, 30.0), (1, 2, -20.0), (2, 3, 50.0), (5, 7, 10.0)):
         chain[row, column] = value
-    whole = np.zeros((2 * WIDTH, 2 * WIDTH))
-    whole[:WIDTH, :WIDTH], whole[:WIDTH, WIDTH:] = chain, np.eye(WIDTH)
+    whole = np.zeros((2 * STATE_WIDTH, 2 * STATE_WIDTH))
+    whole[:STATE_WIDTH, :STATE_WIDTH], whole[:STATE_WIDTH, STATE_WIDTH:] = (
+        chain,
+        np.eye(STATE_WIDTH),
+    )
     exact = expm(STEP * whole)
     a, b = discretize_dynamics(chain, STEP)
-    np.testing.assert_allclose(a, exact[:WIDTH, :WIDTH], rtol=1e-12, atol=1e-14)
-    np.testing.assert_allclose(b, exact[:WIDTH, WIDTH:], rtol=1e-12, atol=1e-14)
+    np.testing.assert_allclose(a, exact[:STATE_WIDTH, :STATE_WIDTH], rtol=1e-12, atol=1e-14)
+    np.testing.assert_allclose(b, exact[:STATE_WIDTH, STATE_WIDTH:], rtol=1e-12, atol=1e-14)
 
 
 def test_the_series_ends_with_its_fourth_order() -> None:
     """If F h = 1, A is 1 + 1 + 1/2 + 1/6 + 1/24, and B is h (1 + 1/2 + 1/6 + 1/24)."""
-    a, b = discretize_dynamics(np.eye(WIDTH) / STEP, STEP)
-    np.testing.assert_allclose(a, (2.0 + 17.0 / 24.0) * np.eye(WIDTH))
-    np.testing.assert_allclose(b, STEP * (1.0 + 17.0 / 24.0) * np.eye(WIDTH))
+    a, b = discretize_dynamics(np.eye(STATE_WIDTH) / STEP, STEP)
+    np.testing.assert_allclose(a, (2.0 + 17.0 / 24.0) * np.eye(STATE_WIDTH))
+    np.testing.assert_allclose(b, STEP * (1.0 + 17.0 / 24.0) * np.eye(STATE_WIDTH))
 
 
 def test_a_change_adds_to_place_and_speeds_and_rotates_in_the_body_frame() -> None:

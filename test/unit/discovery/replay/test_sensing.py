@@ -3,7 +3,7 @@
 from types import SimpleNamespace
 
 from lta_config.constants import STANDARD_GRAVITY
-from lta_discovery.flights.measured_flight import PERIOD
+from lta_discovery.flights.measured_flight import GRID_PERIOD
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.model.quaternions import (
@@ -51,7 +51,7 @@ def test_a_pose_a_tenth_of_a_second_old_swings_no_wider(
     gtmab: tuple[NominalVehicle, list[FreeParameter]],
 ) -> None:
     late = gtmab[0].with_value('tracker_delay', 'delay', 0.1)
-    time = PERIOD * np.arange(101)
+    time = GRID_PERIOD * np.arange(101)
     said = predict_readings(_swinging(time), time[:-1], late.build_replay_rows().acting, STILL)
     roll = quaternion_logarithm(said.quaternion)[:, 0]
     before = SWING * (time[:-1] - 0.1)
@@ -70,7 +70,7 @@ def test_a_pose_a_tenth_of_a_second_old_swings_no_wider(
 def test_a_tracker_delay_and_a_negative_clock_offset_shift_poses_alike(
     gtmab: tuple[NominalVehicle, list[FreeParameter]], effect: str, name: str, value: float
 ) -> None:
-    time = PERIOD * np.arange(101)
+    time = GRID_PERIOD * np.arange(101)
     acting = gtmab[0].with_value(effect, name, value).build_replay_rows().acting
     np.testing.assert_allclose(pose_time_shift(acting, time[:-1]), -0.1, atol=1e-12)
     place = predict_readings(_swinging(time), time[:-1], acting, STILL).position[2:-2, 1]

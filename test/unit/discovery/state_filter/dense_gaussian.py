@@ -5,8 +5,8 @@ import math
 from types import SimpleNamespace
 from typing import Any
 
-from lta_discovery.flights.measured_flight import PERIOD
-from lta_discovery.state_filter.kalman import PRESSURE, START, WEATHER, WEATHER_TIME
+from lta_discovery.flights.measured_flight import GRID_PERIOD
+from lta_discovery.state_filter.kalman import PRESSURE_CHANNEL, START, WEATHER, WEATHER_TIME
 from lta_discovery.state_filter.linear_flight import LinearFlight
 from lta_discovery.state_filter.noise_model import NoiseModel
 import numpy as np
@@ -95,7 +95,7 @@ def build_dense(flight: LinearFlight, noise: NoiseModel) -> DenseFlight:
     count, width = end - begin, flight.moved.shape[2]
     memory = np.concatenate([noise.memory, np.full(6, noise.correlation), [WEATHER_TIME]])
     usual = np.concatenate([noise.wrench, noise.correlated, [WEATHER]])
-    kept = np.exp(-PERIOD / memory)
+    kept = np.exp(-GRID_PERIOD / memory)
     # State of each grid point by independent numbers of unit variance, 25 each
     states, slopes = np.zeros((count, WHOLE)), np.zeros((count, WHOLE, width))
     slopes[0, :BODY] = flight.begun[0]
@@ -126,7 +126,7 @@ def build_dense(flight: LinearFlight, noise: NoiseModel) -> DenseFlight:
             row[BODY:18] = flight.felt[begin + k, c]
             if c < 6:
                 row[18 + c] = 1.0
-            elif c == PRESSURE:
+            elif c == PRESSURE_CHANNEL:
                 row[-1] = 1.0
             places.append((k, c))
             values.append(value - row @ states[k])

@@ -5,8 +5,8 @@ from dataclasses import replace
 from lta_discovery.calibration.scores import score_forecasts
 from lta_discovery.flights.measured_flight import (
     FlightStreams,
+    GRID_PERIOD,
     MeasuredFlight,
-    PERIOD,
     resample_flight,
     Stream,
 )
@@ -16,7 +16,7 @@ from lta_discovery.state_filter.forecast_noise import CLEARLY, fit_forecast_nois
 from lta_discovery.state_filter.forecast_sums import measure_errors
 from lta_discovery.state_filter.forecasts import (
     coast,
-    COASTING,
+    COASTING_PERIODS,
     FlightForecasts,
     forecast_flights,
     list_flight_parameters,
@@ -97,7 +97,7 @@ def test_no_forecast_changes_with_later_poses(heavy: MeasuredFlight, gtmab: Know
     shift = np.array([0.3, -0.2, 0.1])
 
     def move(time: Array, position: Array) -> Array:
-        late = (time > start + 0.5 * PERIOD)[:, None]
+        late = (time > start + 0.5 * GRID_PERIOD)[:, None]
         out: Array = np.where(late, position + (time - start)[:, None] * shift, position)
         return out
 
@@ -186,7 +186,7 @@ def test_what_a_flight_has_of_its_own(gtmab: Known) -> None:
 
 def coasting_flight(acceleration: float, rate: float) -> MeasuredFlight:
     """Return a flight along x with constant acceleration, and about z with a constant rate."""
-    time = 2.0 + PERIOD * np.arange(150)
+    time = 2.0 + GRID_PERIOD * np.arange(150)
     x = 0.3 * time + 0.5 * acceleration * (time - 4.0) ** 2
     position = np.column_stack([x, -0.1 * time, np.ones_like(time)])
     return MeasuredFlight(
@@ -212,7 +212,7 @@ def test_coasting_goes_on_round_a_circle() -> None:
     So coasting is off by a few millimetres of a metre and a half, where straight on is off by half
     a metre after 3 s.
     """
-    time, rate, radius = 2.0 + PERIOD * np.arange(150), 0.4, 1.0
+    time, rate, radius = 2.0 + GRID_PERIOD * np.arange(150), 0.4, 1.0
     flight = coasting_flight(0.0, rate)
     place = radius * np.column_stack([np.sin(rate * time), -np.cos(rate * time), 0.0 * time])
     errors = coast(replace(flight, position=place), np.array([50]), HORIZONS)[0]
@@ -226,9 +226,12 @@ def test_coasting_misses_an_acceleration_by_a_closed_form() -> None:
 
     So it is off by a / 2 ((h - m)^2 - variance) after h.
     """
-    acceleration, count = 0.4, COASTING + 1
+    acceleration, count = 0.4, COASTING_PERIODS + 1
     errors = coast(coasting_flight(acceleration, 0.0), np.array([50]), HORIZONS)
-    middle, variance = -0.5 * COASTING * PERIOD, PERIOD**2 * (count**2 - 1) / 12.0
+    middle, variance = (
+        -0.5 * COASTING_PERIODS * GRID_PERIOD,
+        GRID_PERIOD**2 * (count**2 - 1) / 12.0,
+    )
     for h, horizon in enumerate(HORIZONS):
         wanted = 0.5 * acceleration * ((horizon - middle) ** 2 - variance)
         np.testing.assert_allclose(errors[0, h], [wanted, *[0.0] * 5], atol=1e-9)

@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
-from lta_discovery.flights.measured_flight import PERIOD
-from lta_discovery.state_filter.kalman import BODY, filter_flight
+from lta_discovery.flights.measured_flight import GRID_PERIOD
+from lta_discovery.state_filter.kalman import BODY_SIZE, filter_flight
 from lta_discovery.state_filter.noise_model import NoiseModel
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ from scipy.stats import multivariate_normal
 from .dense_gaussian import ALL_SENSORS, build_dense, build_flight, NOISE, PARAMETERS, RUN
 
 STARTS = np.array([3, 5, 8])
-HORIZONS = (PERIOD, 3.0 * PERIOD)
+HORIZONS = (GRID_PERIOD, 3.0 * GRID_PERIOD)
 
 
 @pytest.mark.parametrize(('channels', 'noise'), [(6, NOISE), (14, ALL_SENSORS)])
@@ -68,8 +68,8 @@ def test_forecasts_are_the_means_given_the_readings_up_to_their_start() -> None:
     errors = filter_flight(flight, NOISE, STARTS, HORIZONS).errors @ np.append(parameters, 1.0)
     for s, start in enumerate(STARTS):
         for h, horizon in enumerate(HORIZONS):
-            k = start + round(horizon / PERIOD)
-            state = dense.condition(k - RUN[0], start - RUN[0] + 1, parameters)[:BODY]
+            k = start + round(horizon / GRID_PERIOD)
+            state = dense.condition(k - RUN[0], start - RUN[0] + 1, parameters)[:BODY_SIZE]
             wanted = flight.left[k] - flight.read[k] @ state - flight.read_moved[k] @ parameters
             if flight.count[k] == 0.0:
                 assert np.isnan(errors[s, h]).all()
@@ -82,10 +82,10 @@ def test_forecasts_are_those_of_a_filter_without_later_readings() -> None:
     told = filter_flight(flight, NOISE, STARTS[1:2], HORIZONS)
     blind = flight.left.copy()
     blind[STARTS[1] + 1 :] = np.nan
-    ahead = STARTS[1] + np.rint(np.array(HORIZONS) / PERIOD).astype(np.int64)
+    ahead = STARTS[1] + np.rint(np.array(HORIZONS) / GRID_PERIOD).astype(np.int64)
     later = filter_flight(replace(flight, left=blind), NOISE, ahead)
     for h, k in enumerate(ahead):
-        wanted = -np.einsum('ms,sk->mk', flight.read[k], later.states[h, :BODY])
+        wanted = -np.einsum('ms,sk->mk', flight.read[k], later.states[h, :BODY_SIZE])
         wanted[:, :PARAMETERS] -= flight.read_moved[k]
         wanted[:, PARAMETERS] += flight.left[k]
         np.testing.assert_allclose(told.errors[0, h], wanted, rtol=1e-9, atol=1e-12)

@@ -2,7 +2,12 @@
 
 from dataclasses import replace
 
-from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD, resample_flight, Stream
+from lta_discovery.flights.measured_flight import (
+    GRID_PERIOD,
+    MeasuredFlight,
+    resample_flight,
+    Stream,
+)
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import list_free_parameters
 from lta_discovery.state_filter.kalman import filter_flight
@@ -43,7 +48,7 @@ def fly_circle(time: Array) -> tuple[Array, Array]:
 
 def circling(time: Array) -> MeasuredFlight:
     """Return a flight round a circle on the grid, read at some times."""
-    grid = 5.0 + PERIOD * np.arange(COUNT)
+    grid = 5.0 + GRID_PERIOD * np.arange(COUNT)
     flight = build_flight(grid, *fly_circle(grid))
     return replace(flight, poses=Stream(time, np.column_stack(fly_circle(time))))
 
@@ -51,7 +56,7 @@ def circling(time: Array) -> MeasuredFlight:
 @pytest.mark.parametrize('with_future', [True, False])
 def test_motion_on_a_parabola_is_exact(with_future: bool) -> None:
     """x = 1 + 2 t - 0.3 t^2, at constant heading; the velocity is that in the axes of the body."""
-    time = PERIOD * np.arange(COUNT)
+    time = GRID_PERIOD * np.arange(COUNT)
     turn = Rotation.from_euler('z', 0.5 * np.pi)
     position = np.column_stack([1.0 + 2.0 * time - 0.3 * time**2, 0.0 * time, 0.5 * time])
     flight = build_flight(time, position, np.tile(turn.as_quat(), (COUNT, 1)))
@@ -71,7 +76,7 @@ def test_motion_on_a_parabola_is_exact(with_future: bool) -> None:
 @pytest.mark.parametrize(('with_future', 'error'), [(True, 1e-4), (False, 0.02)])
 def test_motion_on_a_circle(with_future: bool, error: float) -> None:
     """Speed along the nose, and yaw rate; a parabola through the past is off by a few percent."""
-    time = 5.0 + PERIOD * np.arange(COUNT)
+    time = 5.0 + GRID_PERIOD * np.arange(COUNT)
     motion = fit_motion(circling(time), with_future)[15:-15]
     np.testing.assert_allclose(motion[:, 7], RADIUS * TURN, atol=error)
     np.testing.assert_allclose(motion[:, 8:12], 0.0, atol=error)
@@ -80,7 +85,7 @@ def test_motion_on_a_circle(with_future: bool, error: float) -> None:
 
 
 def test_motion_without_the_future_uses_no_later_pose() -> None:
-    flight = circling(5.0 + PERIOD * np.arange(COUNT))
+    flight = circling(5.0 + GRID_PERIOD * np.arange(COUNT))
     at = 60
     position, quaternion = flight.position.copy(), flight.quaternion.copy()
     position[at + 1 :] += 3.0
@@ -93,7 +98,7 @@ def test_motion_without_the_future_uses_no_later_pose() -> None:
 
 
 def test_runs_end_where_poses_are_lost_and_last_a_second() -> None:
-    flight = circling(5.0 + PERIOD * np.arange(COUNT))
+    flight = circling(5.0 + GRID_PERIOD * np.arange(COUNT))
     position = flight.position.copy()
     position[30:60] = np.nan
     position[62:75] = np.nan
@@ -154,7 +159,7 @@ def test_four_poses_of_a_period_are_averaged() -> None:
 
 def test_lost_and_outlying_poses_are_no_readings() -> None:
     """Those of a part in which the grid has no pose, too."""
-    flight = circling(5.0 + PERIOD * np.arange(COUNT))
+    flight = circling(5.0 + GRID_PERIOD * np.arange(COUNT))
     assert flight.poses is not None
     values = flight.poses.values.copy()
     values[40] = np.nan
