@@ -15,7 +15,7 @@ def _source_path(monkeypatch):
 
 
 def test_two_processes_talk(monkeypatch):
-    for limit in ('DEADLINE', 'SLOW'):  # how fast it is, is the machine's
+    for limit in ('DEADLINE', 'SLOW_EXCHANGE'):  # how fast it is, is the machine's
         monkeypatch.setattr(dds, limit, PATIENCE)
     check = dds.check_message_exchange()
     assert check.state == 'ok', check.found

@@ -25,10 +25,11 @@ def run(code, *words, space=None):
     )
 
 
-def test_a_command_in_300_mb_of_memory_names_the_limit_and_the_remedy():
-    told = run(MAIN, 'vehicle', 'show', 'gtmab', space=300 << 20)
+def test_a_command_in_150_mb_of_memory_names_the_limit_and_the_remedy():
+    # With more, OpenBLAS may end the process by itself, or never
+    told = run(MAIN, 'vehicle', 'show', 'gtmab', space=150 << 20)
     assert told.returncode == 2, told.stderr[-2000:]
-    assert told.stderr.startswith('The command failed with a limit of 300 MB of memory (')
+    assert told.stderr.startswith('The command failed with a limit of 150 MB of memory (')
     assert told.stderr.endswith(
         '); raise it with `ulimit -v 4194304`, in a new shell if that is refused.\n'
     )

@@ -53,7 +53,8 @@ def test_what_was_done_before_says_nothing_about_the_pace(capsys, clock):
     assert capsys.readouterr().err == 'flights: 90 %, about 1.0 min left ...\n'
 
 
-def test_a_terminal_shows_the_share_of_a_first_item_and_the_time_that_has_passed():
+def test_a_terminal_shows_the_share_of_a_first_item_and_the_time_that_has_passed(monkeypatch):
+    monkeypatch.setenv('TERM', 'xterm')  # one called dumb shows no bar
     shown = io.StringIO()
     progress = StudyProgress(
         Console(file=shown, force_terminal=True, color_system=None, width=120), 4
