@@ -198,7 +198,8 @@ class SimulateRequest(Action, command='simulate', json=True):
         'With --commands: end so many seconds into it.', default=None, low=0.0
     )
     robot: str | None = option(
-        'With --commands: its robot; needed if the recording has several.', default=None
+        'With --commands: robot whose commands are flown; needed if the recording has several.',
+        default=None,
     )
     out: Folder | None = OUT_OPTION
     bag: bool = option('Record a bag and write an HTML report.', default=True)

@@ -149,7 +149,9 @@ TESTS_VERBS: Final = VerbGroup(
     'Plan and fly the tests that calibrate a vehicle, read their logs, tell two effects apart.',
     {
         'plan': call('tests_plan'),
-        'fly': Verb('tests_fly', 'fly', {'allow_interspersed_args': True}, needs_graph=True),
+        'fly': Verb(
+            'tests_fly', 'TestsFlyRequest', {'allow_interspersed_args': True}, needs_graph=True
+        ),
         'read': call('tests_read'),
         'between': call('tests_between'),
     },

@@ -96,7 +96,7 @@ class FleetArguments(PacedArguments):
     spacing: float = setting(1.5)
     """Distance between two starts along y, and from the sixth drone on along x, in metres."""
     live_port: int = setting(8765)
-    """Port of the first live view; each next drone has the next."""
+    """Port of the live view of the first drone; the others have the ports that follow."""
 
 
 class FlyArguments(DroneArguments, PacedArguments):

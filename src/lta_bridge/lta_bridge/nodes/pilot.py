@@ -127,12 +127,12 @@ class Pilot(GraphNode):
         point = place.pose.pose.position
         point.x, point.y, point.z = settings.x, settings.y, settings.height
         failure = yield from self._command('take_off', TakeOff.Goal(height=settings.height))
-        for piece in ((), *plan_pieces(settings.seconds, settings.seed)):
-            # The first one is empty: the way to the place
-            failure = failure or (yield from self._move_sticks(piece))
-            failure = failure or (yield from self._command('go_to_pose', place))
+        failure = failure or (yield from self._command('go_to_pose', place))
+        for piece in plan_pieces(settings.seconds, settings.seed):
             if failure:
                 break
+            failure = yield from self._move_sticks(piece)
+            failure = failure or (yield from self._command('go_to_pose', place))
         back = yield from self._hand_back()
         landing = yield from self._command('land', Land.Goal(), LANDING_PATIENCE)
         return failure or back or landing
@@ -143,7 +143,7 @@ class Pilot(GraphNode):
         goal: Any,  # noqa: ANN401 - of an action
         patience: float = GOAL_PATIENCE,
     ) -> Steps:
-        """Fly by an action to its end, if it is accepted in time. [wall s]"""
+        """Fly by an action to its end; `patience`: until it is accepted. [wall s]"""
         self._tell(f'{name} begins')
         action, since = self._actions[name], time.monotonic()
         while True:
@@ -168,8 +168,6 @@ class Pilot(GraphNode):
 
     def _move_sticks(self, piece: tuple[StickHold, ...]) -> Steps:
         """Fly a piece until its end, or until the drone leaves the room, and hand it back."""
-        if not piece:
-            return ''
         self._tell(f'sticks move for {sum(hold.seconds for hold in piece):.0f} s')
         since = time.monotonic()
         self._sticks = Sticks(take=True)

@@ -33,7 +33,7 @@ class PlayerSettings(Settings):
     end: float = setting(FOREVER, 's', 0.0, FOREVER, fixed=True)
     """End of the section to play, counted from the first message."""
     answers: str = setting('', fixed=True)
-    """Folder of a new bag with the messages of the nodes that run again; empty for no bag."""
+    """Folder of a new bag for what the nodes that run again publish; empty for no bag."""
     patience: float = setting(30.0, 's', 0.1, 3600.0, fixed=True)
     """How long to wait for the nodes to start, and in lockstep for an answer."""
     record: bool = setting(False, fixed=True)

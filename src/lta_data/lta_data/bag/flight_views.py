@@ -41,7 +41,8 @@ def build_dataset(aligned: Table, tables: Mapping[str, Table]) -> Any:  # noqa: 
     """
     xarray = import_notebook_package('xarray')
     variables = {}
-    for topic, table in tables.items():
+    # A topic may begin with the name of another one
+    for topic, table in sorted(tables.items(), key=lambda each: len(each[0])):
         for name in aligned.filter(regex=f'^{re.escape(topic)}/'):
             unit = aligned.attrs['units'].get(name)
             frame = find_frame(table, name.removeprefix(f'{topic}/'))

@@ -25,7 +25,7 @@ ATTITUDE: Final = 0.5  # weight of an error of attitude by that of position, eac
 ERROR_WEIGHTS: Final = np.array([1.0] * 3 + [ATTITUDE] * 3)
 ROBUST: Final = 4.5  # usual sizes; larger errors have a linear cost instead of a quadratic one
 BLOCK: Final = 10.0  # s; errors further apart than this are independent
-WEIGHINGS: Final = 5  # times that a step weighs linear errors anew; more change nothing
+WEIGHINGS: Final = 5  # times that a step weighs linear errors; more gain little
 
 
 @final

@@ -26,7 +26,7 @@ from lta_discovery.model.quaternions import (
 from lta_discovery.parallel import map_parallel
 from lta_discovery.replay.replay import FlightReplay, STEPS_PER_PERIOD
 from lta_discovery.replay.sensing import predict_pose
-from lta_discovery.replay.variational_equation import apply_state_changes
+from lta_discovery.replay.variational_equation import apply_state_changes, STATE_WIDTH
 from lta_discovery.state_filter.forecast_sums import (
     FIT_FORECAST_INTERVAL,
     HORIZONS,
@@ -34,7 +34,7 @@ from lta_discovery.state_filter.forecast_sums import (
     settle_own,
     weigh_errors,
 )
-from lta_discovery.state_filter.kalman import BODY_SIZE, filter_flight
+from lta_discovery.state_filter.kalman import filter_flight
 from lta_discovery.state_filter.likelihood import ParameterPrior
 from lta_discovery.state_filter.linear_flight import FlightSystem, LinearFlight, POSE_SIZE
 from lta_discovery.state_filter.noise_model import NoiseModel
@@ -216,7 +216,7 @@ def _fly_forecasts(
 ) -> Array:
     """Fly the model from each start without further readings; return the errors."""
     flight, count = system.flight, round(horizons[-1] / GRID_PERIOD)
-    begun = apply_state_changes(linear.motion[starts], states[:, :BODY_SIZE])
+    begun = apply_state_changes(linear.motion[starts], states[:, :STATE_WIDTH])
     replay = FlightReplay(flight, starts, count, system.vehicle.pack_command(()))
     time = GRID_PERIOD / STEPS_PER_PERIOD * (np.arange(replay.span) + 0.5)
     memory = noise.ahead.memory
@@ -226,7 +226,7 @@ def _fly_forecasts(
         there, _ = apply_parameters(nominal, system.parameters, values[s])
         rows = replay.build_replay_rows(there)
         ready = replay.compute_body_inputs(rows)
-        wrench = (states[s, BODY_SIZE : BODY_SIZE + len(memory)] * faded)[None]
+        wrench = (states[s, STATE_WIDTH : STATE_WIDTH + len(memory)] * faded)[None]
         motion = replay.integrate_pieces(
             rows, ready, begun[s : s + 1], np.ascontiguousarray(wrench), slice(s, s + 1)
         )[:, ::STEPS_PER_PERIOD]

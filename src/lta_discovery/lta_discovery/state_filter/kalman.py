@@ -17,6 +17,7 @@ from typing import Final, final
 
 from lta_discovery.flights.measured_flight import GRID_PERIOD
 from lta_discovery.replay.replay import AXIS_COUNT
+from lta_discovery.replay.variational_equation import STATE_WIDTH
 from lta_discovery.state_filter.linear_flight import LinearFlight, POSE_SIZE
 from lta_discovery.state_filter.noise_model import NoiseModel
 from numba import njit
@@ -26,9 +27,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-BODY_SIZE: Final = 12  # components of a change of state
 PRESSURE_CHANNEL: Final = 13  # channel of the barometer
-FILTER_SIZE: Final = BODY_SIZE + AXIS_COUNT + POSE_SIZE + 1
+FILTER_SIZE: Final = STATE_WIDTH + AXIS_COUNT + POSE_SIZE + 1
 BUFFERED: Final = 256  # rows
 # Deviations of the first state from its polynomial: m, rad, m/s, rad/s
 START: Final = np.array([0.05] * 3 + [0.1] * 3 + [0.2] * 6)
@@ -96,7 +96,7 @@ def filter_flight(
 def describe_noise(noise: NoiseModel) -> tuple[Array, Array, Array]:
     """Return initial variances, variances added and factors kept in each period."""
     memory = np.concatenate([noise.memory, np.full(POSE_SIZE, noise.correlation), [WEATHER_TIME]])
-    fading = np.concatenate([np.ones(BODY_SIZE), np.exp(-GRID_PERIOD / memory)])
+    fading = np.concatenate([np.ones(STATE_WIDTH), np.exp(-GRID_PERIOD / memory)])
     first = np.concatenate([START, noise.wrench, noise.correlated, [WEATHER]]) ** 2
     added = first * (1.0 - fading**2)
     return first, added, fading

@@ -18,7 +18,6 @@ from lta_discovery.state_filter.forecast_noise import fit_forecast_noise
 from lta_discovery.state_filter.forecast_sums import (
     ForecastSum,
     HORIZONS,
-    measure_errors,
     sum_forecasts,
 )
 from lta_discovery.state_filter.likelihood import (
@@ -67,7 +66,7 @@ class ParameterFit:
     own: tuple[tuple[Array, Array], ...]
     noise: tuple[NoiseModel, ...]  # of each flight
     # Log density of the readings, without a constant [nats]; of a fit to forecasts the negative
-    # mean logarithm of their errors
+    # mean logarithm of their usual errors
     evidence: float
     flights: tuple[LinearFlight, ...]  # linearized about the values
 
@@ -198,6 +197,7 @@ def fit_forecasts(
         point = point._replace(sums=evaluate(point.flights, point.values))
         for _ in range(rounds):
             after = search.step(point, point.sums.cost + ERROR_RISE)
+            # What is left wanders with the weights of the errors
             if after is None or after.sums.cost > point.sums.cost - ERROR_GAIN:
                 break
             point = after
@@ -210,8 +210,7 @@ def fit_forecasts(
         inverse = np.linalg.inv(inner)
         return inverse @ (blocks.T @ blocks + inner) @ inverse
 
-    error = measure_errors(point.flights, noise, prior, horizons)
-    return _complete(point, prior, noise, spread, -error)
+    return _complete(point, prior, noise, spread, -point.sums.cost)
 
 
 def _complete(

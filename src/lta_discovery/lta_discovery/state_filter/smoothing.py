@@ -11,9 +11,8 @@ from typing import Final, final, NamedTuple
 
 from lta_discovery.flights.measured_flight import GRID_PERIOD
 from lta_discovery.replay.replay import AXIS_COUNT
-from lta_discovery.replay.variational_equation import apply_state_changes
+from lta_discovery.replay.variational_equation import apply_state_changes, STATE_WIDTH
 from lta_discovery.state_filter.kalman import (
-    BODY_SIZE,
     describe_noise,
     FILTER_SIZE,
     FilteredFlight,
@@ -28,9 +27,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-WRENCH_STATES: Final = slice(BODY_SIZE, BODY_SIZE + AXIS_COUNT)
+WRENCH_STATES: Final = slice(STATE_WIDTH, STATE_WIDTH + AXIS_COUNT)
 FADING: Final = (
-    FILTER_SIZE - BODY_SIZE
+    FILTER_SIZE - STATE_WIDTH
 )  # states that fade: wrench, and errors of tracker and barometer
 
 
@@ -84,7 +83,7 @@ def smooth_flight(flight: LinearFlight, noise: NoiseModel, values: Array) -> Smo
     for k, (begin, end) in enumerate(flight.runs):
         run = filter_run(flight, noise, k, mean)
         states[begin:end], spread[begin:end] = go_back(flight, noise, k, run)[:2]
-    motion = apply_state_changes(flight.motion, states[:, :BODY_SIZE])
+    motion = apply_state_changes(flight.motion, states[:, :STATE_WIDTH])
     return SmoothedFlight(motion, states[:, WRENCH_STATES], np.sqrt(spread))
 
 
@@ -157,7 +156,7 @@ def go_back(
 
 def log_slopes(noise: NoiseModel, runs: NoiseSlopes) -> Array:
     """Return slopes by the learned numbers of a noise model (`NoiseModel.logarithms`)."""
-    first, _, fading = (each[BODY_SIZE:] for each in describe_noise(noise))
+    first, _, fading = (each[STATE_WIDTH:] for each in describe_noise(noise))
     memory = np.concatenate([noise.memory, np.full(POSE_SIZE, noise.correlation)])
     size = 2.0 * first * (runs.first + (1.0 - fading**2) * runs.added)
     lasting = (runs.fading - 2.0 * fading * first * runs.added)[: AXIS_COUNT + POSE_SIZE]
@@ -200,17 +199,17 @@ def _filter_run(
 ) -> None:
     """Filter all grid points of a run; the last eight arrays are written."""
     x, s = np.zeros((FILTER_SIZE, begun.shape[1])), np.diag(first)
-    x[:BODY_SIZE] = begun
+    x[:STATE_WIDTH] = begun
     f = np.diag(fading)
     for k in range(len(step)):
         n = 0
         for c in range(measured.shape[1]):
             if measured[k, c]:
                 which[k, n] = c
-                rows[k, n, :BODY_SIZE] = read[k, c]
-                rows[k, n, BODY_SIZE : BODY_SIZE + AXIS_COUNT] = felt[k, c]
+                rows[k, n, :STATE_WIDTH] = read[k, c]
+                rows[k, n, STATE_WIDTH : STATE_WIDTH + AXIS_COUNT] = felt[k, c]
                 if c < POSE_SIZE:
-                    rows[k, n, BODY_SIZE + AXIS_COUNT + c] = 1.0
+                    rows[k, n, STATE_WIDTH + AXIS_COUNT + c] = 1.0
                 elif c == PRESSURE_CHANNEL:
                     rows[k, n, FILTER_SIZE - 1] = 1.0
                 innovations[k, n] = off[k, c]
@@ -230,12 +229,12 @@ def _filter_run(
             x = x + gains[k, :n].T @ innovations[k, :n]
             s = s - gains[k, :n].T @ gains[k, :n]
         states[k], spread[k] = x, s
-        f[:BODY_SIZE, :BODY_SIZE], f[:BODY_SIZE, BODY_SIZE : BODY_SIZE + AXIS_COUNT] = (
+        f[:STATE_WIDTH, :STATE_WIDTH], f[:STATE_WIDTH, STATE_WIDTH : STATE_WIDTH + AXIS_COUNT] = (
             step[k],
             push[k],
         )
         x = f @ x
-        x[:BODY_SIZE] += moved[k]
+        x[:STATE_WIDTH] += moved[k]
         s = f @ s @ f.T
         for i in range(FILTER_SIZE):
             s[i, i] += added[i]
@@ -267,21 +266,21 @@ def _go_back(
     f = np.diag(fading)
     for k in range(len(step) - 1, -1, -1):
         # Back over the step to the next point
-        f[:BODY_SIZE, :BODY_SIZE], f[:BODY_SIZE, BODY_SIZE : BODY_SIZE + AXIS_COUNT] = (
+        f[:STATE_WIDTH, :STATE_WIDTH], f[:STATE_WIDTH, STATE_WIDTH : STATE_WIDTH + AXIS_COUNT] = (
             step[k],
             push[k],
         )
         back, ahead = f.T @ r, f.T @ tell
         whole = states[k] + spread[k] @ back
         for i in range(FADING):
-            j = BODY_SIZE + i
+            j = STATE_WIDTH + i
             by_added[i] += 0.5 * (np.sum(r[j] ** 2) - tell[j, j])
             by_fading[i] += np.sum(r[j] * whole[j]) - np.sum(ahead[:, j] * spread[k, :, j])
         r, tell = back, ahead @ f
         smooth[k] = whole[:, -1]
         for i in range(AXIS_COUNT):
-            row = spread[k, BODY_SIZE + i]
-            variance[k, i] = row[BODY_SIZE + i] - row @ tell @ row
+            row = spread[k, STATE_WIDTH + i]
+            variance[k, i] = row[STATE_WIDTH + i] - row @ tell @ row
         # Back over the readings of this point
         n = number[k]
         if n == 0:
@@ -299,5 +298,5 @@ def _go_back(
         whiter = np.linalg.solve(root, h)
         tell = left @ tell @ left.T + whiter.T @ whiter
     for i in range(FADING):
-        j = BODY_SIZE + i
+        j = STATE_WIDTH + i
         by_first[i] += 0.5 * (np.sum(r[j] ** 2) - tell[j, j])

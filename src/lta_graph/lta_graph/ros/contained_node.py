@@ -14,7 +14,7 @@ from rclpy.timer import Timer
 
 
 class NodeOptions(TypedDict, total=False):
-    """What whoever makes a node may give it, as rclpy's Node takes it."""
+    """Arguments of rclpy's Node that every node passes on to it."""
 
     namespace: str
     parameter_overrides: list[Parameter]

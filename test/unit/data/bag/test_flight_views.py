@@ -4,7 +4,10 @@ import sys
 
 import lta_analysis
 from lta_config.errors import BadInput
+from lta_data.bag.flight_views import build_dataset
+from lta_data.bag.table import STAMP_COLUMN
 import numpy as np
+import pandas
 import pytest
 
 pyplot = pytest.importorskip('matplotlib.pyplot')
@@ -31,6 +34,16 @@ def test_a_dataset_has_the_rows_units_and_frames_of_its_topics(flight, tmp_path)
     assert (int(data.stamp_ns[0]), data.attrs) == (flight.start, {'start_ns': flight.start})
     x.to_netcdf(tmp_path / 'x.nc', engine='scipy')
     assert xarray.load_dataarray(tmp_path / 'x.nc', engine='scipy').attrs['units'] == 'm'
+
+
+@pytest.mark.parametrize('topics', [('light', 'light/peaks'), ('light/peaks', 'light')])
+def test_a_topic_whose_name_begins_that_of_another_lends_it_no_frame(topics):
+    aligned = pandas.DataFrame({STAMP_COLUMN: [0], 'light/x': [1.0], 'light/peaks/x': [2.0]})
+    aligned.attrs = {'units': {}, 'start': 0}
+    tables = {name: pandas.DataFrame({'header.frame_id': [f'of {name}']}) for name in topics}
+    data = build_dataset(aligned, tables)
+    assert data['light.x'].attrs == {'frame': 'of light'}
+    assert data['light.peaks.x'].attrs == {'frame': 'of light/peaks'}
 
 
 def test_a_clock_is_that_of_align_topics(flight):

@@ -3,7 +3,8 @@
 from dataclasses import replace
 
 from lta_discovery.flights.measured_flight import GRID_PERIOD
-from lta_discovery.state_filter.kalman import BODY_SIZE, filter_flight
+from lta_discovery.replay.variational_equation import STATE_WIDTH
+from lta_discovery.state_filter.kalman import filter_flight
 from lta_discovery.state_filter.noise_model import NoiseModel
 import numpy as np
 import pytest
@@ -69,7 +70,7 @@ def test_forecasts_are_the_means_given_the_readings_up_to_their_start() -> None:
     for s, start in enumerate(STARTS):
         for h, horizon in enumerate(HORIZONS):
             k = start + round(horizon / GRID_PERIOD)
-            state = dense.condition(k - RUN[0], start - RUN[0] + 1, parameters)[:BODY_SIZE]
+            state = dense.condition(k - RUN[0], start - RUN[0] + 1, parameters)[:STATE_WIDTH]
             wanted = flight.left[k] - flight.read[k] @ state - flight.read_moved[k] @ parameters
             if flight.count[k] == 0.0:
                 assert np.isnan(errors[s, h]).all()
@@ -85,7 +86,7 @@ def test_forecasts_are_those_of_a_filter_without_later_readings() -> None:
     ahead = STARTS[1] + np.rint(np.array(HORIZONS) / GRID_PERIOD).astype(np.int64)
     later = filter_flight(replace(flight, left=blind), NOISE, ahead)
     for h, k in enumerate(ahead):
-        wanted = -np.einsum('ms,sk->mk', flight.read[k], later.states[h, :BODY_SIZE])
+        wanted = -np.einsum('ms,sk->mk', flight.read[k], later.states[h, :STATE_WIDTH])
         wanted[:, :PARAMETERS] -= flight.read_moved[k]
         wanted[:, PARAMETERS] += flight.left[k]
         np.testing.assert_allclose(told.errors[0, h], wanted, rtol=1e-9, atol=1e-12)
