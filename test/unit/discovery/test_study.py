@@ -8,10 +8,10 @@ from typing import Any
 
 from lta_config.files import find_file
 from lta_discovery.calibration.first_step import FirstStep
-from lta_discovery.calibration.result import CalibratedValue, Calibration
+from lta_discovery.calibration.result import CalibratedValue, Calibration, Correction
 from lta_discovery.discovery.conclusion import draw_conclusion
 from lta_discovery.discovery.figures import draw_picture
-from lta_discovery.discovery.forecast_comparison import ForecastComparison
+from lta_discovery.discovery.forecast_comparison import ErrorRatio, ForecastComparison
 from lta_discovery.discovery.overlay import build_overlay
 from lta_discovery.discovery.report import build_report
 from lta_discovery.discovery.run import format_learned_vehicle
@@ -20,6 +20,7 @@ from lta_discovery.discovery.study import (
     Discovery,
     estimate_numbers,
     FILE_MODEL,
+    JudgedCorrection,
     NAMED,
     NamedElement,
     study_flights,
@@ -177,6 +178,20 @@ def test_what_is_named_has_to_forecast_no_worse_than_the_calibrated_file(
     assert not worse.writes_file
     assert worse.writes_calibrated
     assert worse.advice.startswith('Use the calibrated vehicle file')
+
+
+def test_forecasts_confirm_what_was_calibrated(gtmab: Known, clean: FlightSystem) -> None:
+    """An error of 0.8 (0.7 to 0.9) with a correction is 25 % (11 to 43) larger without it."""
+    study = calibrate_study(make_study(gtmab, clean.flight, ()), 0.08)
+    drag = CalibratedValue(DRAG, 'N s/m', '', 0.0, 0.04, (0.03, 0.05), True, True, ())
+    judged = [
+        JudgedCorrection(Correction('linear_drag', (drag,), study.nominal), ErrorRatio(*ratio))
+        for ratio in ((0.8, (0.7, 0.9)), (0.9, (0.7, 1.1)))
+    ]
+    one = draw_conclusion(replace(study, corrections=tuple(judged)))
+    (said,) = (text for text in one.details if 'confirm' in text)
+    assert 'confirm linear drag (surge) 0.040 N s/m: without' in said
+    assert 'the position error is 25 % (11 to 43) larger 3 s ahead' in said
 
 
 @pytest.mark.parametrize('is_start', [True, False])

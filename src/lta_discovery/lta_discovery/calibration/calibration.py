@@ -8,6 +8,7 @@ from typing import Final, final
 
 from lta_config.errors import BadInput
 from lta_discovery.calibration.calibrated_file import state_by_duty
+from lta_discovery.calibration.corrections import list_corrections
 from lta_discovery.calibration.prepared_flights import (
     find_index,
     fit_calibration,
@@ -83,19 +84,20 @@ def calibrate_flights(
         after = forecast_role(prepared, 'confirm', built, best.noise)
         scores['confirm'] = score_forecasts(before, after)
     tell('done', 1.0)
+    values = _list_values(nominal, knobs, best, prepared.names['train'])
+    own = [one for one in values if not one.flight]
+    change, covariance = _compute_mean_change(best, knobs), best.covariance
     return Calibration(
         name,
         nominal,
         built,
         _build_calibrated_vehicle(nominal, knobs, best, with_flows=False),
-        (
-            *_list_values(nominal, knobs, best, prepared.names['train']),
-            *_list_free_heading(nominal, knobs),
-        ),
+        (*values, *_list_free_heading(nominal, knobs)),
         scores,
         best.method,
         {role: tuple(each) for role, each in prepared.names.items()},
         noise=dict(zip(prepared.names['train'], fit.noise, strict=True)),
+        corrections=list_corrections(nominal, knobs, change, covariance, own),
     )
 
 
@@ -169,20 +171,20 @@ def _build_calibrated_vehicle(
     nominal: NominalVehicle, knobs: Sequence[FreeParameter], best: _Estimate, with_flows: bool
 ) -> NominalVehicle:
     """Return the vehicle with the calibrated values and the mean net lift of the flights."""
-    mean = best.shared[: len(knobs)].copy()
-    lift = find_index(knobs, NET_LIFT_FORCE)
-    mean[lift] = _mean_lift(best, knobs)
-    for k, knob in enumerate(knobs):
-        # What a flight has of its own, apart from the mean of the lift, is not of the vehicle
-        if (knob.per_flight and k != lift) or not (with_flows or knob.is_calibration):
-            mean[k] = 0.0
+    mean = _compute_mean_change(best, knobs)
+    if not with_flows:
+        mean[[not knob.is_calibration for knob in knobs]] = 0.0
     return apply_parameters(nominal, knobs, mean)[0]
 
 
-def _mean_lift(best: _Estimate, knobs: Sequence[FreeParameter]) -> float:
-    """Return the mean net lift of the flights. [N]"""
+def _compute_mean_change(best: _Estimate, knobs: Sequence[FreeParameter]) -> Array:
+    """Return the values of the vehicle, with the mean net lift of the flights."""
+    mean = best.shared.copy()
+    # What a flight has of its own, apart from the mean of the lift, is not of the vehicle
+    mean[[knob.per_flight for knob in knobs]] = 0.0
     lift = find_index(knobs, NET_LIFT_FORCE)
-    return float(np.mean([values[lift] for values, _ in best.flights]))
+    mean[lift] = np.mean([values[lift] for values, _ in best.flights])
+    return mean
 
 
 def _list_values(

@@ -68,6 +68,18 @@ class CalibratedValue:
 
 @final
 @dataclass(frozen=True, slots=True)
+class Correction:
+    """One effect of which a calibration changed values clearly."""
+
+    effect: str  # name in the registry, 'vehicle', or 'wrench_coupling'
+    values: tuple[CalibratedValue, ...]  # those that are clear
+    # The calibrated vehicle with the file's values of the effect, and the others as they are then
+    # most probable
+    without: NominalVehicle
+
+
+@final
+@dataclass(frozen=True, slots=True)
 class Calibration:
     """Result of a calibration."""
 
@@ -85,6 +97,7 @@ class Calibration:
     bags: Mapping[str, tuple[str, ...]]
     warnings: tuple[str, ...] = ()
     noise: Mapping[str, NoiseModel] = field(default_factory=dict)  # of the training flights
+    corrections: tuple[Correction, ...] = ()
 
     def find(self, name: str) -> CalibratedValue | None:
         """Return a value of the vehicle by name; None if it was not calibrated."""

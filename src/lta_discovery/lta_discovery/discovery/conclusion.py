@@ -8,12 +8,14 @@ corrected file is advised. Page, terminal, JSON and vehicle file follow from thi
 from dataclasses import dataclass
 from typing import Final, final, Literal
 
-from lta_discovery.calibration.verdict import format_error, list_differences
+from lta_discovery.calibration.result import Correction
+from lta_discovery.calibration.verdict import format_error, format_in_unit, list_differences
 from lta_discovery.discovery.forecast_comparison import COASTING, HorizonErrors
 from lta_discovery.discovery.study import (
     CALIBRATED,
     Discovery,
     FILE_MODEL,
+    JudgedCorrection,
     NAMED,
     NamedElement,
     ParameterEstimate,
@@ -203,7 +205,28 @@ def _format_calibration(study: Discovery, base: str) -> tuple[str, ...]:
     if calibration is None or base == FILE_MODEL:
         return ()
     differences = '; '.join(list_differences(calibration)) or 'several numbers by little'
-    return (f'The vehicle file is off, and was calibrated: {differences}.',)
+    return (
+        f'The vehicle file is off, and was calibrated: {differences}.',
+        *(_format_correction(one, study) for one in study.corrections if one.is_confirmed),
+    )
+
+
+def _format_correction(one: JudgedCorrection, study: Discovery) -> str:
+    """Return a correction that forecasts confirm, with its values."""
+    main = study.comparison.main
+    ahead = '' if main is None else f' {main.horizon:g} s ahead'
+    where = 'held-out flights' if study.held_out else 'the same flights'
+    losses = [100.0 / each - 100.0 for each in (one.ratio.value, *reversed(one.ratio.ci95))]
+    loss, low, high = (format_number(each, 2) for each in losses)
+    return (
+        f'Forecasts of {where} confirm {join_words(format_values(one.correction))}: without, the '
+        f'position error is {loss} % ({low} to {high}) larger{ahead}.'
+    )
+
+
+def format_values(correction: Correction) -> list[str]:
+    """Return the clear values of a correction, each with its name and unit."""
+    return [f'{format_parameter(one.name)} {format_in_unit(one)[1]}' for one in correction.values]
 
 
 def _list_possible(study: Discovery) -> tuple[str, ...]:

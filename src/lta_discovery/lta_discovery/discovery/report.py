@@ -5,7 +5,7 @@ from typing import Any, Final
 
 from lta_discovery.calibration.report import build_first_step_table, encode_calibration
 from lta_discovery.calibration.verdict import format_error
-from lta_discovery.discovery.conclusion import Conclusion, format_names
+from lta_discovery.discovery.conclusion import Conclusion, format_names, format_values
 from lta_discovery.discovery.figures import build_forecast_picture, build_pictures
 from lta_discovery.discovery.forecast_comparison import COASTING, ErrorRatio, HorizonErrors
 from lta_discovery.discovery.study import (
@@ -37,6 +37,12 @@ from lta_report.report import Picture, Report, ReportSection, TextSection, TextT
 
 REPORT_SCHEMA: Final = 1  # of discovery.json
 LEAST_PROBABILITY: Final = 0.02  # of an element that the table of candidates lists
+EFFECT_WORDS: Final = {
+    'vehicle': 'mass and inertia',
+    'wrench_gain': 'gain of the commands',
+    'wrench_coupling': 'what commands do on other axes',
+    'marker_offset': 'frame of the markers',
+}  # effects that a reader knows by other words
 ROLES: Final = {'train': 'learned from', 'confirm': 'learned from', 'holdout': 'held out'}
 
 
@@ -62,6 +68,7 @@ def build_report(
         tiles=list(_build_tiles(study)),
         blocks=(
             *_build_calibration_tables(study),
+            *_build_correction_tables(study),
             *_build_named_tables(study),
             *_build_forecast_blocks(study),
             *build_pictures(study),
@@ -95,6 +102,26 @@ def _build_tiles(study: Discovery) -> Iterator[Tile]:
 def _build_calibration_tables(study: Discovery) -> list[TextTable]:
     calibration = study.first.compared
     return [] if calibration is None else [build_first_step_table(calibration)]
+
+
+def _build_correction_tables(study: Discovery) -> Iterator[TextTable]:
+    """Yield the table of what each effect that was calibrated is worth."""
+    rows = [
+        [
+            EFFECT_WORDS.get(effect := one.correction.effect, effect.replace('_', ' ')),
+            ', '.join(format_values(one.correction)),
+            _format_ratio(one.ratio),
+            'yes' if one.is_confirmed else 'no',
+        ]
+        for one in study.corrections
+    ]
+    note = (
+        "Position error of calibrated.yaml by that with the vehicle file's values of an effect, "
+        'and all other values as they are then most probable. Confirmed: the interval is below 1.'
+    )
+    if rows:
+        heads = ('calibrated', 'clear values', 'error with it / without', 'confirmed')
+        yield TextTable('What each part of the calibration is worth', heads, rows, note)
 
 
 def _build_named_tables(study: Discovery) -> Iterator[TextTable | TextSection]:
@@ -233,6 +260,12 @@ def _encode(
             if not one.estimates
         ],
         'possible': [_encode_element(one) for one in study.possible],
+        'corrections': [
+            {'effect': one.correction.effect,
+             'values': [each.name for each in one.correction.values],
+             'error_ratio': one.ratio.value, 'ci95': one.ratio.ci95, 'confirmed': one.is_confirmed}
+            for one in study.corrections
+        ],
         'probabilities': missing.probabilities,
         'trust': missing.trust,
         'unexplained': {

@@ -12,10 +12,11 @@ from typing import Final, final, NamedTuple
 
 from lta_discovery.calibration.first_step import FirstStep
 from lta_discovery.calibration.priors import apply_calibration, free_flight_lifts
-from lta_discovery.calibration.result import WIDE
+from lta_discovery.calibration.result import Correction, WIDE
 from lta_discovery.discovery.forecast_comparison import (
     compare_forecasts,
     ComparedModel,
+    ErrorRatio,
     ForecastComparison,
 )
 from lta_discovery.flights.measured_flight import MeasuredFlight
@@ -79,6 +80,19 @@ class NamedElement:
 
 
 @final
+class JudgedCorrection(NamedTuple):
+    """An effect that was calibrated, and what that is worth in forecasts."""
+
+    correction: Correction
+    ratio: ErrorRatio  # position error of the calibrated vehicle by that without the correction
+
+    @property
+    def is_confirmed(self) -> bool:
+        """Whether the forecasts are better with it."""
+        return self.ratio.ci95[1] < NO_GAIN
+
+
+@final
 @dataclass(frozen=True, slots=True)
 class Discovery:
     """What the flights of a vehicle tell of its file."""
@@ -96,6 +110,7 @@ class Discovery:
     held_out: bool  # whether the forecasts are of flights that nothing was fitted to
     warnings: tuple[str, ...]
     first: FirstStep  # calibration of the vehicle before the search
+    corrections: tuple[JudgedCorrection, ...] = ()  # of that calibration, the most useful first
 
 
 def study_flights(
@@ -150,10 +165,13 @@ def study_flights(
     systems = [FlightSystem(vehicle, one, []) for one in judged_flights.values()]
     horizons = choose_horizons(systems)
     training = [one for _, _, one in used]
-    comparison = compare_forecasts(vehicle, training, judged_flights, models, parameters, horizons)
+
+    def compare(models: Sequence[ComparedModel]) -> ForecastComparison:
+        return compare_forecasts(vehicle, training, judged_flights, models, parameters, horizons)
+
+    comparison = compare(models)
     if possible:
-        each = _build_possible_models(nominal, missing)
-        alone = compare_forecasts(vehicle, training, judged_flights, each, parameters, horizons)
+        alone = compare(_build_possible_models(nominal, missing))
         possible = tuple(
             one for one in possible if alone.compare(one.present.names[0], TUNED).ci95[1] < NO_GAIN
         )
@@ -171,6 +189,7 @@ def study_flights(
         held_out,
         (*warnings, *remarks),
         first,
+        _judge_corrections(first, compare),
     )
 
 
@@ -246,6 +265,24 @@ def _build_models(
         models.append(ComparedModel(NAMED, whole, missing.noise))
         models.append(ComparedModel(WRITTEN, learned, missing.noise))
     return models, learned
+
+
+def _judge_corrections(
+    first: FirstStep, compare: Callable[[Sequence[ComparedModel]], ForecastComparison]
+) -> tuple[JudgedCorrection, ...]:
+    """Return what each correction of the calibration is worth, the most useful first."""
+    calibration = first.compared
+    if calibration is None or not calibration.corrections:
+        return ()
+    noise = tuple(calibration.noise.values())
+    whole = ComparedModel(CALIBRATED, calibration.calibrated, noise)
+    others = [ComparedModel(one.effect, one.without, noise) for one in calibration.corrections]
+    forecasts = compare([whole, *others])
+    judged = [
+        JudgedCorrection(one, forecasts.compare(CALIBRATED, one.effect))
+        for one in calibration.corrections
+    ]
+    return tuple(sorted(judged, key=lambda one: one.ratio.value))
 
 
 def _build_possible_models(

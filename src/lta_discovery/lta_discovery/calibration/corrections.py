@@ -1,0 +1,71 @@
+"""
+Take the corrections of a calibration back, one effect at a time.
+
+The forecasts without an effect show what it is worth: values that are clear in the readings may
+still improve no forecast, as those of a fit that follows an error of the model.
+"""
+
+from collections.abc import Sequence
+
+from lta_discovery.calibration.result import CalibratedValue, Correction, WIDE
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import apply_parameters, FreeParameter
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+GAINS, COUPLING = 'wrench_gain', 'wrench_coupling'
+
+
+def list_corrections(
+    nominal: NominalVehicle,
+    parameters: Sequence[FreeParameter],
+    change: Array,
+    covariance: Array,
+    values: Sequence[CalibratedValue],
+) -> tuple[Correction, ...]:
+    """
+    Return the effects of which a calibration changed a value clearly.
+
+    Parameters
+    ----------
+    nominal : NominalVehicle
+        Of the vehicle file.
+    change, covariance : (K,), (K, K) arrays
+        Calibrated values of the parameters relative to the file; 0 for what only flights have.
+    values : sequence of CalibratedValue
+        Those of the vehicle, in the units of the file.
+
+    """
+    effects = [classify_value(one.name) for one in parameters]
+    out = []
+    for effect in dict.fromkeys(effects):
+        clear = [one for one in values if classify_value(one.name) == effect and is_clear(one)]
+        back = np.array([one == effect for one in effects])
+        if clear and np.any(change[back]):
+            most_probable = _condition(change, covariance, back)
+            without = apply_parameters(nominal, parameters, most_probable)[0]
+            out.append(Correction(effect, tuple(clear), without))
+    return tuple(out)
+
+
+def classify_value(name: str) -> str:
+    """Return the effect of a parameter; what commands do on other axes is one of its own."""
+    effect, _, part = name.partition('.')
+    return COUPLING if effect == GAINS and '_from_' in part else effect
+
+
+def is_clear(one: CalibratedValue) -> bool:
+    """Return whether the value of the file is outside the interval of a value that was learned."""
+    return one.is_known and abs(one.value - one.before) > WIDE * one.deviation
+
+
+def _condition(change: Array, covariance: Array, back: NDArray[np.bool_]) -> Array:
+    """Return the most probable values if some of them are 0."""
+    out = np.where(back, 0.0, change)
+    # What only flights have stays as it is
+    rest = ~back & (change != 0.0)
+    gain = np.linalg.lstsq(covariance[np.ix_(back, back)], change[back], rcond=None)[0]
+    out[rest] -= covariance[np.ix_(rest, back)] @ gain
+    return out
