@@ -33,11 +33,11 @@ def check_one_clock(call, bag, robot='lta1'):
     """Hold the reports of all nodes to the flight's clock, and export the bag on an even one."""
     bag = Path(bag)
     flight = open_flight(bag, robot)
-    reports = flight.read_series('/diagnostics') if '/diagnostics' in flight.bag.topics else ()
-    if reports:
+    reports = flight['/diagnostics'] if '/diagnostics' in flight.bag.topics else ()
+    if len(reports):
         # Nodes also report while they load and end
         early, late = flight.bag.start - AROUND_NS, flight.bag.end + AROUND_NS
-        first, last = reports.stamps.min(), reports.stamps.max()
+        first, last = reports['stamp_ns'].min(), reports['stamp_ns'].max()
         assert early <= first <= last <= late, (early, first, last, late)
     words = ('--rate', '100', '--robot', robot, '--out', bag.parent / f'{bag.name}-{robot}-even')
     status, said = call('bag', 'export', bag, *words)

@@ -92,8 +92,8 @@ def test_each_flies_as_it_would_alone(call, scenario, tmp_path, fleet):
     assert found == {'map', *(f'{robot}/{link}' for robot in ('lta1', 'lta2') for link in links)}
 
     # One /clock, which never goes back and outlasts the first that is there.
-    clock = open_flight(bag, 'lta1').read_series('/clock')
-    times = clock['clock.sec'] + 1e-9 * clock['clock.nanosec']
+    clock = open_flight(bag, 'lta1')['/clock']
+    times = (clock['clock.sec'] + 1e-9 * clock['clock.nanosec']).to_numpy()
     assert (times[1:] >= times[:-1]).all()
     start = 1e-9 * TABLE.start_ns
     assert times[-1] > start + float(told['lta1']['time_s'])
@@ -124,8 +124,8 @@ def check_reading(call, bag):
     assert facts['robots'] == ['lta1', 'lta2']
     flight = open_flight(bag, 'lta2')
     assert flight.provenance['seed'] == '8'
-    start = flight.read_series('ground_truth/odom').vector('pose.pose.position')[0]
-    assert start[:2].tolist() == [-3.5, OFFSET]
+    start = flight['ground_truth/odom'].iloc[0]
+    assert [start[f'pose.pose.position.{axis}'] for axis in 'xy'] == [-3.5, OFFSET]
 
 
 @pytest.mark.long

@@ -131,7 +131,7 @@ def test_real_time_is_real_time(fly, call):
     flown = fly('real', '--time', 'realtime', time_limit='5 s')
     assert flown['outcome'] == 'timeout'
     assert flown['pace'] < 1.02
-    health = open_flight(flown['bag']).read_series('/diagnostics').texts
-    said = any('slower than real time' in text for column in health.values() for text in column)
+    health = open_flight(flown['bag'])['/diagnostics']
+    said = any('slower than real time' in str(text) for text in health.to_numpy().ravel())
     assert flown['pace'] > 0.94 or said
     check_one_clock(call, flown['bag'])

@@ -68,7 +68,7 @@ def build_uniform_time_grid(
 
 
 Array = NDArray[np.float64]
-HOLE_PERIODS = 4.0  # periods without a sample that count as a gap
+BRIDGED_PERIODS = 3.0  # periods without a sample from which nothing is interpolated
 DELIVERED_TOGETHER = 32  # messages that a network may deliver at once
 IN_A_ROW = 3  # messages that a network may deliver late together
 LATE_SHARE = 0.05  # share of late messages beyond which the time stamps are wrong
@@ -176,7 +176,7 @@ def interpolate_on_grid(
     after = np.clip(np.searchsorted(time, grid), 1, len(time) - 1)
     width = time[after] - time[after - 1]
     inside = (grid >= time[0]) & (grid <= time[-1])
-    return table, inside & (width <= HOLE_PERIODS * median_period(time))
+    return table, inside & (width <= BRIDGED_PERIODS * median_period(time))
 
 
 def hann_kernel(width: float, step: float) -> Array:

@@ -31,6 +31,7 @@ from lta_control.mission import MissionSettings
 from lta_control.reserve import ReserveResponseSettings
 from lta_control.strategies import STRATEGIES
 from lta_data.bag.recorded_flight import RecordedFlight
+from lta_data.bag.table import stack_components
 from lta_energy.monitoring.monitor import MonitorSettings
 from lta_model.attitude import to_euler_angles
 from lta_model.scenario import Scenario
@@ -201,22 +202,18 @@ def describe_exceeded_region_of_bag(flight: RecordedFlight) -> str:
     vehicle = read_scene(flight.provenance).vehicle
     if vehicle is None or vehicle.validity is None or TRUTH not in flight.topics:
         return ''
-    table = flight.read_topics([one for one in (TRUTH, COMMANDS) if one in flight.topics])
-
-    def columns(path: str, axes: str) -> Array:
-        return np.column_stack([table[TRUTH][f'{path}.{axis}'] for axis in axes])
-
+    truth = flight[TRUTH]
     motion = list_motion(
-        columns('pose.pose.orientation', 'xyzw'),
-        columns('twist.twist.linear', 'xyz'),
-        columns('twist.twist.angular', 'xyz'),
+        stack_components(truth, 'pose.pose.orientation'),
+        stack_components(truth, 'twist.twist.linear'),
+        stack_components(truth, 'twist.twist.angular'),
     )
-    if COMMANDS in table:
-        numbers = table[COMMANDS].numbers
+    if COMMANDS in flight.topics:
+        duties = flight[COMMANDS]
         motion |= {
-            rotor: numbers[f'effort.{rotor}']
+            rotor: duties[f'effort.{rotor}'].to_numpy()
             for rotor in vehicle.rotors
-            if f'effort.{rotor}' in numbers
+            if f'effort.{rotor}' in duties
         }
     return describe_exceeded_region(vehicle, motion)
 

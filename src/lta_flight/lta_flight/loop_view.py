@@ -5,7 +5,6 @@ from typing import final, NamedTuple
 
 from lta_config.compilation.flat import Array
 from lta_control.autopilot import ESTIMATE_LAYOUT
-from lta_data.bag.recorded_flight import PointSeries
 from lta_data.scene import describe_exceeded_region, list_motion, RecordedScene
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.report.goal import FlightGoal
@@ -17,6 +16,7 @@ from lta_report.curves import (
     DirectionCurve,
     ElectricalCurve,
     MotionCurve,
+    PeakCurves,
     subtract_wind,
     TimeCurve,
     vector_directions,
@@ -149,13 +149,13 @@ class LoopView:
         return TimeCurve(self._block_starts, np.array([block.speed for block in self._light]))
 
     @cached_property
-    def peaks(self) -> PointSeries:
+    def peaks(self) -> PeakCurves:
         """SNR and frequency of each diode's peak, at the middle of each block."""
         names = ('snr', 'frequency')
         fields = {
             name: np.array([getattr(block, name) for block in self._light]) for name in names
         }
-        return PointSeries(self._block_middles, fields)
+        return PeakCurves(self._block_middles, fields)
 
     @cached_property
     def sighting(self) -> DirectionCurve:

@@ -53,6 +53,13 @@ class ElectricalCurve(NamedTuple):
     current: Array
 
 
+class PeakCurves(NamedTuple):
+    """Readings of each diode over time [s], each of shape (n, diodes), by field."""
+
+    time: Array
+    fields: dict[str, Array]
+
+
 class DutyCurves(NamedTuple):
     """Commanded duty of each rotor, shape (n, rotors). [1]"""
 

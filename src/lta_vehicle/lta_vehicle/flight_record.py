@@ -4,6 +4,7 @@ from typing import Final, final, NamedTuple
 
 from lta_config.errors import BadInput
 from lta_data.bag.recorded_flight import RecordedFlight
+from lta_data.bag.table import stack_components
 from lta_model.vehicle import Vehicle
 import numpy as np
 from numpy.typing import NDArray
@@ -62,33 +63,29 @@ def read_flight_record(
             f'{"motors" if topic else "odom"}; record that topic too.'
         )
     orders = WRENCH_TOPIC if wrench else 'motors'
-    poses, motors = flight.read_series(topic), flight.read_series(orders)
+    poses, motors = flight[topic], flight[orders]
     if not len(poses) or not len(motors):
         raise BadInput(
             f"The recording '{flight.bag.path}' has no messages on the topics {orders} or "
             f'{topic}; record both topics.'
         )
     path = VehiclePath(
-        poses.time, poses.vector('pose.pose.position'), poses.vector('pose.pose.orientation')
+        poses.index.to_numpy(),
+        stack_components(poses, 'pose.pose.position'),
+        stack_components(poses, 'pose.pose.orientation'),
     )
+    time = motors.index.to_numpy()
     if wrench:
         # A missing force is not commanded
-        force = np.nan_to_num(motors.vector('wrench.force'))
-        return path, WrenchCommands(motors.time, force), topic
-    # The last message has the names; they do not change within a recording
-    names = [
-        str(motors.texts[f'name[{i}]'][-1])
-        for i in range(len(vehicle.rotors))
-        if f'name[{i}]' in motors.texts
-    ]
-    if missing := [name for name in vehicle.rotor_names if name not in names]:
+        force = np.nan_to_num(stack_components(motors, 'wrench.force'))
+        return path, WrenchCommands(time, force), topic
+    columns = [f'effort.{name}' for name in vehicle.rotor_names]
+    if missing := [name for name in vehicle.rotor_names if f'effort.{name}' not in motors]:
         raise BadInput(
             f"The recording '{flight.bag.path}' has no motor duties for "
             f'{", ".join(missing)}, rotors of {vehicle.file.name}; give the vehicle that '
             'flew with --vehicle.'
         )
-    # A bag may list the rotors in another order than the vehicle file.
-    order = [names.index(name) for name in vehicle.rotor_names]
-    duties = np.stack([motors[f'effort[{i}]'] for i in order], axis=1).astype(np.float64)
+    duties = motors[columns].to_numpy(dtype=np.float64)
     # A missing effort is NaN in the bag and means that the rotor stands still
-    return path, RotorCommands(motors.time, np.nan_to_num(duties)), topic
+    return path, RotorCommands(time, np.nan_to_num(duties)), topic

@@ -5,6 +5,7 @@ import math
 from campaigns.challenge.recording import write_bag
 from lta_config.errors import BadInput
 from lta_data.bag.recorded_flight import open_flight
+from lta_data.bag.table import stack_components
 from lta_model.vehicle import load_vehicle
 from lta_vehicle.flight_record import (
     read_flight_record,
@@ -93,9 +94,11 @@ def test_lost_lift_and_another_seed_as_well(gtmab, tmp_path):
 def test_the_estimate_alone_will_do(gtmab, hover):
     """Without a tracker: the drone's own odometry."""
     flight = open_flight(hover)
-    poses = flight.read_series('odom')
+    poses = flight['odom']
     path = VehiclePath(
-        poses.time, poses.vector('pose.pose.position'), poses.vector('pose.pose.orientation')
+        poses.index.to_numpy(),
+        stack_components(poses, 'pose.pose.position'),
+        stack_components(poses, 'pose.pose.orientation'),
     )
     _, commands, topic = read_flight_record(flight, gtmab)
     assert topic == 'ground_truth/odom'

@@ -15,11 +15,10 @@ from typing import Any, Final
 
 from lta_config.covariances import select_estimates
 from lta_config.errors import BadInput
-from lta_data.bag.columns import LAMP_PEAKS, LIGHT_BLOCK, TopicSeries
+from lta_data.bag.columns import LIGHT_BLOCK
 from lta_data.bag.recorded_flight import RecordedFlight
-from lta_data.bag.table import EULER_PARTS, find_unit, name_joints
+from lta_data.bag.table import EULER_PARTS, find_unit, QUATERNION_AXES, Table
 from lta_data.flight import Channel, Flight
-from lta_model.attitude import to_euler_angles
 import numpy as np
 from numpy.typing import NDArray
 
@@ -29,70 +28,63 @@ BLOCK_STATISTICS: Final[dict[str, Callable[..., NDArray[Any]]]] = {
     'min': np.min,
     'max': np.max,
 }
-HIDDEN_FIELDS: Final = re.compile(r'(^|\.)header\.|covariance(\[|$)|^(clock|stamp)\.')
+HIDDEN_FIELDS: Final = re.compile(r'^stamp_ns$|(^|\.)header\.|covariance(\[|$)|^(clock|stamp)\.')
 
 
 def iterate_channels(
-    flight: RecordedFlight,
-    topic: str,
-    series: TopicSeries | None = None,
-    *,
-    quaternions: bool = False,
+    flight: RecordedFlight, topic: str, table: Table = None, *, quaternions: bool = False
 ) -> Iterator[Channel]:
     """
     Yield the channels of one topic, without stamps, covariances and texts.
 
-    `series` are its messages, if they have been read together with other topics. `quaternions`:
-    with x, y, z and w of each attitude beside its angles.
+    `table` is the topic, if it has been read together with others. `quaternions`: with x, y, z
+    and w of each attitude beside its angles.
 
     Raise `BadInput` if the topic is missing or cannot be decoded.
     """
-    kind = flight.message_type(topic)
-    if kind == LIGHT_BLOCK:
+    if flight.message_type(topic) == LIGHT_BLOCK:
         yield from _iterate_block_channels(flight, topic)
-    elif kind == LAMP_PEAKS:
-        yield from _iterate_point_channels(flight, topic)
-    else:
-        series = flight.read_series(topic) if series is None else series
-        frames = series.texts.get('header.frame_id', np.empty(0))
-        frame = str(frames[0]).removeprefix(f'{flight.robot}/') if len(frames) else ''
-        for channel in _iterate_series_channels(series, topic, kind, quaternions):
-            yield replace(channel, frame=frame)
+        return
+    table = flight[topic] if table is None else table
+    frames = table.get('header.frame_id', ())
+    frame = str(frames.iloc[0]).removeprefix(f'{flight.robot}/') if len(frames) else ''
+    for channel in _iterate_table_channels(table, quaternions):
+        yield replace(channel, frame=frame)
 
 
-def _iterate_series_channels(
-    series: TopicSeries, topic: str, kind: str, quaternions: bool
-) -> Iterator[Channel]:
+def _iterate_table_channels(table: Table, quaternions: bool) -> Iterator[Channel]:
     """Yield the channels of numeric messages."""
-    turned = {path.removesuffix('.w') for path in series.numbers if path.endswith('.w')}
+    topic, units, time = table.attrs['topic'], table.attrs['units'], table.index.to_numpy()
+    numbers = [*table.select_dtypes(['number', 'bool'])]
+
+    def read(name: str) -> NDArray[np.float64]:
+        valid = _find_valid_messages(table, name)
+        return np.where(valid, table[name].to_numpy().astype(np.float64), np.nan)
+
+    turned = {path for name in numbers if f'{(path := name.removesuffix(".w"))}.yaw' in table}
     for path in sorted(turned):
         # Angles instead of components: they have a unit, and q and -q give the same values
-        rows = np.where(_find_valid_messages(series, path)[:, None], series.vector(path), np.nan)
-        angles = to_euler_angles(rows)
+        angles = [read(f'{path}.{part}') for part in EULER_PARTS]
         for part, values in zip(EULER_PARTS, angles, strict=True):
-            yield Channel(f'{topic}/{path}.{part}', 'rad', series.time, values, angular=True)
+            yield Channel(f'{topic}/{path}.{part}', 'rad', time, values, angular=True)
         # Not of an attitude that was declared unknown, or never filled in
         if quaternions and (is_there := np.isfinite(angles[0])).any():
-            for part, values in zip('xyzw', rows.T, strict=True):
-                masked = np.where(is_there, values, np.nan)
-                yield Channel(f'{topic}/{path}.{part}', '1', series.time, masked)
-    joints = name_joints(series)
-    for path, values in series.numbers.items():
+            for part in QUATERNION_AXES:
+                values = np.where(is_there, read(f'{path}.{part}'), np.nan)
+                yield Channel(f'{topic}/{path}.{part}', '1', time, values)
+    for name in numbers:
         # Quaternion components are replaced by angles.
-        if HIDDEN_FIELDS.search(path) or path.rpartition('.')[0] in turned:
-            continue
-        unit, name = find_unit(kind, path, topic), joints.get(path, path)
-        valid = np.where(_find_valid_messages(series, path), values.astype(np.float64), np.nan)
-        yield Channel(f'{topic}/{name}', unit, series.time, valid)
+        if not HIDDEN_FIELDS.search(name) and name.rpartition('.')[0] not in turned:
+            yield Channel(f'{topic}/{name}', units.get(name, ''), time, read(name))
 
 
-def _find_valid_messages(series: TopicSeries, path: str) -> NDArray[np.bool_]:
+def _find_valid_messages(table: Table, name: str) -> NDArray[np.bool_]:
     """Return for each message whether the quantity is known, by its covariance."""
-    first = path.split('.')[0]
-    is_valid = np.ones(len(series), dtype=np.bool_)
+    first = name.split('.')[0]
+    is_valid = np.ones(len(table), dtype=np.bool_)
     for beside in (f'{first}_covariance[0]', f'{first}.covariance[0]'):
-        if beside in series.numbers:
-            is_valid &= select_estimates(series.numbers[beside])
+        if beside in table:
+            is_valid &= select_estimates(table[beside].to_numpy())
     return is_valid
 
 
@@ -110,15 +102,6 @@ def _iterate_block_channels(flight: RecordedFlight, topic: str) -> Iterator[Chan
             yield Channel(f'{topic}/{what}[{index}]', unit, blocks.time, column)
 
 
-def _iterate_point_channels(flight: RecordedFlight, topic: str) -> Iterator[Channel]:
-    """Yield each field of each point."""
-    points = flight.read_points(topic)
-    for field, table in points.fields.items():
-        unit = find_unit(LAMP_PEAKS, field, topic)
-        for index, column in enumerate(table.T):
-            yield Channel(f'{topic}/{field}[{index}]', unit, points.time, column)
-
-
 def read_flight(
     recorded: RecordedFlight,
     topics: Collection[str] | None = None,
@@ -134,27 +117,23 @@ def read_flight(
     """
     names = [topic for topic in recorded.topics if topics is None or topic in topics]
     types = {topic: recorded.message_type(topic) for topic in names}
-    plain = [topic for topic in names if types[topic] not in (LAMP_PEAKS, LIGHT_BLOCK)]
     channels: dict[str, Channel] = {}
-    arrivals: dict[str, NDArray[np.float64]] = {}
     remarks: list[str] = []
     try:
         # In one pass over the bag; if a topic cannot be decoded, one by one
-        read = recorded.read_topics(plain)
+        read = recorded.read_tables([one for one in names if types[one] != LIGHT_BLOCK])
     except BadInput:
         read = {}
     for topic in names:
-        series = read.pop(topic, None)
         try:
-            own = [*iterate_channels(recorded, topic, series, quaternions=raw)]
+            own = [*iterate_channels(recorded, topic, read.pop(topic, None), quaternions=raw)]
         except BadInput as fault:
             remarks.append(f"Topic '{topic}' is left out: {fault}")
             own = []
         channels |= {channel.name: channel for channel in own}
-        if raw:
-            logged = recorded.read_log_times(topic) if series is None else series.logged
-            arrivals[topic] = np.asarray((logged - logged[:1]) * 1e-9, dtype=np.float64)
         tick()
+    logged = recorded.read_log_times(names) if raw else {}
+    arrivals = {topic: (times - times[:1]) * 1e-9 for topic, times in logged.items()}
     return Flight(
         channels, recorded.provenance, arrivals, str(recorded.bag.path), recorded.robot,
         recorded.start, types,

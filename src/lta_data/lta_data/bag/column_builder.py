@@ -1,12 +1,13 @@
 """
 Convert the messages of a topic to columns without an object per message.
 
-Messages are read in batches. Those with the same layout become columns together; rare layouts are
-decoded as objects. The result is the same either way.
+Messages are read in batches. Those of one length with the same layout become columns together;
+others are decoded as objects. The result is the same either way.
 """
 
 from collections import defaultdict
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from typing import Any, Final, final, NamedTuple
 
 from lta_data.bag.cdr_layout import CdrLayout, CdrLeaf, derive_layout, Fields, LayoutMismatch, TEXT
@@ -25,8 +26,6 @@ from numpy.typing import NDArray
 
 BATCH_MESSAGES: Final = 4096
 BATCH_BYTES: Final = 1 << 24  # a batch ends at either limit
-NEW_LAYOUTS: Final = 16  # new layouts per batch; further ones are decoded as objects
-MOST_KNOWN: Final = 64  # cached layouts per message length
 NUMBER_TYPES: Final = {
     'i': np.int64,
     'u': np.int64,
@@ -58,7 +57,7 @@ class ColumnBuilder:
 
     def __init__(self, typed: MessageType) -> None:
         self._typed = typed
-        self._layouts: defaultdict[tuple[int, bytes], list[CdrLayout]] = defaultdict(list)
+        self._layouts: dict[tuple[int, bytes], CdrLayout] = {}
         self._waiting: list[bytes] = []
         self._bytes = 0
         self._columns: dict[str, PiecewiseColumn] = {}
@@ -94,59 +93,37 @@ class ColumnBuilder:
             # Bytes 0 and 1 are the CDR representation identifier, which sets the byte order
             alike[len(data), data[:2]].append(index)
         odd: list[int] = []
-        spare = NEW_LAYOUTS
-        # The most frequent lengths first, since the budget of layouts is limited.
-        for key, indices in sorted(alike.items(), key=lambda item: -len(item[1])):
+        for key, indices in alike.items():
             part = EqualLengthMessages(
                 begin, stamps, np.array(indices), stack_messages(batch, indices)
             )
-            spare = self._read_alike(part, self._layouts[key], spare, odd)
+            odd += self._read_alike(key, part)
         self._read_objects(begin, stamps, batch, sorted(odd))
         self._stamps.append(stamps)
 
-    def _read_alike(
-        self, part: 'EqualLengthMessages', layouts: list[CdrLayout], budget: int, odd: list[int]
-    ) -> int:
+    def _read_alike(self, key: tuple[int, bytes], part: 'EqualLengthMessages') -> list[int]:
         """
-        Read messages of one length and byte order.
+        Read the messages of one length and byte order that have one layout.
 
-        New layouts are added to `layouts`, undecodable messages to `odd`. Return the remaining
-        budget for new layouts.
+        Return the positions of the others, which are decoded one by one.
         """
-        for layout in list(layouts):
-            part = self._read_matching(layout, part)
-        while len(part.indices) and budget > 0:
-            budget -= 1
-            try:
-                layout = derive_layout(
+        # A layout for one message only is not worth deriving
+        if key not in self._layouts and len(part.indices) > 1:
+            with suppress(LayoutMismatch):
+                self._layouts[key] = derive_layout(
                     self._typed.name, part.table[0].tobytes(), self._typed.fields
                 )
-            except LayoutMismatch:
-                odd.append(int(part.indices[0]))
-                part = part.select_messages(np.arange(len(part.indices)) > 0)
-                continue
-            left = self._read_matching(layout, part)
-            # A layout that fits one message only is not worth caching
-            if len(part.indices) - len(left.indices) > 1 and len(layouts) < MOST_KNOWN:
-                layouts.append(layout)
-            part = left
-        odd += part.indices.tolist()
-        return budget
-
-    def _read_matching(
-        self, layout: CdrLayout, part: 'EqualLengthMessages'
-    ) -> 'EqualLengthMessages':
-        """Read the messages that match a layout and return the others."""
-        if not len(part.indices):
-            return part
+        layout = self._layouts.get(key)
+        if layout is None:
+            return part.indices.tolist()
         fits = layout.find_matching_messages(part.table)
         read = part if fits.all() else part.select_messages(fits)
         if len(read.indices):
             try:
                 self._add_columns(layout, read)
             except UnicodeDecodeError:
-                return part  # decoding as objects finds the invalid text
-        return part.select_messages(~fits)
+                return part.indices.tolist()  # decoding as objects finds the invalid text
+        return part.indices[~fits].tolist()
 
     def _add_columns(self, layout: CdrLayout, part: 'EqualLengthMessages') -> None:
         values = [normalize_leaf(layout, part.table, leaf) for leaf in layout.leaves]

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, fields, is_dataclass
 from functools import cache
 from typing import Any, Final, final, NamedTuple, Protocol
 
-from lta_config.errors import BadInput, unknown_name_error
+from lta_config.errors import BadInput
 import numpy as np
 from numpy.typing import NDArray
 
@@ -40,42 +40,6 @@ def find_stamp_path(paths: Collection[str]) -> str | None:
         if f'{place}.sec' in paths and f'{place}.nanosec' in paths:
             return place
     return None
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class TopicSeries:
-    """Fields of one topic over time; `series['pose.pose.position.x']` returns one of them."""
-
-    # In the order of recording; for messages without a stamp, the log time converted to the clock
-    # of the stamps, shape (n,) [ns]
-    stamps: NDArray[np.int64]
-    time: NDArray[np.float64]  # the same since the start of the flight, shape (n,) [s]
-    # Numeric fields by path, in the units of the message, shape (n,)
-    numbers: dict[str, NDArray[Any]]
-    texts: dict[str, NDArray[Any]]  # text fields by path, shape (n,)
-    logged: NDArray[np.int64]  # log times, shape (n,) [ns]
-
-    def __len__(self) -> int:
-        """Return the number of messages."""
-        return len(self.time)
-
-    def __getitem__(self, path: str) -> NDArray[Any]:
-        """Return a numeric field; raise `BadInput` with the known paths if it is unknown."""
-        if path not in self.numbers:
-            raise unknown_name_error('field', path, list(self.numbers))
-        return self.numbers[path]
-
-    def vector(self, path: str) -> NDArray[np.float64]:
-        """
-        Return the components x, y, z and, if present, w of a field, shape (n, 3) or (n, 4).
-
-        `path` is, for example, 'pose.pose.position' or 'pose.pose.orientation'.
-        """
-        parts = [self[f'{path}.{axis}'] for axis in 'xyz']
-        if f'{path}.w' in self.numbers:
-            parts.append(self.numbers[f'{path}.w'])
-        return np.stack(parts, axis=1).astype(np.float64)
 
 
 Columns = dict[str, NDArray[Any]]

@@ -11,7 +11,7 @@ Time 0 is the stamp of the robot's first stamped message. Messages without a sta
 their log time, relative to the log time of that first message.
 """
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator
 from functools import partial
 from itertools import islice
 from pathlib import Path
@@ -21,14 +21,13 @@ from lta_bridge.bag.version_1 import refuse_old_bag
 from lta_bridge.provenance import extract_robot_origin
 from lta_config.errors import BadInput, unknown_name_error
 from lta_data.bag.bag_folder import find_bag, find_newest_bag
-from lta_data.bag.column_builder import ColumnBuilder, MessageType
+from lta_data.bag.column_builder import ColumnBuilder, MessageColumns, MessageType
 from lta_data.bag.columns import (
     extract_stamp,
     LAMP_PEAKS,
     LIGHT_BLOCK,
     stack_blocks,
     stack_points,
-    TopicSeries,
 )
 from lta_data.bag.flight_views import build_dataset, draw_columns
 from lta_data.bag.reader import Bag, read_bag
@@ -125,18 +124,33 @@ class RecordedFlight:
         return self.topics
 
     def __getitem__(self, topic: str) -> Table:
-        """Return a topic as a `pandas.DataFrame`; see `lta_data.bag.table`."""
+        """Return a topic as a `pandas.DataFrame`, read once; see `lta_data.bag.table`."""
         if topic not in self._tables:
-            kind = self.message_type(topic)
-            if kind == LAMP_PEAKS:
-                points = self.read_points(topic)
-                stamps = self.start + np.rint(points.time * 1e9).astype(np.int64)
-                named = name_point_columns(points.fields, topic)
-            else:
-                series = self.read_series(topic)
-                stamps, named = series.stamps, name_columns(series, kind, topic)
-            self._tables[topic] = build_table(topic, self.start, stamps, *named)
+            self._tables |= self.read_tables([topic])
         return self._tables[topic]
+
+    def read_tables(self, topics: Collection[str]) -> dict[str, Table]:
+        """
+        Return several topics as tables, read in one pass over the bag and not kept.
+
+        A topic is relative to the robot ('odom'), or absolute ('/clock'). Raise `BadInput` if one
+        is not in the bag or cannot be decoded.
+        """
+        kinds = {topic: self.message_type(topic) for topic in topics}
+        makers = {
+            self.absolute_name(topic): self._create_column_builder(topic)
+            for topic, kind in kinds.items()
+            if kind != LAMP_PEAKS
+        }
+        for name, log_time, data in self.bag.iterate_messages(list(makers)):
+            makers[name].add_message(log_time, data)
+        columns = {name: maker.flush_columns() for name, maker in makers.items()}
+        return {
+            topic: self._build_point_table(topic)
+            if kind == LAMP_PEAKS
+            else self._build_table(topic, kind, columns[self.absolute_name(topic)])
+            for topic, kind in kinds.items()
+        }
 
     def align_topics(
         self,
@@ -217,26 +231,6 @@ class RecordedFlight:
             lines.append(f'  {topic:{width}}  {entry.count:8}  {entry.type_name}')
         return '\n'.join([*lines, *self.losses])
 
-    def read_series(self, topic: str) -> TopicSeries:
-        """
-        Return the fields of a topic over time.
-
-        `topic` is relative to the robot ('odom'), or absolute ('/clock').
-
-        Raise `BadInput` if the topic is not in the bag or cannot be decoded.
-        """
-        return self.read_topics([topic])[topic]
-
-    def read_topics(self, topics: Collection[str]) -> dict[str, TopicSeries]:
-        """Read several topics in one pass over the bag; errors as `read_series`."""
-        makers = {
-            self.absolute_name(topic): self._create_column_builder(topic) for topic in topics
-        }
-        for name, log_time, data in self.bag.iterate_messages(list(makers)):
-            makers[name].add_message(log_time, data)
-        series = {name: self._build_topic_series(maker) for name, maker in makers.items()}
-        return {topic: series[self.absolute_name(topic)] for topic in topics}
-
     def read_blocks(self, topic: str, chosen: Collection[int] | None = None) -> SampleBlocks:
         """
         Return the samples of a topic of ADC blocks; errors as `read_series`.
@@ -264,17 +258,15 @@ class RecordedFlight:
         for time, messages in self._iterate_message_batches(topic, rows):
             yield PointSeries(time, stack_points(messages))
 
-    def read_points(self, topic: str) -> PointSeries:
-        """Return the readings of a topic of lamp peaks; errors as `read_series`."""
-        times: list[float] = []
-        self._require_type(topic, LAMP_PEAKS)
-        fields = stack_points(self._iterate_messages(topic, times))
-        return PointSeries(np.array(times, dtype=np.float64), fields)
-
-    def read_log_times(self, topic: str) -> NDArray[np.int64]:
-        """Return the log times of the messages of a topic, shape (n,). [ns]"""
-        messages = self.bag.iterate_messages([self.absolute_name(topic)])
-        return limit_log_times([log_time for _, log_time, _ in messages])
+    def read_log_times(self, topics: Collection[str]) -> dict[str, NDArray[np.int64]]:
+        """Return the log times of the messages of topics, each of shape (n,). [ns]"""
+        times: dict[str, list[int]] = {self.absolute_name(topic): [] for topic in topics}
+        for name, log_time, _ in self.bag.iterate_messages([*times]):
+            # One that no stamp can have is the latest
+            times[name].append(min(log_time, LATEST_STAMP))
+        return {
+            topic: np.array(times[self.absolute_name(topic)], dtype=np.int64) for topic in topics
+        }
 
     def absolute_name(self, topic: str) -> str:
         """Return the absolute name of a topic."""
@@ -316,18 +308,22 @@ class RecordedFlight:
             MessageType(kind, self.bag.list_fields, partial(self.bag.decode, name))
         )
 
-    def _build_topic_series(self, maker: ColumnBuilder) -> TopicSeries:
-        """Return the collected messages as a series."""
-        columns = maker.flush_columns()
+    def _build_table(self, topic: str, kind: str, columns: MessageColumns) -> Table:
+        """Return the collected messages of a topic as a table."""
         stamps = columns.stamps
         for index in np.flatnonzero(stamps == 0):
             # Messages without a stamp: log time, shifted to the clock of the stamps.
             placed = self.start + int(columns.logged[index]) - self._origin.log
             stamps[index] = min(placed, LATEST_STAMP)
-        # Subtract as integers first: float64 does not resolve 1 ns in times since 1970
-        time = (stamps - self.start).astype(np.float64) * 1e-9
-        logged = limit_log_times(columns.logged)
-        return TopicSeries(stamps, time, columns.numbers, columns.texts, logged)
+        named = name_columns(columns.numbers, columns.texts, kind, topic)
+        return build_table(topic, self.start, stamps, *named)
+
+    def _build_point_table(self, topic: str) -> Table:
+        """Return the readings of a topic of lamp peaks as a table."""
+        times: list[float] = []
+        fields = stack_points(self._iterate_messages(topic, times))
+        stamps = self.start + np.rint(np.array(times) * 1e9).astype(np.int64)
+        return build_table(topic, self.start, stamps, *name_point_columns(fields, topic))
 
     def _iterate_messages(
         self, topic: str, times: list[float], chosen: Collection[int] | None = None
@@ -344,11 +340,6 @@ class RecordedFlight:
             elapsed = log_time - self._origin.log if stamp is None else stamp - self.start
             times.append(elapsed * 1e-9)
             yield message
-
-
-def limit_log_times(logged: Sequence[int]) -> NDArray[np.int64]:
-    """Return log times as an array; those that no stamp can have are the latest. [ns]"""
-    return np.array([min(one, LATEST_STAMP) for one in logged], dtype=np.int64)
 
 
 def find_flight_origin(bag: Bag, topics: list[str]) -> FlightOrigin:

@@ -20,8 +20,8 @@ from typing import Any, Final
 from lta_bridge.bag.schemas import load_jazzy_types
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.message_files import read_field_units
-from lta_data.bag.columns import Columns, LAMP_PEAKS, name_column, TopicSeries
-from lta_data.even_grid import check_time_span
+from lta_data.bag.columns import Columns, LAMP_PEAKS, name_column
+from lta_data.even_grid import BRIDGED_PERIODS, check_time_span
 from lta_model.attitude import to_euler_angles
 import numpy as np
 from numpy.typing import NDArray
@@ -117,7 +117,7 @@ def find_unit(type_name: str, path: str, topic: str = '') -> str:
     """
     Return the unit of a field in REP-103 notation ('m/s2').
 
-    '1' for a dimensionless number, '' if unknown. `path` is as in a `TopicSeries`:
+    '1' for a dimensionless number, '' if unknown. `path` is that of the field:
     'pose.pose.position.x', 'effort[0]'; `topic` is the relative name, if known.
     """
     own = OF_TOPIC.get(topic, {}).get(_INDEX.sub('', path.split('.')[0]))
@@ -177,7 +177,6 @@ QUATERNION_AXES: Final = ('x', 'y', 'z', 'w')
 EULER_PARTS: Final = ('yaw', 'pitch', 'roll')
 ALIGN_METHODS: Final = ('linear', 'previous')
 DENSE: Final = 20.0  # rows of an even clock per message of the longest topic, at most
-PERIODS: Final = 3.0  # default of the maximum gap, in periods of the topic
 # Columns without use on another clock
 OWN_COLUMNS: Final = re.compile(r'^(clock|stamp)\.|^stamp_ns$|(^|/|\.)header\.|covariance($|\[|/)')
 NAMED_ELEMENT: Final = re.compile(r'(\w+)\[(\d+)\]')
@@ -186,25 +185,27 @@ Stamps = NDArray[np.int64]
 Table = Any  # a pandas.DataFrame; pandas has no types
 
 
-def name_columns(series: TopicSeries, kind: str, topic: str) -> tuple[Columns, dict[str, str]]:
+def name_columns(
+    numbers: Columns, texts: Columns, kind: str, topic: str
+) -> tuple[Columns, dict[str, str]]:
     """
     Return the columns of a topic, with the angles of quaternions, and their units.
 
     'effort[0]' is 'effort.left' if all messages name their element 0 'left'.
     """
-    joints = name_joints(series)
-    columns = {joints.get(path, path): values for path, values in series.numbers.items()}
-    units = {joints.get(path, path): find_unit(kind, path, topic) for path in series.numbers}
-    columns, units = _add_angles(columns | series.texts, units)
+    joints = name_joints(numbers, texts)
+    columns = {joints.get(path, path): values for path, values in numbers.items()}
+    units = {joints.get(path, path): find_unit(kind, path, topic) for path in numbers}
+    columns, units = _add_angles(columns | texts, units)
     return columns, {name: unit for name, unit in units.items() if unit}
 
 
-def name_joints(series: TopicSeries) -> dict[str, str]:
+def name_joints(numbers: Columns, texts: Columns) -> dict[str, str]:
     """Return the names of elements by their paths; none if two would have one name."""
     joints = {}
-    for path in series.numbers:
+    for path in numbers:
         element = NAMED_ELEMENT.fullmatch(path)
-        names = series.texts.get(f'name[{element[2]}]') if element else None
+        names = texts.get(f'name[{element[2]}]') if element else None
         if element and names is not None and len(names) and names[0] and (names == names[0]).all():
             joints[path] = f'{element[1]}.{names[0]}'
     return joints if len({*joints.values()}) == len(joints) else {}
@@ -251,6 +252,25 @@ def build_table(
     table = pandas.DataFrame({STAMP_COLUMN: stamps, **columns}, index=index)
     table.attrs = {'topic': topic, 'start': start, 'units': FIXED_UNITS | dict(units)}
     return table
+
+
+def get_column(table: Table, name: str) -> NDArray[Any]:
+    """Return a column of a topic; raise `BadInput` with the known ones if there is none."""
+    if name not in table:
+        raise unknown_name_error(f'column of {table.attrs["topic"]}', name, [*table])
+    values: NDArray[Any] = table[name].to_numpy()
+    return values
+
+
+def stack_components(table: Table, path: str) -> NDArray[np.float64]:
+    """
+    Return x, y, z and, if present, w of a field, shape (n, 3) or (n, 4); errors as `get_column`.
+
+    `path` is, for example, 'pose.pose.position' or 'pose.pose.orientation'.
+    """
+    axes = QUATERNION_AXES if f'{path}.w' in table else QUATERNION_AXES[:3]
+    parts = [get_column(table, f'{path}.{axis}') for axis in axes]
+    return np.stack(parts, axis=1).astype(np.float64)
 
 
 def align_tables(
@@ -341,7 +361,7 @@ def _resample(table: Table, clock: Stamps, linear: bool, gap: float | None) -> C
         }
     stamps, rows = sort_stamps(table)
     usual = float(np.median(np.diff(stamps))) if len(stamps) > 1 else np.inf
-    most = PERIODS * usual if gap is None else gap * 1e9
+    most = BRIDGED_PERIODS * usual if gap is None else gap * 1e9
     at = np.searchsorted(stamps, clock, side='right') - 1
     is_there, at = at >= 0, np.maximum(at, 0)
     share = np.zeros(len(clock))

@@ -9,12 +9,17 @@ from collections.abc import Sequence
 import math
 from typing import Final, NamedTuple
 
-from lta_data.compare.divergence import noise_deviation, white_noise_deviation
+from lta_data.compare.divergence import (
+    compute_later_share,
+    noise_deviation,
+    white_noise_deviation,
+)
 from lta_data.compare.sampling import Array, interpolate_signal
 from lta_data.even_grid import check_time_span, median_period, SampledSignal
 from lta_data.interpretation.commands import is_command_topic
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
+from scipy.signal import correlate, correlation_lags
 
 LAG_STEPS: Final = (0.02, 0.5)  # s; limits of the grid step, which follows the fastest channel
 RATE_SMOOTHING: Final = 0.15  # s of smoothing, or two steps if longer
@@ -62,27 +67,23 @@ def estimate_coarse_lag(
         most = max(len(both_signals(each)[k].time) for each in able)
         check_time_span(f'of {label}', ends[k] - begins[k], step, most)
     counts = [1 + math.ceil((ends[k] - begins[k]) / step) for k in (0, 1)]
-    least = OVERLAP * min(counts)
-    # Long enough that a circular correlation does not wrap around.
-    size = 1 << (sum(counts) - 1).bit_length()
     scores: dict[str, Array] = {}
-    share = np.zeros(size)
+    # In grid steps, of B behind A where both grids begin at once
+    lags = correlation_lags(counts[1], counts[0])
+    share = np.zeros(len(lags))
     for each in able:
         of_a, of_b = (
             smoothed_rate(both_signals(each)[k], begins[k], step, counts[k], each.angular)
             for k in (0, 1)
         )
         if of_a is not None and of_b is not None:
-            likeness, common = masked_correlation(of_a, of_b, size, least)
-            scores[each.name] = likeness
+            scores[each.name], common = correlate_known(of_a, of_b, OVERLAP * min(counts))
             # Largest overlap of any channel at each lag
             share = np.maximum(share, common / min(counts))
     if not scores:
         return None
     # The fourth root favours long overlaps only mildly.
     total = np.mean(list(scores.values()), axis=0) * np.minimum(share, 1.0) ** 0.25
-    # FFT order: lags beyond B's length are negative ones
-    lags = np.where(np.arange(size) < counts[1], np.arange(size), np.arange(size) - size)
     within = np.abs(lags * step + begins[1] - begins[0]) <= search
     best = int(np.where(within, total, 0.0).argmax())
     if total[best] <= 0.0 or not within[best]:
@@ -91,24 +92,19 @@ def estimate_coarse_lag(
     rivals = total if math.isinf(search) else np.abs(total)
     elsewhere = rivals[within & (np.abs(lags - lags[best]) * step > SECOND_PEAK_DISTANCE)]
     rival = max(0.0, float(elsewhere.max())) / float(total[best]) if len(elsewhere) else 0.0
-    # Rolled, so that the peak has both neighbours even at index zero
-    shift, _ = fit_parabola_peak(np.roll(total, size // 2 - best), size // 2)
     # The grids start at each flight's own time
-    lag = (float(lags[best]) + shift) * step + begins[1] - begins[0]
+    lag = (float(lags[best]) + find_peak_shift(total, best)) * step + begins[1] - begins[0]
     return CoarseLag(lag, rival, {name: float(score[best]) for name, score in scores.items()})
 
 
-def fit_parabola_peak(values: Array, best: int) -> tuple[float, float]:
-    """Return position, relative to `best`, and height of the peak of evenly spaced values."""
+def find_peak_shift(values: Array, best: int) -> float:
+    """Return the position, relative to `best`, of the peak of evenly spaced values."""
     if not 0 < best < len(values) - 1:
-        return 0.0, float(values[best])
+        return 0.0
     before, here, after = (float(value) for value in values[best - 1 : best + 2])
     bend = before - 2.0 * here + after
     # Not a maximum: a parabola has no peak here.
-    if bend >= 0.0:
-        return 0.0, here
-    shift = 0.5 * (before - after) / bend
-    return shift, here - 0.25 * (before - after) * shift
+    return 0.5 * (before - after) / bend if bend < 0.0 else 0.0
 
 
 def both_signals(each: SharedQuantity) -> tuple[SampledSignal, SampledSignal]:
@@ -144,26 +140,22 @@ def smoothed_rate(
     return rate if size > max(LIVELY_RATIO * alone, 1e-12) else None
 
 
-def masked_correlation(a: Array, b: Array, size: int, least: float) -> tuple[Array, Array]:
+def correlate_known(a: Array, b: Array, least: float) -> tuple[Array, Array]:
     """
-    Return the correlation of two rates at each circular lag of b, and the overlap there.
+    Return the correlation of two rates at each lag of b, and the overlap there.
 
     At each lag only samples known in both count (Padfield 2012, "Masked object registration in
     the Fourier domain"). The mean is not subtracted, because a rate is near zero at rest.
     """
-    parts = []
-    for values in (a, b):
-        finite = np.isfinite(values)
-        zeroed = np.where(finite, values, 0.0)
-        # Values, energies and mask: with masks, the sums count only times that both know
-        parts.append([np.fft.rfft(part, size) for part in (zeroed, zeroed**2, finite * 1.0)])
-    (va, ea, ma), (vb, eb, mb) = parts
-    product = np.fft.irfft(np.conj(va) * vb, size)
-    energy_a = np.fft.irfft(np.conj(ea) * mb, size)
-    energy_b = np.fft.irfft(np.conj(ma) * eb, size)
-    common = np.fft.irfft(np.conj(ma) * mb, size)
+    (va, ma), (vb, mb) = (
+        (np.nan_to_num(values), np.isfinite(values).astype(np.float64)) for values in (a, b)
+    )
+    product, energy_a, energy_b, common = (
+        correlate(one, other, method='fft')
+        for one, other in ((vb, va), (mb, va**2), (vb**2, ma), (mb, ma))
+    )
     # Rounding noise of the FFT must not pass as a correlation.
-    floor = 1e-6 * (np.nansum(a**2) * np.nansum(b**2)) ** 0.5
+    floor = 1e-6 * float(np.linalg.norm(va) * np.linalg.norm(vb))
     power = np.sqrt(np.maximum(energy_a, 0.0) * np.maximum(energy_b, 0.0))
     usable = (common >= least) & (power > floor)
     return np.where(usable, product / np.where(usable, power, 1.0), 0.0), np.where(
@@ -200,11 +192,8 @@ def find_motion_start(line: SampledSignal, angular: bool = False) -> float | Non
     # The range excludes outliers: 2 % on either side.
     limit = max(START_DEVIATIONS * white_noise_deviation(values), START_SHARE * float(high - low))
     away = np.abs(values - level) > limit
-    ends = np.searchsorted(time, time + max(REST_TIME, 4.0 * step), side='right')
-    total = np.concatenate([[0], np.cumsum(away)])
-    here = np.arange(len(time))
     # Three quarters of the window must be away, so that a single outlier is no start.
-    lasting = away & ((total[ends] - total[here]) * 4 >= 3 * (ends - here))
+    lasting = away & (compute_later_share(time, away, max(REST_TIME, 4.0 * step)) >= 0.75)
     # A channel that drifts from the beginning was moving already
     creep = abs(float(values[first][-1] - values[first][0]))
     if not lasting.any() or creep > CREEP * limit:

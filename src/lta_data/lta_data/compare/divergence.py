@@ -6,12 +6,11 @@ from typing import Final, final
 
 from lta_data.compare.sampling import AlignedSignals, Array, wrap_angle
 import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import correlate
 from scipy.special import stdtrit
 
-BOOTSTRAP_DRAWS: Final = 400  # bootstrap samples
-TAIL_PERCENT: Final = 2.5  # percent left on either side of an interval
-AUTOCORRELATION_SAMPLES: Final = 20_000  # samples; bounds the autocorrelation of long recordings
-FEWEST_BLOCKS: Final = 4  # blocks of the bootstrap, at least
+UPPER_QUANTILE: Final = 0.975  # upper end of a 95 % interval
 NORMAL_QUANTILE: Final = 1.959964  # quantile of the normal distribution for the same tail
 
 
@@ -24,7 +23,7 @@ class DifferenceMeasures:
     # Mean and root mean square [unit of the channel]
     bias: float
     rms: float
-    # 95 % interval of `rms` by block bootstrap
+    # 95 % interval of `rms`
     rms_low: float
     rms_high: float
     # The largest difference in magnitude, and its time [unit; s]
@@ -35,13 +34,12 @@ class DifferenceMeasures:
 
 
 def measure_difference(
-    pair: AlignedSignals, *, angular: bool = False, seed: int = 0
+    pair: AlignedSignals, *, angular: bool = False
 ) -> DifferenceMeasures | None:
     """
     Return the measures of two channels; None if they have no common valid sample.
 
-    For angular channels, the spread of A is taken about its mean direction. `seed` is the random
-    seed of the bootstrap.
+    For angular channels, the spread of A is taken about its mean direction.
     """
     valid = pair.both_valid
     if not valid.any():
@@ -49,7 +47,7 @@ def measure_difference(
     difference, time, a = pair.difference[valid], pair.time[valid], pair.a[valid]
     most = int(np.abs(difference).argmax())
     rms = math.sqrt(float(np.mean(difference**2)))
-    low, high = rms_interval(difference, np.random.default_rng(seed))
+    low, high = rms_interval(difference)
     spread = standard_deviation(a, angular)
     return DifferenceMeasures(
         count=len(difference),
@@ -89,11 +87,7 @@ def autocorrelation_time(values: Array) -> float:
     power = float(np.dot(centred, centred))
     if count < 4 or power == 0.0:
         return 1.0
-    # Zero padding, so that the circular correlation of the FFT does not wrap around.
-    spectrum = np.fft.rfft(centred, 1 << (2 * count - 1).bit_length())
-    correlation = (
-        np.fft.irfft(np.abs(spectrum) ** 2)[: min(count, AUTOCORRELATION_SAMPLES)] / power
-    )
+    correlation = correlate(centred, centred, method='fft')[count - 1 :] / power
     # Integrated autocorrelation time up to each lag, both sides; lag zero counts once
     total = 2.0 * np.cumsum(correlation) - 1.0
     # Sokal's window: stop at five times the estimate, before noise dominates the sum
@@ -101,43 +95,23 @@ def autocorrelation_time(values: Array) -> float:
     return max(1.0, float(total[inside.argmax()] if inside.any() else total.max()))
 
 
-def rms_interval(
-    difference: Array, chance: np.random.Generator, draws: int = BOOTSTRAP_DRAWS
-) -> tuple[float, float]:
+def rms_interval(difference: Array) -> tuple[float, float]:
     """
     Return the 95 % interval of the RMS of an autocorrelated series.
 
-    Circular block bootstrap (Politis and Romano 1992): blocks of the squares, five times as long
-    as their autocorrelation time, are drawn with replacement. The percentiles are those of the
-    logarithm of the draws. They are widened for the correlation lost at the block ends, and by
-    Student's t for the small number of blocks.
+    The mean square has the standard error of as many independent values as the series has
+    autocorrelation times. Its logarithm is taken to follow Student's t, as it is positive.
     """
     squares = difference**2
-    count, mean = len(squares), float(np.mean(squares))
-    if count < 2 or np.ptp(squares) == 0.0 or mean == 0.0:
+    mean = float(np.mean(squares))
+    if len(squares) < 2 or np.ptp(squares) == 0.0 or mean == 0.0:
         return math.sqrt(mean), math.sqrt(mean)
-    # Blocks must be longer than the memory of the series to be independent.
-    alike = autocorrelation_time(squares)
-    # At least FEWEST_BLOCKS blocks, or their scatter cannot be estimated.
-    most = max(1, count // FEWEST_BLOCKS)
-    length = min(math.ceil(max(5.0 * alike, count ** (1 / 3))), most)
-    blocks = -(-count // length)  # rounded up
-    # Cumulative sums of the wrapped series: the sum of any block is one subtraction.
-    around = np.concatenate([[0.0], np.cumsum(np.concatenate([squares, squares[:length]]))])
-    starts = chance.integers(0, count, size=(draws, blocks))
-    means = (around[starts + length] - around[starts]).sum(axis=1) / (blocks * length)
-    # In logarithms, since a mean square is positive and its distribution is skewed
-    apart = np.log(np.maximum(means, 1e-300) / mean)
-    # Correlation across the block ends is lost, and few blocks estimate their scatter poorly.
-    lost = math.sqrt(1.0 / (1.0 - min(0.5, alike / length)))
-    few = float(stdtrit(max(blocks - 1, 1), 1.0 - TAIL_PERCENT / 100.0) / NORMAL_QUANTILE)
-    low, high = np.percentile(apart, [TAIL_PERCENT, 100.0 - TAIL_PERCENT]) * lost * few
+    independent = max(2.0, len(squares) / autocorrelation_time(squares))
+    error = float(np.std(squares)) / mean / math.sqrt(independent)
+    half = 0.5 * error * float(stdtrit(independent - 1.0, UPPER_QUANTILE))
     # A mean cannot lie outside the range of the averaged values.
-    lowest, highest = math.sqrt(float(squares.min())), math.sqrt(float(squares.max()))
-    # 0.5: from the mean square to its root; the interval must contain the estimate
-    ends = (math.sqrt(mean) * math.exp(0.5 * end) for end in (min(low, 0.0), max(high, 0.0)))
-    first, last = ends
-    return max(first, lowest), min(last, highest)
+    low, high = math.sqrt(float(squares.min())), math.sqrt(float(squares.max()))
+    return max(math.sqrt(mean) * math.exp(-half), low), min(math.sqrt(mean) * math.exp(half), high)
 
 
 SIGMAS: Final = 4.0  # of the combined noise; 6 of 100 000 normal samples lie outside
@@ -226,6 +200,15 @@ def select_comparable_values(pair: AlignedSignals, angular: bool) -> tuple[Array
     return (pair.a[pair.both_valid], pair.b[pair.both_valid]) if angular else (pair.a, pair.b)
 
 
+def compute_later_share(time: Array, flags: NDArray[np.bool_], window: float) -> Array:
+    """Return the share of set flags within a window [s] from each time on, shape (n,)."""
+    ends = np.searchsorted(time, time + window, side='right')
+    # Cumulative count, so that each window needs one subtraction
+    total = np.concatenate([[0], np.cumsum(flags)])
+    here = np.arange(len(time))
+    return np.asarray((total[ends] - total[here]) / (ends - here))
+
+
 def find_divergence(pair: AlignedSignals, band: float, *, by_hand: bool = False) -> Divergence:
     """
     Find when two channels diverge.
@@ -246,12 +229,8 @@ def find_divergence(pair: AlignedSignals, band: float, *, by_hand: bool = False)
     window = max(
         SHORTEST_DIVERGENCE, MIN_DIVERGENT_SAMPLES * step, SPAN_SHARE * float(time[-1] - time[0])
     )
-    ends = np.searchsorted(time, time + window, side='right')
-    # Cumulative count, so that each window needs one subtraction
-    total = np.concatenate([[0], np.cumsum(outside)])
-    here = np.arange(len(time))
     # More than half of the window must be outside the band.
-    most = (total[ends] - total[here]) * 2 >= ends - here
+    most = compute_later_share(time, outside, window) >= 0.5
     # Windows cut off by the end of the recording do not count; half a step covers rounding.
     whole = time + window <= time[-1] + 0.5 * step
     if not whole.any():  # shorter than one window
@@ -260,6 +239,6 @@ def find_divergence(pair: AlignedSignals, band: float, *, by_hand: bool = False)
     first = float(time[apart.argmax()]) if apart.any() else None
     # The last window in agreement; the divergence starts after it.
     together = np.flatnonzero(whole & ~most)
-    later = apart & (here > (together[-1] if len(together) else -1))
+    later = apart & (np.arange(len(time)) > (together[-1] if len(together) else -1))
     at = float(time[later.argmax()]) if later.any() else None
     return Divergence(band, by_hand, at, first, share)

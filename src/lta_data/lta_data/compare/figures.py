@@ -21,7 +21,7 @@ from lta_data.compare.sampling import (
 from lta_data.even_grid import SampledSignal
 from lta_data.scene import read_scene, RecordedScene
 from lta_model.attitude import EulerAngles, to_quaternions
-from lta_report.drawing import create_figure, padded_range
+from lta_report.drawing import create_figure, decimate_line, padded_range
 from lta_report.flight_scene import (
     build_scene_track,
     draw_vehicle,
@@ -38,32 +38,6 @@ from plotly.graph_objects import Figure, Scatter
 
 FIGURE_POINTS: Final = 1200  # per line; a plot is at most about that wide in pixels
 DEGREES_PER_RADIAN: Final = 180.0 / math.pi
-
-
-def thin_signal(line: SampledSignal, points: int = FIGURE_POINTS) -> SampledSignal:
-    """Thin a signal to about `points` samples: minimum, maximum and gaps of each stretch."""
-    count = len(line.time)
-    if count <= points:
-        return line
-    # Each stretch keeps two points: minimum and maximum.
-    length = -(-count // max(points // 2, 1))
-    rows = -(-count // length)
-    # Repeats the last value to fill the last stretch
-    padded = np.pad(line.values, (0, rows * length - count), mode='edge')
-    table = padded.reshape(rows, length)
-    hidden = np.isnan(table)
-    starts = np.arange(rows) * length
-    keep = [
-        starts + np.where(hidden, np.inf, table).argmin(axis=1),
-        starts + np.where(hidden, -np.inf, table).argmax(axis=1),
-        # The first NaN of each stretch with a gap
-        (starts + hidden.argmax(axis=1))[hidden.any(axis=1)],
-        # Both ends of the line
-        np.array([0, count - 1]),
-    ]
-    # In order of time; indices into the padding become the last sample
-    index = np.unique(np.minimum(np.concatenate(keep), count - 1))
-    return SampledSignal(line.time[index], line.values[index])
 
 
 class ChannelTrace(NamedTuple):
@@ -87,7 +61,7 @@ def build_channel_trace(each: ChannelComparison, points: int = FIGURE_POINTS) ->
         a, b = break_at_gaps(each.a), break_at_gaps(each.b)
     lines = [a, b, break_at_gaps(SampledSignal(each.both.time, each.both.difference))]
     one, other, apart = (
-        thin_signal(SampledSignal(line.time, factor * line.values), points) for line in lines
+        SampledSignal(*decimate_line(line.time, factor * line.values, points)) for line in lines
     )
     return ChannelTrace(unit, one, other, apart, factor * each.parting.band)
 
@@ -137,8 +111,7 @@ def plot_overlay(each: ChannelComparison, time: tuple[float, float]) -> Figure:
     ):  # fmt: skip
         figure.add_trace(
             Scatter(
-                # float32 halves the size of the page
-                x=line.time.astype(np.float32), y=line.values.astype(np.float32), name=name,
+                x=line.time, y=line.values, name=name,
                 mode='lines', line={'color': colour, 'width': width}, connectgaps=False,
                 hovertemplate=f'%{{y:.4~g}} {trace.unit}',
             ),
@@ -206,12 +179,11 @@ def plot_path(channels: Sequence[ChannelComparison]) -> Figure | None:
 
 
 def thin_path(time: np.ndarray, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Thin a path, keeping the extremes of both coordinates and the gaps."""
-    lines = [break_at_gaps(SampledSignal(time, values)) for values in (x, y)]
-    # Times kept for either coordinate, so that both have the same points
-    keep = np.unique(np.concatenate([thin_signal(line).time for line in lines]))
-    index = np.searchsorted(lines[0].time, keep)
-    return lines[0].values[index].astype(np.float32), lines[1].values[index].astype(np.float32)
+    """Thin a path evenly, keeping its gaps."""
+    across, along = (break_at_gaps(SampledSignal(time, values)).values for values in (x, y))
+    even = np.arange(0, len(across), -(-len(across) // FIGURE_POINTS) or 1)
+    keep = np.union1d(even, np.flatnonzero(np.isnan(across + along)))
+    return across[keep].astype(np.float32), along[keep].astype(np.float32)
 
 
 SPECTRUM: Final = (('A', A), ('B', B), ('B - A', DIFFERENCE))

@@ -28,8 +28,8 @@ class FrameTransform:
     y: float
     z: float
     # RMS distance of the paths without and with the transformation [m]
-    before: float
-    after: float
+    before: float = 0.0
+    after: float = 0.0
     # Whether the rotation comes from the headings because the path is too short
     by_heading: bool = False
 
@@ -50,10 +50,9 @@ def fit_frame_transform(
     """
     Fit the transformation of B's path to A's; None for fewer than three common positions.
 
-    Least squares of the horizontal distance over rotation and shift (Umeyama 1991, "Least-squares
+    Least squares of the distance over rotation and shift (Umeyama 1991, "Least-squares
     estimation of transformation parameters between two point patterns", for a rotation about z).
-    Tukey weights keep a stretch in which the flights diverge from biasing the rest. The height
-    offset is estimated in the same way.
+    Tukey weights keep a stretch in which the flights diverge from biasing the rest.
 
     `a`, `b`, shape (n, 3): positions at the same times [m]. `heading_a`, `heading_b`, shape (n,):
     yaw at the same times, used if the path is too short [rad].
@@ -63,48 +62,29 @@ def fit_frame_transform(
     if finite.sum() < 3:
         return None
     a, b = a[finite], b[finite]
-    # The vertical shift is independent of yaw, so it needs no joint fit
-    height = robust_center(a[:, 2] - b[:, 2])
-    weight = np.ones(len(a))
-    yaw, shift = fit_yaw_and_shift(a, b, weight)
+    even = np.ones(len(a))
+    fit = fit_shift(a, b, fit_yaw(a, b, even), even)
     for _ in range(REWEIGHTING_ROUNDS):
-        apart = horizontal_distances(a, b, yaw, shift)
+        apart = np.linalg.norm(a - fit.transform_positions(b), axis=1)
         # 1.4826: standard deviation from the median absolute deviation of normal noise.
         scale = 1.4826 * float(np.median(apart))
         if scale <= 1e-12:
             break
         # Tukey's biweight.
         weight = np.maximum(0.0, 1.0 - (apart / (TUKEY * scale)) ** 2) ** 2
-        last, (yaw, shift) = yaw, fit_yaw_and_shift(a, b, weight)
-        if abs(wrap_angle(np.array(yaw - last))) < 1e-12:
+        last, fit = fit, fit_shift(a, b, fit_yaw(a, b, weight), weight)
+        if abs(wrap_angle(np.array(fit.yaw - last.yaw))) < 1e-12:
             break
     # RMS distance from the mean position
     way = math.sqrt(float(np.sum(np.var(a[:, :2], axis=0))))
-    misfit = 1.4826 * float(np.median(horizontal_distances(a, b, yaw, shift)))
+    apart = np.linalg.norm((a - fit.transform_positions(b))[:, :2], axis=1)
     # A hover has no shape from which a rotation could be estimated.
-    by_heading = way < max(MIN_PATH_SPREAD, TELLING_SPREAD * misfit)
-    if by_heading:
-        yaw = mean_heading_difference(heading_a, heading_b)
-        shift = fit_shift(a, b, yaw, np.ones(len(a)))
-    transform = FrameTransform(yaw, float(shift[0]), float(shift[1]), height, 0.0, 0.0)
-    return FrameTransform(
-        yaw, float(shift[0]), float(shift[1]), height,
-        rms_distance(a, b), rms_distance(a, transform.transform_positions(b)), by_heading,
-    )  # fmt: skip
-
-
-def robust_center(values: Array) -> float:
-    """Return the centre of values with outliers: Tukey's M-estimate, started from the median."""
-    middle = float(np.median(values))
-    for _ in range(REWEIGHTING_ROUNDS):
-        scale = 1.4826 * float(np.median(np.abs(values - middle)))
-        if scale <= 1e-12:
-            break
-        weight = np.maximum(0.0, 1.0 - ((values - middle) / (TUKEY * scale)) ** 2) ** 2
-        last, middle = middle, float(np.average(values, weights=weight))
-        if abs(middle - last) < 1e-9 * scale:
-            break
-    return middle
+    if way < max(MIN_PATH_SPREAD, TELLING_SPREAD * 1.4826 * float(np.median(apart))):
+        fit = fit_shift(a, b, mean_heading_difference(heading_a, heading_b), even)
+        fit = replace(fit, by_heading=True)
+    return replace(
+        fit, before=rms_distance(a, b), after=rms_distance(a, fit.transform_positions(b))
+    )
 
 
 def rms_distance(a: Array, b: Array) -> float:
@@ -112,30 +92,22 @@ def rms_distance(a: Array, b: Array) -> float:
     return math.sqrt(float(np.mean(np.sum((a - b) ** 2, axis=1))))
 
 
-def fit_yaw_and_shift(a: Array, b: Array, weight: Array) -> tuple[float, Array]:
-    """Fit yaw [rad] and shift [m] in the plane by weighted least squares."""
-    of_a, of_b = (np.average(part[:, :2], axis=0, weights=weight) for part in (a, b))
-    ca, cb = a[:, :2] - of_a, b[:, :2] - of_b
-    along = float(np.sum(weight * np.sum(ca * cb, axis=1)))
-    across = float(np.sum(weight * (cb[:, 0] * ca[:, 1] - cb[:, 1] * ca[:, 0])))
+def fit_yaw(a: Array, b: Array, weight: Array) -> float:
+    """Fit the rotation about z by weighted least squares. [rad]"""
+    (ax, ay, _), (bx, by, _) = (
+        (part - np.average(part, axis=0, weights=weight)).T for part in (a, b)
+    )
     # Closed-form rotation in the plane: sum of cross products over sum of dot products
-    yaw = math.atan2(across, along)
-    return yaw, fit_shift(a, b, yaw, weight)
+    return math.atan2(
+        float(np.sum(weight * (bx * ay - by * ax))), float(np.sum(weight * (bx * ax + by * ay)))
+    )
 
 
-def fit_shift(a: Array, b: Array, yaw: float, weight: Array) -> Array:
-    """Return the shift [m] that remains after a rotation by `yaw` [rad], shape (2,)."""
-    of_a, of_b = (np.average(part[:, :2], axis=0, weights=weight) for part in (a, b))
-    c, s = math.cos(yaw), math.sin(yaw)
-    return np.asarray(of_a - np.array([c * of_b[0] - s * of_b[1], s * of_b[0] + c * of_b[1]]))
-
-
-def horizontal_distances(a: Array, b: Array, yaw: float, shift: Array) -> Array:
-    """Return the horizontal distance at each instant, shape (n,). [m]"""
-    c, s = math.cos(yaw), math.sin(yaw)
-    x = c * b[:, 0] - s * b[:, 1] + shift[0]
-    y = s * b[:, 0] + c * b[:, 1] + shift[1]
-    return np.asarray(np.hypot(a[:, 0] - x, a[:, 1] - y))
+def fit_shift(a: Array, b: Array, yaw: float, weight: Array) -> FrameTransform:
+    """Return a rotation with the shift that remains after it."""
+    turned = FrameTransform(yaw, 0.0, 0.0, 0.0)
+    left = np.average(a - turned.transform_positions(b), axis=0, weights=weight)
+    return FrameTransform(yaw, *left.tolist())
 
 
 def mean_heading_difference(a: Array | None, b: Array | None) -> float:

@@ -3,12 +3,17 @@
 from dataclasses import dataclass
 from typing import Final, final, NamedTuple
 
-from lta_data.even_grid import median_period, SampledSignal
+from lta_data.even_grid import (
+    BRIDGED_PERIODS,
+    find_runs,
+    median_period,
+    NO_SAMPLES,
+    SampledSignal,
+)
 import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
 
-GAP_PERIODS_COMPARED: Final = 2.5  # periods without a message that count as a gap
 FULL_TURN_RADIANS: Final = 2.0 * np.pi
 Array = NDArray[np.float64]
 
@@ -18,35 +23,29 @@ def wrap_angle(angle: Array) -> Array:
     return (angle + np.pi) % FULL_TURN_RADIANS - np.pi
 
 
-def interpolate_signal(
-    line: SampledSignal, at: Array, *, angular: bool = False, gap: float = GAP_PERIODS_COMPARED
-) -> Array:
+def interpolate_signal(line: SampledSignal, at: Array, *, angular: bool = False) -> Array:
     """
     Interpolate a signal linearly at the times `at`. [s]
 
     Angular values take the shorter way around. The result is NaN outside the signal, next to
-    NaN values, and between samples more than `gap` median periods apart.
+    NaN values, and in gaps.
     """
-    interpolated = np.full(len(at), np.nan)
-    if not len(line.time):
-        return interpolated
-    right = np.searchsorted(line.time, at)
-    # A sample at exactly the requested time counts even next to a gap or a NaN.
-    # side='left': an equal time is at index `right`
-    exact = right < len(line.time)
-    exact[exact] = line.time[right[exact]] == at[exact]
-    interpolated[exact] = line.values[right[exact]]
-    between = ~exact & (right > 0) & (right < len(line.time))
-    j = right[between]
-    length = line.time[j] - line.time[j - 1]
-    step = line.values[j] - line.values[j - 1]
+    time, values = line
+    if not len(time):
+        return np.full(len(at), np.nan)
+    after = np.minimum(np.searchsorted(time, at), len(time) - 1)
+    # A sample at exactly the requested time counts even next to a gap or a NaN
+    before = np.where(time[after] == at, after, np.maximum(after - 1, 0))
+    length = time[after] - time[before]
+    step = values[after] - values[before]
     # Along the shorter arc
     step = wrap_angle(step) if angular else step
-    value = line.values[j - 1] + step * (at[between] - line.time[j - 1]) / length
+    value = values[before] + step * (at - time[before]) / np.where(length > 0.0, length, 1.0)
     value = wrap_angle(value) if angular else value
+    inside = (at >= time[0]) & (at <= time[-1])
     # Interpolation across a gap would invent data.
-    interpolated[between] = np.where(length > gap * median_period(line.time), np.nan, value)
-    return interpolated
+    is_known = inside & ~(length > BRIDGED_PERIODS * median_period(time))
+    return np.where(is_known, np.where(length > 0.0, value, values[after]), np.nan)
 
 
 class AlignedSignals(NamedTuple):
@@ -64,34 +63,31 @@ class AlignedSignals(NamedTuple):
         return np.isfinite(self.difference)
 
 
-def align_signals(
-    a: SampledSignal, b: SampledSignal, *, angular: bool = False, gap: float = GAP_PERIODS_COMPARED
-) -> AlignedSignals:
+def align_signals(a: SampledSignal, b: SampledSignal, *, angular: bool = False) -> AlignedSignals:
     """
     Return two signals at the times of the slower one, on their common span.
 
     The faster one is interpolated, never across a gap. At equal rates the times of `a` are used.
     """
     if not len(a.time) or not len(b.time):
-        nothing = np.empty(0)
-        return AlignedSignals(nothing, nothing, nothing, nothing)
+        return AlignedSignals(NO_SAMPLES, NO_SAMPLES, NO_SAMPLES, NO_SAMPLES)
     # The 0.1 % margin keeps the choice stable when both rates are nominally equal.
     by_a = not median_period(b.time) > median_period(a.time) * (1.0 + 1e-3)
     at = a.time if by_a else b.time
     begin, end = max(a.time[0], b.time[0]), min(a.time[-1], b.time[-1])
     at = at[(at >= begin) & (at <= end)]
-    of_a = interpolate_signal(a, at, angular=angular, gap=gap)
-    of_b = interpolate_signal(b, at, angular=angular, gap=gap)
+    of_a = interpolate_signal(a, at, angular=angular)
+    of_b = interpolate_signal(b, at, angular=angular)
     difference = of_b - of_a
     return AlignedSignals(at, of_a, of_b, wrap_angle(difference) if angular else difference)
 
 
-def break_at_gaps(line: SampledSignal, gap: float = GAP_PERIODS_COMPARED) -> SampledSignal:
+def break_at_gaps(line: SampledSignal) -> SampledSignal:
     """Insert a NaN into each gap, so that plots do not bridge it."""
     if len(line.time) < 2:
         return line
     steps = np.diff(line.time)
-    after = np.flatnonzero(steps > gap * np.median(steps))
+    after = np.flatnonzero(steps > BRIDGED_PERIODS * np.median(steps))
     when = line.time[after] + 0.5 * steps[after]
     return SampledSignal(
         np.insert(line.time, after + 1, when), np.insert(line.values, after + 1, np.nan)
@@ -126,15 +122,10 @@ def resample_evenly(pair: AlignedSignals, *, angular: bool = False) -> tuple[Arr
 
     Angles are unwrapped.
     """
-    valid = pair.both_valid
-    # 1 where a stretch of valid samples begins, -1 behind its end
-    edges = np.diff(np.concatenate([[0], valid.astype(np.int8), [0]]))
-    begins, ends = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
-    if not len(begins):
-        nothing = np.empty(0)
-        return nothing, nothing, nothing
-    longest = int((ends - begins).argmax())
-    part = slice(int(begins[longest]), int(ends[longest]))
+    stretches = find_runs(pair.both_valid)
+    if not len(stretches):
+        return NO_SAMPLES, NO_SAMPLES, NO_SAMPLES
+    part = slice(*stretches[np.ptp(stretches, axis=1).argmax()].tolist())
     time, a = pair.time[part], pair.a[part]
     a = np.unwrap(a) if angular else a
     # The difference is wrapped already, so B stays on the branch of A

@@ -15,6 +15,7 @@ from lta_data.even_grid import median_period, sort_samples
 from lta_data.flight import Flight
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import correlate, correlation_lags
 
 KIND = 'twin'
 NOISY_QUANTITIES: Final = ('position', 'attitude', 'rates', 'turning', 'force', 'velocity')
@@ -120,15 +121,17 @@ def find_best_alignment(
     -1 if it is not clearly more than what other offsets have by chance: the signs of filtered
     readings change slowly, so that few of them are independent.
     """
-    most = max(len(row) for row in first), max(len(row) for row in second)
-    # Padded beyond the sum of lengths, so that the circular correlation does not wrap around
-    size = 1 << int(sum(most)).bit_length()
-    total = np.zeros(size)
-    for one, two in zip(first, second, strict=True):
-        total += np.fft.irfft(np.fft.rfft(one, size) * np.conj(np.fft.rfft(two, size)), size)
-    # FFT order: the upper half are negative lags
-    lags = np.where(np.arange(size) < size // 2, np.arange(size), np.arange(size) - size)
-    overlap = np.minimum(most[0], most[1] + lags) - np.maximum(0, lags)
+    # Rows of one topic are equally long unless some of their values are unknown
+    counts = [max(map(len, rows)) for rows in (first, second)]
+    padded = [
+        [np.pad(row, (0, count - len(row))) for row in rows]
+        for rows, count in zip((first, second), counts, strict=True)
+    ]
+    total = np.sum(
+        [correlate(one, two, method='fft') for one, two in zip(*padded, strict=True)], axis=0
+    )
+    lags = correlation_lags(*counts)
+    overlap = np.minimum(counts[0], counts[1] + lags) - np.maximum(0, lags)
     shares = total / (len(first) * np.maximum(overlap, 1))
     inside = overlap >= least
     # A mean of chances scatters by the root of its length

@@ -26,7 +26,6 @@ from lta_data.bag.recorded_flight import RecordedFlight
 from lta_data.bag.table import (
     find_unit,
     FIXED_UNITS,
-    name_columns,
     STAMP_COLUMN,
     Table,
     TIME_INDEX,
@@ -162,20 +161,18 @@ def build_topic_source(flight: RecordedFlight, topic: str) -> ExportSource:
     if kind == LIGHT_BLOCK:
         parts, counts = _iterate_sample_rows(flight, topic), find_unit(kind, 'counts')
         return _build_part_source(flight, topic, kind, parts, {'diode': counts})
-    series = flight.read_series(topic)
-    columns, units = name_columns(series, kind, topic)
-    columns = _build_clock_columns(flight, series.stamps) | columns
     remark = (
         f"Of the messages on '{topic}', the data are not exported." if kind in PACKED_TYPES else ''
     )
-    return ExportSource(topic, kind, FIXED_UNITS | units, iter([columns]), remark)
+    (table,) = flight.read_tables([topic]).values()
+    return build_table_source(table, topic, kind, remark)
 
 
-def build_table_source(table: Table, name: str) -> ExportSource:
+def build_table_source(table: Table, name: str, kind: str = '', remark: str = '') -> ExportSource:
     """Return the source of a `pandas.DataFrame` as of `lta_data.bag.table`."""
     columns = {STAMP_COLUMN: table[STAMP_COLUMN].to_numpy(), TIME_INDEX: table.index.to_numpy()}
     columns |= {name: table[name].to_numpy() for name in table}
-    return ExportSource(name, '', table.attrs['units'], iter([columns]))
+    return ExportSource(name, kind, table.attrs['units'], iter([columns]), remark)
 
 
 def _build_part_source(

@@ -144,7 +144,7 @@ class SampleBlock(NamedTuple):
 
 def select_sample_blocks(view: FlightView) -> list[SampleBlock]:
     """Return the blocks at the start and at the end of the search."""
-    time = view.read_series('photodiodes').time
+    time = view.read_table('photodiodes').index.to_numpy()
     phases = find_phases(view)
     searched = np.flatnonzero(
         # A block must lie within the search as a whole

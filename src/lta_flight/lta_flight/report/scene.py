@@ -4,6 +4,7 @@ from typing import Final
 
 from lta_bridge.description.scene import draw_static_scene
 from lta_data.bag.recorded_flight import list_robots, open_flight
+from lta_data.bag.table import get_column
 from lta_flight.report.view import FlightView
 from lta_model.vehicle import Vehicle
 from lta_report.curves import Array
@@ -28,24 +29,24 @@ SCENE_CAPTION: Final = (
     'Green arrow: wind. The path ahead is pale.'
 )
 COMPANIONS: Final = (GOOD, LAMP)
+TRUE_MOTION: Final = 'ground_truth/odom'
 POSITION_FIELD, ATTITUDE_FIELD = 'pose.pose.position', 'pose.pose.orientation'
 
 
 def render_flight_scene(view: FlightView) -> str:
     """Return the panel of the 3-D view; empty without a true motion."""
-    if not view.has_topics('ground_truth/odom'):
+    if not view.has_topics(TRUE_MOTION):
         return ''
     time = sample_times(*view.span)
     body, reach, vehicle = draw_vehicle(view.scene.vehicle)
-    truth = view.read_series('ground_truth/odom')
     rotors, thrust = sample_thrust(view, vehicle, time)
     flights = [
         SceneFlight(
             'true motion',
             TRUTH,
             body,
-            interpolate_columns(time, truth.time, truth.vector(POSITION_FIELD)),
-            interpolate_attitude(time, truth.time, truth.vector(ATTITUDE_FIELD)),
+            interpolate_columns(time, *view.read_vector(TRUE_MOTION, POSITION_FIELD)),
+            interpolate_attitude(time, *view.read_vector(TRUE_MOTION, ATTITUDE_FIELD)),
             rotors,
             thrust,
             sample_bearing(view, time),
@@ -77,14 +78,13 @@ def list_companions(view: FlightView, time: Array) -> list[SceneFlight]:
         if robot == view.flight.robot:
             continue
         other = FlightView(open_flight(bag, robot))
-        if not other.has_topics('ground_truth/odom'):
+        if not other.has_topics(TRUE_MOTION):
             continue
         body, _, _ = draw_vehicle(other.scene.vehicle)
-        truth = other.read_series('ground_truth/odom')
         # The time of each robot begins with its own first message
-        own = truth.time + (other.flight.start - view.flight.start) * 1e-9
-        place = interpolate_columns(time, own, truth.vector(POSITION_FIELD))
-        turn = interpolate_attitude(time, own, truth.vector(ATTITUDE_FIELD))
+        here = time - (other.flight.start - view.flight.start) * 1e-9
+        place = interpolate_columns(here, *other.read_vector(TRUE_MOTION, POSITION_FIELD))
+        turn = interpolate_attitude(here, *other.read_vector(TRUE_MOTION, ATTITUDE_FIELD))
         colour = COMPANIONS[len(companions) % len(COMPANIONS)]
         companions.append(SceneFlight(robot, colour, body, place, turn, ghost=True))
     return companions
@@ -113,17 +113,13 @@ def sample_bearing(view: FlightView, time: Array) -> Array | None:
     """Return azimuth and elevation of the lamp and their deviations; None if never measured."""
     if not view.has_topics('light/estimate'):
         return None
-    series = view.read_series('light/estimate')
-    place = series.vector('pose.pose.position')
-    covariance = np.stack(
-        [
-            [series[f'pose.covariance[{6 * row + column}]'] for column in range(3)]
-            for row in range(3)
-        ]
-    ).transpose(2, 0, 1)
+    own, place = view.read_vector('light/estimate', 'pose.pose.position')
+    names = [f'pose.covariance[{6 * row + column}]' for row in range(3) for column in range(3)]
+    table = view.read_table('light/estimate')
+    covariance = np.stack([get_column(table, name) for name in names], axis=1).reshape(-1, 3, 3)
     seen = np.isfinite(view.sighting.angle)
     angles = np.where(seen[:, None], direction_with_deviation(place, covariance), np.nan)
-    return hold_columns(time, series.time + view.half_block_time, angles, LONGEST_HOLD)
+    return hold_columns(time, own + view.half_block_time, angles, LONGEST_HOLD)
 
 
 def direction_with_deviation(place: Array, covariance: Array) -> Array:
@@ -157,6 +153,5 @@ def sample_wind(view: FlightView, time: Array) -> Array | None:
     """Return the air velocity; None if there was never any. [m/s, map]"""
     if not view.has_topics('wind'):
         return None
-    series = view.read_series('wind')
-    wind = hold_columns(time, series.time, series.vector('vector'), LONGEST_HOLD)
+    wind = hold_columns(time, *view.read_vector('wind', 'vector'), LONGEST_HOLD)
     return wind if np.nanmax(np.abs(wind), initial=0.0) > 0.0 else None

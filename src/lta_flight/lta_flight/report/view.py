@@ -12,12 +12,11 @@ from typing import Any, Final, final
 from lta_config.covariances import select_estimates
 from lta_config.topics import load_topic_table
 from lta_data.bag.channels import find_airspeed_topic
-from lta_data.bag.columns import TopicSeries
-from lta_data.bag.recorded_flight import PointSeries, RecordedFlight
+from lta_data.bag.recorded_flight import RecordedFlight
+from lta_data.bag.table import get_column, stack_components, Table
 from lta_data.even_grid import check_time_span, median_period
 from lta_data.scene import read_scene
 from lta_flight.report.goal import FlightGoal
-from lta_model.attitude import to_euler_angles
 from lta_report.curves import (
     align_start,
     Array,
@@ -26,6 +25,7 @@ from lta_report.curves import (
     DutyCurves,
     ElectricalCurve,
     MotionCurve,
+    PeakCurves,
     subtract_wind,
     TimeCurve,
     vector_directions,
@@ -84,7 +84,7 @@ class FlightView:
         self.flight = flight
         self.provenance = flight.provenance
         self.scene = read_scene(self.provenance)
-        self._read: dict[str, TopicSeries] = {}
+        self._read: dict[str, Table] = {}
         self._blocks: dict[tuple[int, ...], NDArray[Any]] = {}
 
     def has_topics(self, *topics: str) -> bool:
@@ -93,7 +93,7 @@ class FlightView:
         names = [f'/{robot}/{topic}' if robot else f'/{topic}' for topic in topics]
         return all(name in bag.topics and bag.topics[name].count > 0 for name in names)
 
-    def read_series(self, topic: str) -> TopicSeries:
+    def read_table(self, topic: str) -> Table:
         """Return the fields of a topic; each is read once."""
         # Reading a bag is slow, so fetch all usual topics with the first one
         if topic not in self._read:
@@ -102,8 +102,18 @@ class FlightView:
                 for each in TOPICS_READ_TOGETHER
                 if self.has_topics(each) and each not in self._read
             ]
-            self._read |= self.flight.read_topics({topic, *here})
+            self._read |= self.flight.read_tables({topic, *here})
         return self._read[topic]
+
+    def read_curve(self, topic: str, column: str) -> TimeCurve:
+        """Return a column of a topic over time."""
+        table = self.read_table(topic)
+        return TimeCurve(table.index.to_numpy(), get_column(table, column))
+
+    def read_vector(self, topic: str, path: str) -> tuple[Array, Array]:
+        """Return time and components of a field of a topic, shape (n, 3) or (n, 4)."""
+        table = self.read_table(topic)
+        return table.index.to_numpy(), stack_components(table, path)
 
     @cached_property
     def span(self) -> tuple[float, float]:
@@ -130,8 +140,7 @@ class FlightView:
         motion = self._read_motion('ground_truth/odom')
         if not self.has_topics('wind'):
             return motion
-        wind = self.read_series('wind')
-        return subtract_wind(motion, wind.time, wind.vector('vector'))
+        return subtract_wind(motion, *self.read_vector('wind', 'vector'))
 
     @cached_property
     def estimate(self) -> MotionCurve:
@@ -139,9 +148,8 @@ class FlightView:
         motion = self._read_motion('odom')
         topic = find_airspeed_topic(self.flight.topics)
         if topic != 'odom':
-            airspeed = self.read_series(topic)
-            speed = np.interp(motion.time, airspeed.time, airspeed['twist.twist.linear.x'])
-            motion = motion._replace(speed=speed)
+            airspeed = self.read_curve(topic, 'twist.twist.linear.x')
+            motion = motion._replace(speed=np.interp(motion.time, *airspeed))
         return align_start(motion, self.truth) if self.has_topics('ground_truth/odom') else motion
 
     @cached_property
@@ -152,45 +160,37 @@ class FlightView:
     @cached_property
     def heading_setpoint(self) -> TimeCurve:
         """Heading setpoint in map, unwrapped. [rad]"""
-        series = self.read_series('setpoint/pose')
-        yaw = to_euler_angles(series.vector('pose.orientation')).yaw
-        return TimeCurve(series.time, np.unwrap(np.nan_to_num(yaw)) + self.frame_rotation)
+        time, yaw = self.read_curve('setpoint/pose', 'pose.orientation.yaw')
+        return TimeCurve(time, np.unwrap(np.nan_to_num(yaw)) + self.frame_rotation)
 
     @cached_property
     def altitude_setpoint(self) -> TimeCurve:
         """Altitude setpoint. [m]"""
-        series = self.read_series('setpoint/pose')
-        return TimeCurve(series.time, series['pose.position.z'])
+        return self.read_curve('setpoint/pose', 'pose.position.z')
 
     @cached_property
     def speed_setpoint(self) -> TimeCurve:
         """Forward airspeed setpoint. [m/s]"""
-        series = self.read_series('setpoint/velocity')
-        return TimeCurve(series.time, series['twist.linear.x'])
+        return self.read_curve('setpoint/velocity', 'twist.linear.x')
 
     @cached_property
     def range_altitude(self) -> TimeCurve:
         """Altitude of the hull centre from the range finder. [m]"""
-        series = self.read_series('range')
+        time, distance = self.read_curve('range', 'range')
         vehicle = self.scene.vehicle
         # Depth of the sensor below the hull centre; body z points up
         below = 0.0 if vehicle is None else -vehicle.sensors.range_position.vector[2]
-        return TimeCurve(
-            series.time, np.where(np.isfinite(series['range']), series['range'], np.nan) + below
-        )
+        return TimeCurve(time, np.where(np.isfinite(distance), distance, np.nan) + below)
 
     @cached_property
     def duties(self) -> DutyCurves:
         """Commanded duties of the rotors."""
-        series = self.read_series('motors')
-        # Fields name[0], name[1], ... of ActuatorDuty
-        names = [
-            str(series.texts[f'name[{k}]'][-1])
-            for k in range(len(series.texts))
-            if f'name[{k}]' in series.texts
-        ]
-        efforts = [series[f'effort[{k}]'] for k in range(len(names))]
-        return DutyCurves(series.time, names, np.stack(efforts, axis=1))
+        table = self.read_table('motors')
+        names = [name for name in table if name.startswith('effort.')]
+        efforts = table[names].to_numpy(dtype=np.float64)
+        return DutyCurves(
+            table.index.to_numpy(), [name.removeprefix('effort.') for name in names], efforts
+        )
 
     def read_blocks(self, chosen: Sequence[int]) -> NDArray[Any]:
         """Return some ADC blocks, shape (chosen, samples, diodes); each is read once."""
@@ -208,32 +208,33 @@ class FlightView:
         return half_block_time()
 
     @cached_property
-    def peaks(self) -> PointSeries:
+    def peaks(self) -> PeakCurves:
         """Amplitude [counts], SNR and frequency [Hz] of the wanted lamp per diode, mid-block."""
-        points = self.flight.read_points('light/peaks')
-        return PointSeries(
-            points.time + self.half_block_time, select_primary_beacon(points.fields)
+        table = self.read_table('light/peaks')
+        names = [name.partition('[')[0] for name in table if name.endswith(']')]
+        fields = {
+            name: table.filter(regex=rf'^{name}\[').to_numpy() for name in dict.fromkeys(names)
+        }
+        return PeakCurves(
+            table.index.to_numpy() + self.half_block_time, select_primary_beacon(fields)
         )
 
     @cached_property
     def sighting(self) -> DirectionCurve:
         """Direction to the lamp that the drone steers by, body frame, mid-block."""
-        series = self.read_series('light/estimate')
-        place = series.vector('pose.pose.position')
+        time, place = self.read_vector('light/estimate', 'pose.pose.position')
         # The variance marks a block without a lamp
-        seen = select_estimates(series['pose.covariance[0]'])
+        seen = select_estimates(self.read_curve('light/estimate', 'pose.covariance[0]').value)
         return DirectionCurve(
-            series.time + self.half_block_time,
+            time + self.half_block_time,
             vector_directions(np.where(seen[:, None], place, 0.0)),
         )
 
     @cached_property
     def bearing(self) -> DirectionCurve:
         """The paper's bearing of the lamp, body frame, mid-block."""
-        series = self.read_series('light/bearing')
-        return DirectionCurve(
-            series.time + self.half_block_time, vector_directions(series.vector('vector'))
-        )
+        time, vector = self.read_vector('light/bearing', 'vector')
+        return DirectionCurve(time + self.half_block_time, vector_directions(vector))
 
     @cached_property
     def battery(self) -> ElectricalCurve:
@@ -246,16 +247,15 @@ class FlightView:
         return self._read_electricity('panel')
 
     def _read_electricity(self, topic: str) -> ElectricalCurve:
-        series = self.read_series(topic)
-        return ElectricalCurve(series.time, series['voltage'], series['current'])
+        table = self.read_table(topic)
+        return ElectricalCurve(
+            table.index.to_numpy(), get_column(table, 'voltage'), get_column(table, 'current')
+        )
 
     def _read_motion(self, topic: str) -> MotionCurve:
         """Return a topic of nav_msgs/Odometry as a motion."""
-        series = self.read_series(topic)
-        span, step = float(np.ptp(series.time)), median_period(series.time)
-        check_time_span(f"of '{topic}'", span, step, len(series.time))
-        place, attitude = (
-            series.vector('pose.pose.position'),
-            series.vector('pose.pose.orientation'),
-        )
-        return build_motion(series.time, place, attitude, series['twist.twist.linear.x'])
+        time, place = self.read_vector(topic, 'pose.pose.position')
+        check_time_span(f"of '{topic}'", float(np.ptp(time)), median_period(time), len(time))
+        _, attitude = self.read_vector(topic, 'pose.pose.orientation')
+        speed = self.read_curve(topic, 'twist.twist.linear.x').value
+        return build_motion(time, place, attitude, speed)

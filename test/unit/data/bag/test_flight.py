@@ -2,7 +2,7 @@
 
 from lta_config.errors import BadInput
 from lta_data.bag import open_flight
-from lta_model.attitude import to_euler_angles
+from lta_data.bag.table import get_column, stack_components
 import numpy as np
 import pytest
 
@@ -14,43 +14,43 @@ def header(types, time):
     return types['std_msgs/msg/Header'](stamp, 'base_link')
 
 
-def test_series_holds_every_number_under_its_path(flight_bag):
+def test_a_table_holds_every_number_under_its_path(flight_bag):
     flight = open_flight(flight_bag)
-    odom = flight.read_series('odom')
+    odom = flight['odom']
     i = np.arange(40)
     assert flight.robot == 'lta1'
     assert flight.start == START
     assert flight.topics == ['odom', 'energy/reserve']
     assert len(odom) == 40
-    np.testing.assert_allclose(odom.time, 0.01 * i, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(odom.index, 0.01 * i, rtol=0, atol=1e-12)
     np.testing.assert_array_equal(odom['pose.pose.position.x'], 0.1 * i)
     np.testing.assert_array_equal(odom['pose.covariance[35]'], 35.0 + i)
     np.testing.assert_array_equal(odom['header.stamp.sec'], np.ones(40))
-    assert len(odom.numbers) == 2 + 3 + 4 + 36 + 6 + 36
-    assert set(odom.texts) == {'header.frame_id', 'child_frame_id'}
-    assert odom.texts['child_frame_id'].tolist() == ['base_link'] * 40
+    # Of the message, three angles, the stamp and two texts
+    assert odom.shape[1] == 2 + 3 + 4 + 36 + 6 + 36 + 3 + 1 + 2
+    assert odom['child_frame_id'].tolist() == ['base_link'] * 40
     np.testing.assert_array_equal(
-        odom.vector('pose.pose.position'), np.stack([0.1 * i, -0.2 * i, np.full(40, 0.5)], 1)
+        stack_components(odom, 'pose.pose.position'),
+        np.stack([0.1 * i, -0.2 * i, np.full(40, 0.5)], 1),
     )
 
 
 def test_yaw_of_a_turning_robot(flight_bag):
-    turn = open_flight(flight_bag).read_series('odom').vector('pose.pose.orientation')
-    found = to_euler_angles(turn)
+    odom = open_flight(flight_bag)['odom']
     expected = np.angle(np.exp(0.1j * np.arange(40)))
-    np.testing.assert_allclose(found.yaw, expected, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(found.pitch, 0.0, atol=1e-12)
-    np.testing.assert_allclose(found.roll, 0.0, atol=1e-12)
+    for part, angle in (('yaw', expected), ('pitch', 0.0), ('roll', 0.0)):
+        found = odom[f'pose.pose.orientation.{part}']
+        np.testing.assert_allclose(found, angle, rtol=0, atol=1e-12)
 
 
 def test_unstamped_messages_are_placed_by_their_log_time(flight_bag):
-    reserve = open_flight(flight_bag).read_series('energy/reserve')
-    np.testing.assert_allclose(reserve.time, [0.0, 0.1, 0.2, 0.3], rtol=0, atol=1e-12)
+    reserve = open_flight(flight_bag)['energy/reserve']
+    np.testing.assert_allclose(reserve.index, [0.0, 0.1, 0.2, 0.3], rtol=0, atol=1e-12)
     assert reserve['data'].tolist() == [False, False, True, True]
 
 
 def test_clock_is_its_own_stamp(flight_bag):
-    np.testing.assert_allclose(open_flight(flight_bag).read_series('/clock').time[-1], 0.39)
+    np.testing.assert_allclose(open_flight(flight_bag)['/clock'].index[-1], 0.39)
 
 
 def test_arrays_of_any_length(record, types):
@@ -61,13 +61,13 @@ def test_arrays_of_any_length(record, types):
         joint(header(types, START + 10**7), ['up'], none, none, np.array([0.3])),
     ]
     rows = [('/lta1/motors', 'sensor_msgs/msg/JointState', m, 0) for m in messages]
-    motors = open_flight(record(rows)).read_series('motors')
-    np.testing.assert_array_equal(motors['effort[0]'], [0.1, 0.3])
+    motors = open_flight(record(rows))['motors']
+    np.testing.assert_array_equal(motors['effort.up'], [0.1, 0.3])
     np.testing.assert_array_equal(motors['effort[1]'], [0.2, np.nan])
-    assert motors.texts['name[0]'].tolist() == ['up', 'up']
-    assert motors.texts['name[1]'].tolist() == ['left', '']
-    with pytest.raises(BadInput, match="Unknown field 'effort'; known: effort"):
-        motors['effort']
+    assert motors['name[0]'].tolist() == ['up', 'up']
+    assert motors['name[1]'].tolist() == ['left', '']
+    with pytest.raises(BadInput, match="Unknown column of motors 'effort'; known: effort"):
+        get_column(motors, 'effort')
 
 
 def test_constants_and_bytes_are_no_columns(record, types):
@@ -76,8 +76,8 @@ def test_constants_and_bytes_are_no_columns(record, types):
         np.array([3.9], np.float32), np.empty(0, np.float32), 'nose', 'cell 4',
     )  # fmt: skip
     rows = [('/lta1/battery', 'sensor_msgs/msg/BatteryState', cell, 0)]
-    battery = open_flight(record(rows)).read_series('battery')
-    assert set(battery.numbers) == {
+    battery = open_flight(record(rows))['battery']
+    assert set(battery) - {'stamp_ns', 'header.frame_id', 'location', 'serial_number'} == {
         'header.stamp.sec', 'header.stamp.nanosec', 'voltage', 'temperature', 'current', 'charge',
         'capacity', 'design_capacity', 'percentage', 'power_supply_status', 'power_supply_health',
         'power_supply_technology', 'present', 'cell_voltage[0]',
@@ -99,7 +99,7 @@ def test_adc_blocks(record, types):
     np.testing.assert_array_equal(blocks.samples, sent)
     assert blocks.samples.dtype == np.uint16
     np.testing.assert_allclose(blocks.time, 0.1 * np.arange(5), rtol=0, atol=1e-12)
-    assert 'counts[0]' not in flight.read_series('photodiodes').numbers
+    assert 'counts[0]' not in flight['photodiodes']
 
 
 def test_wrong_blocks(record, types):
@@ -124,7 +124,7 @@ def test_wrong_blocks(record, types):
     with pytest.raises(BadInput, match='different shape'):
         flight.read_blocks('mixed')
     with pytest.raises(BadInput, match="has type 'lta_msgs/msg/LightBlock', not"):
-        flight.read_points('good')
+        next(flight.iterate_points('good', 1))
 
 
 def test_point_lists(record, types):
@@ -140,18 +140,22 @@ def test_point_lists(record, types):
         ]
         message = types['lta_msgs/msg/LampPeaks'](header(types, START + i * 10**8), axes, peaks)
         rows.append(('/lta1/light/peaks', 'lta_msgs/msg/LampPeaks', message, 0))
-    peaks = open_flight(record(rows)).read_points('light/peaks')
+    flight = open_flight(record(rows))
+    (peaks,) = flight.iterate_points('light/peaks', 10)
     assert list(peaks.fields) == ['x', 'y', 'z', 'amplitude', 'snr', 'frequency']
     np.testing.assert_array_equal(peaks.fields['y'][0], [0, 1, 0, 1])
     np.testing.assert_array_equal(peaks.fields['snr'][0], [10, 11, 11, 12])
     np.testing.assert_array_equal(peaks.fields['x'][1], [1.5] + [np.nan] * 3)
     np.testing.assert_array_equal(peaks.fields['frequency'][1, :1], [20])
     np.testing.assert_allclose(peaks.time, [0.0, 0.1], rtol=0, atol=1e-12)
+    table = flight['light/peaks']
+    np.testing.assert_allclose(table.index, peaks.time, rtol=0, atol=1e-12)
+    np.testing.assert_array_equal(table['snr[3]'], peaks.fields['snr'][:, 3])
 
 
 def test_unknown_topic_names_the_known(flight_bag):
     with pytest.raises(BadInput, match=r"Unknown topic 'imu'; known: energy/reserve, odom\."):
-        open_flight(flight_bag).read_series('imu')
+        open_flight(flight_bag)['imu']
 
 
 def test_two_robots_are_told_apart(record, types):
@@ -161,7 +165,7 @@ def test_two_robots_are_told_apart(record, types):
         open_flight(bag)
     with pytest.raises(BadInput, match="Unknown robot 'lta3'"):
         open_flight(bag, 'lta3')
-    assert open_flight(bag, 'lta2').read_series('flag')['data'].tolist() == [True]
+    assert open_flight(bag, 'lta2')['flag']['data'].tolist() == [True]
 
 
 def test_each_of_two_robots_has_its_own_origin(record, types):
@@ -181,7 +185,7 @@ def test_bag_without_namespace_or_messages(record, types):
     flag = types['std_msgs/msg/Bool'](True)
     flight = open_flight(record([('/flag', 'std_msgs/msg/Bool', flag, 7)], 'one'))
     assert (flight.robot, flight.start, flight.topics) == ('', 7, ['flag'])
-    assert flight.read_series('flag').time.tolist() == [0.0]
+    assert flight['flag'].index.tolist() == [0.0]
     assert open_flight(record([], 'two')).topics == []
 
 
@@ -192,7 +196,7 @@ def test_topic_without_messages_is_empty(record, tmp_path):
         bag.add_topic('/lta1/odom', 'nav_msgs/msg/Odometry', [])
         bag.add_topic('/lta1/photodiodes', 'lta_msgs/msg/LightBlock', [])
     flight = open_flight(tmp_path / 'b')
-    assert len(flight.read_series('odom')) == 0
+    assert len(flight['odom']) == 0
     assert flight.read_blocks('photodiodes').samples.shape == (0, 0, 0)
 
 
@@ -211,9 +215,9 @@ def test_a_topic_that_cannot_be_read_leaves_the_others_as_they_are(tmp_path, typ
         bag.write('/lta1/wind', data, 2)
     flight = open_flight(tmp_path / 'b')
     assert flight.start == START
-    assert flight.read_series('wind')['vector.y'].tolist() == [2.0]
+    assert flight['wind']['vector.y'].tolist() == [2.0]
     with pytest.raises(BadInput, match='does not match the definition of its type'):
-        flight.read_series('broken')
+        flight['broken']
 
 
 def test_several_topics_come_from_one_pass_and_are_the_same(flight_bag, monkeypatch):
@@ -226,10 +230,8 @@ def test_several_topics_come_from_one_pass_and_are_the_same(flight_bag, monkeypa
         return messages(names)
 
     monkeypatch.setattr(flight.bag, 'iterate_messages', counted)
-    found = flight.read_topics(['odom', 'energy/reserve', '/lta1/odom'])
+    found = flight.read_tables(['odom', 'energy/reserve', '/lta1/odom'])
     assert len(passes) == 1
-    assert found['odom'] is found['/lta1/odom']
     monkeypatch.undo()
-    alone = flight.read_series('odom')
-    np.testing.assert_array_equal(found['odom'].stamps, alone.stamps)
-    np.testing.assert_array_equal(found['odom']['pose.covariance[7]'], alone['pose.covariance[7]'])
+    for name in ('odom', '/lta1/odom'):
+        assert found[name].equals(flight['odom'])

@@ -122,16 +122,15 @@ def check(type_name, messages):
 
 @pytest.mark.parametrize('type_name', OURS + OTHERS)
 @settings(max_examples=8)
-@example(turns=[], shapes=[0], seed=0, batch=4, new=1)
-@example(turns=[(0, False), (0, False)], shapes=[0] * 4, seed=0, batch=1, new=0)
+@example(turns=[], shapes=[0], seed=0, batch=4)
+@example(turns=[(0, False), (0, False)], shapes=[0] * 4, seed=0, batch=1)
 @given(
     turns=st.lists(st.tuples(st.integers(0, 3), st.booleans()), max_size=12),
     shapes=st.lists(st.integers(0, 2**31), min_size=4, max_size=4),
     seed=st.integers(0, 2**31),
     batch=st.integers(1, 8),
-    new=st.integers(0, 3),
 )
-def test_whole_topics_give_what_single_messages_give(type_name, turns, shapes, seed, batch, new):
+def test_whole_topics_give_what_single_messages_give(type_name, turns, shapes, seed, batch):
     values = np.random.default_rng(seed)
     messages = []
     for which, little in turns:
@@ -141,7 +140,6 @@ def test_whole_topics_give_what_single_messages_give(type_name, turns, shapes, s
         messages.append(data + bytes(-len(data) % 4 if values.integers(2) else 0))
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(column_builder, 'BATCH_MESSAGES', batch)
-        patch.setattr(column_builder, 'NEW_LAYOUTS', new)
         check(type_name, messages)
 
 

@@ -80,7 +80,7 @@ def test_the_interval_of_the_rms_covers_the_truth_as_often_as_it_says(pole):
     hits = 0
     for _ in range(150):
         series = signal.lfilter([1.0], [1.0, -pole], chance.normal(size=2200))[200:]
-        low, high = rms_interval(series, chance, 200)
+        low, high = rms_interval(series)
         hits += low <= truth <= high
     assert 0.87 <= hits / 150 <= 0.99
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import open_flight
+from lta_data.bag.table import stack_components
 from lta_data.importers.draft.draft_mapping import draft_mapping
 import numpy as np
 import pytest
@@ -67,12 +68,12 @@ def test_the_motion_decides_against_a_name(
     draft = draft_mapping(source, {})
     assert draft.choices.questions == []
     series = import_draft(draft, source, tmp_path)
-    np.testing.assert_allclose(series.vector('pose.pose.position'), f['p'], atol=1e-6)
-    attitude = Rotation.from_quat(series.vector('pose.pose.orientation'))
+    np.testing.assert_allclose(stack_components(series, 'pose.pose.position'), f['p'], atol=1e-6)
+    attitude = Rotation.from_quat(stack_components(series, 'pose.pose.orientation'))
     assert np.degrees((attitude.inv() * turned(f)).magnitude()).max() < 0.01
     if 'topic: imu' in draft.text:
-        imu = open_flight(read_bag(tmp_path / 'out' / 'bag'), None).read_series('imu')
-        np.testing.assert_allclose(imu.vector('angular_velocity'), f['w'], atol=1e-6)
+        imu = open_flight(read_bag(tmp_path / 'out' / 'bag'), None)['imu']
+        np.testing.assert_allclose(stack_components(imu, 'angular_velocity'), f['w'], atol=1e-6)
 
 
 ASKED: dict[str, tuple[Callable[[Flight], dict[str, Array]], str, str]] = {
@@ -125,5 +126,5 @@ def test_a_contradiction_is_asked_and_the_answer_reads_it(
     draft = draft_mapping(source, {key: answer})
     assert draft.choices.questions == []
     series = import_draft(draft, source, tmp_path)
-    np.testing.assert_allclose(np.ptp(series.time), np.ptp(f['t']), atol=1e-3)
-    np.testing.assert_allclose(series.vector('pose.pose.position'), f['p'], atol=1e-5)
+    np.testing.assert_allclose(np.ptp(series.index), np.ptp(f['t']), atol=1e-3)
+    np.testing.assert_allclose(stack_components(series, 'pose.pose.position'), f['p'], atol=1e-5)

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import open_flight
+from lta_data.bag.table import stack_components
 from lta_data.importers.draft.draft_mapping import draft_mapping, MappingDraft
 from lta_data.importers.run import import_logs, ImportProgress, ImportRequest
 import numpy as np
@@ -227,7 +228,7 @@ def import_draft(draft: MappingDraft, source: Path, folder: Path) -> Any:
         import_logs(ImportRequest([source], str(mapping)), folder / 'out', progress)
     flight = open_flight(read_bag(folder / 'out' / 'bag'), None)
     topic = next(one for one in ('ground_truth/odom', 'odom') if one in flight.topics)
-    return flight.read_series(topic)
+    return flight[topic]
 
 
 @pytest.mark.parametrize('form', FORMS.values(), ids=FORMS)
@@ -236,14 +237,18 @@ def test_a_log_in_any_convention_is_read_as_it_was_written(form: Form, tmp_path:
     draft = draft_mapping(source, {})
     assert draft.choices.questions == []
     series = import_draft(draft, source, tmp_path)
-    np.testing.assert_allclose(np.ptp(series.time), np.ptp(f['t']), atol=1e-3)
-    np.testing.assert_allclose(series.vector('pose.pose.position'), f['p'], atol=0.01)
-    attitude = Rotation.from_quat(series.vector('pose.pose.orientation'))
+    np.testing.assert_allclose(np.ptp(series.index), np.ptp(f['t']), atol=1e-3)
+    np.testing.assert_allclose(stack_components(series, 'pose.pose.position'), f['p'], atol=0.01)
+    attitude = Rotation.from_quat(stack_components(series, 'pose.pose.orientation'))
     assert np.degrees((attitude.inv() * turned(f)).magnitude()).max() < 1.0
     if 'v' in form.parts:
-        np.testing.assert_allclose(series.vector('twist.twist.linear'), f['v'], atol=0.01)
+        np.testing.assert_allclose(
+            stack_components(series, 'twist.twist.linear'), f['v'], atol=0.01
+        )
     if 'w' in form.parts:
-        np.testing.assert_allclose(series.vector('twist.twist.angular'), f['w'], atol=0.02)
+        np.testing.assert_allclose(
+            stack_components(series, 'twist.twist.angular'), f['w'], atol=0.02
+        )
 
 
 def hover() -> Flight:
@@ -284,9 +289,9 @@ def test_an_inertial_sensor_may_have_other_axes_than_the_tracker(
     draft = draft_mapping(source, {})
     assert draft.choices.questions == []
     import_draft(draft, source, tmp_path)
-    imu = open_flight(read_bag(tmp_path / 'out' / 'bag'), None).read_series('imu')
-    np.testing.assert_allclose(imu.vector('angular_velocity'), f['w'], atol=1e-4)
-    np.testing.assert_allclose(imu.vector('linear_acceleration'), f['a'], atol=1e-4)
+    imu = open_flight(read_bag(tmp_path / 'out' / 'bag'), None)['imu']
+    np.testing.assert_allclose(stack_components(imu, 'angular_velocity'), f['w'], atol=1e-4)
+    np.testing.assert_allclose(stack_components(imu, 'linear_acceleration'), f['a'], atol=1e-4)
 
 
 def test_two_moving_bodies_are_asked_about_and_the_answer_selects_one(tmp_path: Path) -> None:
@@ -299,7 +304,7 @@ def test_two_moving_bodies_are_asked_about_and_the_answer_selects_one(tmp_path: 
     assert (question.key, {name for name, _ in question.options}) == ('body', {'blue', 'red'})
     draft = draft_mapping(source, {'body': 'blue'})
     series = import_draft(draft, source, tmp_path)
-    np.testing.assert_allclose(series.vector('pose.pose.position'), f['p'], atol=1e-3)
+    np.testing.assert_allclose(stack_components(series, 'pose.pose.position'), f['p'], atol=1e-3)
 
 
 @pytest.mark.parametrize(('label', 'bodies', 'second'), [
@@ -321,7 +326,7 @@ def test_rows_of_several_bodies_that_follow_each_other(
     assert asked == ([] if second == 'still' else ['body'])
     draft = draft_mapping(source, {'body': str(bodies[0])})
     series = import_draft(draft, source, tmp_path)
-    np.testing.assert_allclose(series.vector('pose.pose.position'), f['p'], atol=1e-3)
+    np.testing.assert_allclose(stack_components(series, 'pose.pose.position'), f['p'], atol=1e-3)
 
 
 def test_all_rows_of_a_body_may_follow_those_of_another(tmp_path: Path) -> None:
@@ -336,7 +341,7 @@ def test_all_rows_of_a_body_may_follow_those_of_another(tmp_path: Path) -> None:
     draft = draft_mapping(source, {})
     assert draft.choices.questions == []
     series = import_draft(draft, source, tmp_path)
-    np.testing.assert_allclose(series.vector('pose.pose.position'), f['p'], atol=1e-3)
+    np.testing.assert_allclose(stack_components(series, 'pose.pose.position'), f['p'], atol=1e-3)
 
 
 @pytest.mark.parametrize('factor', [1.0, 1e7, np.pi / 180.0])
@@ -360,10 +365,10 @@ def test_a_fix_of_a_satellite_becomes_a_place_about_the_first(
     assert draft.choices.questions == []
     series = import_draft(draft, source, tmp_path)
     moved = f['p'] - f['p'][0]
-    places = series.vector('pose.pose.position')
+    places = stack_components(series, 'pose.pose.position')
     assert np.isnan(places[1:4]).all()
     np.testing.assert_allclose(places[4:], moved[4:], atol=0.03)
-    np.testing.assert_allclose(series.vector('twist.twist.linear'), f['v'], atol=0.01)
+    np.testing.assert_allclose(stack_components(series, 'twist.twist.linear'), f['v'], atol=0.01)
 
 
 def test_a_question_about_the_floor_says_what_the_heights_are(tmp_path: Path) -> None:

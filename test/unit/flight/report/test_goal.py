@@ -4,13 +4,12 @@ import math
 from types import SimpleNamespace
 
 from lta_config.course import Course
-from lta_data.bag.recorded_flight import PointSeries
 from lta_flight.report.goal import FlightGoal
 from lta_flight.report.outcome import build_tiles, describe_outcome
 from lta_flight.report.results import compute_results
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
-from lta_report.curves import DirectionCurve, MotionCurve, TimeCurve
+from lta_report.curves import DirectionCurve, MotionCurve, PeakCurves, TimeCurve
 import numpy as np
 import pytest
 
@@ -157,7 +156,7 @@ def test_light_is_judged_by_the_lamp_that_is_listened_for():
     }
     view = flown(
         [-3.2, 0.0, 3.0, 3.2, 3.2, 3.2, 3.2],
-        peaks=PointSeries(time, fields),
+        peaks=PeakCurves(time, fields),
         sighting=DirectionCurve(
             time, np.where(aisle, 0.0, math.pi)
         ),  # ahead is the aisle, behind the dock

@@ -16,7 +16,7 @@ from lta_data.bag.mcap_file.chunks import DamagedRecord, iterate_records, RECORD
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
-from mcap.records import Channel, Metadata, MetadataIndex, Schema, Statistics
+from mcap.records import Channel, ChunkIndex, Metadata, MetadataIndex, Schema, Statistics
 from mcap.writer import MCAP0_MAGIC
 
 TOO_MANY = f'The recording has more than {MOST_CHANNELS} topics; the others are left out.'
@@ -139,8 +139,6 @@ def read_at(stream: BinaryIO, offset: int, length: int) -> bytes:
 
 FOOTER = struct.Struct('<BQQQI')  # opcode, length, summary, summary offsets, CRC
 TAIL_SIZE = FOOTER.size + len(MCAP0_MAGIC)
-CHUNK_INDEX = struct.Struct('<QQQQI')  # start, end, offset, length, bytes of the channels
-CHANNEL = struct.Struct('<HQ')  # channel, offset of its message index
 
 
 def read_summary(stream: BinaryIO, size: int) -> McapContents | None:
@@ -181,7 +179,13 @@ def parse_summary(stream: BinaryIO, start: int, section: bytes) -> McapContents:
     for record in iterate_records(section):
         body = section[record.start : record.end]
         if record.opcode == Opcode.CHUNK_INDEX:
-            contents.places.append(parse_chunk_region(body))
+            chunk = ChunkIndex.read(ReadDataStream(BytesIO(body)))
+            region = MessageRegion(
+                chunk.chunk_start_offset, chunk.chunk_length, True,
+                frozenset(chunk.message_index_offsets) or None,
+                chunk.message_start_time, chunk.message_end_time,
+            )  # fmt: skip
+            contents.places.append(region)
         elif record.opcode == Opcode.STATISTICS:
             statistics = Statistics.read(ReadDataStream(BytesIO(body)))
         elif record.opcode == Opcode.METADATA_INDEX:
@@ -210,16 +214,6 @@ def add_metadata(stream: BinaryIO, contents: McapContents, note: MetadataIndex) 
         contents.add_record(opcode, data[RECORD.size :])
     except (DamagedRecord, struct.error):
         contents.remarks.append(f"The metadata record '{note.name}' is damaged and left out.")
-
-
-def parse_chunk_region(body: bytes) -> MessageRegion:
-    """Return the region of a chunk."""
-    start, end, offset, length, size = CHUNK_INDEX.unpack_from(body)
-    stop = CHUNK_INDEX.size + size
-    if size % CHANNEL.size or stop + 8 > len(body):
-        raise DamagedRecord
-    channels = frozenset(id for id, _ in CHANNEL.iter_unpack(body[CHUNK_INDEX.size : stop]))
-    return MessageRegion(offset, length, True, channels or None, start, end)
 
 
 def covers_all_messages(contents: McapContents, statistics: Statistics, data_end: int) -> bool:

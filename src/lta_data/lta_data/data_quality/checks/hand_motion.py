@@ -23,12 +23,15 @@ from lta_data.even_grid import (
     interpolate_on_grid,
     median_period,
     merge_runs,
+    NO_SAMPLES,
     smooth_columns,
 )
 from lta_data.flight import Flight
 from lta_data.interpretation.jumps import find_tracker_jumps
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
+from scipy.signal import spectrogram
 
 Array = NDArray[np.float64]
 KIND = 'held'
@@ -108,30 +111,28 @@ def measure_tremor(vector: VectorSeries, values: Array) -> TremorLevels:
     grid = build_uniform_time_grid(vector.time[0], vector.time[-1], step, len(vector.time))
     table, valid = interpolate_on_grid(vector.time, values, grid)
     count = round(min(limits.HOLD_WINDOW / max(FINEST, step), GRID_POINTS))
-    starts = np.arange(0, len(grid) - count + 1, max(1, count // HOP))
-    # Shape (windows, count)
-    index = starts[:, None] + np.arange(count)
-    # Without the zeros at both ends, which would waste two samples
-    shape = np.hanning(count + 2)[1:-1]
-    # Without the mean, or gravity would leak into the bands.
-    pieces = table[index] - table[index].mean(axis=1, keepdims=True)
-    power = np.abs(np.fft.rfft(pieces * shape[None, :, None], axis=1)) ** 2
-    power = power.sum(axis=2) / (shape**2).sum() / count * 2.0  # of each frequency bin [m2/s4]
-    lines = np.fft.rfftfreq(count, step)
-    whole = valid[index].all(axis=1)
+    if len(grid) < count:  # stamps that span years
+        return TremorLevels(NO_SAMPLES, NO_SAMPLES, NO_SAMPLES, NO_SAMPLES)
+    lines, middles, power = spectrogram(
+        # Without the zeros at both ends, which would waste two samples
+        table.T, 1.0 / step, np.hanning(count + 2)[1:-1],
+        noverlap=count - max(1, count // HOP),
+    )  # fmt: skip
+    at = np.rint(middles / step - count / 2).astype(np.intp)
+    whole = sliding_window_view(valid, count)[at].all(axis=1)
+    power = power.sum(axis=0)  # of all axes, shape (lines, windows) [m2/s4/Hz]
 
     def level(low: float, high: float) -> Array:
         # Near the Nyquist frequency, interpolation has removed the power
         inside = (lines >= low) & (lines <= min(high, 0.9 * lines[-1]))
         if not inside.any():  # too many messages in a moment to resolve a band
-            return np.zeros(len(starts))
+            return np.zeros(len(at))
         # Scaled to the width of the tremor band, so that levels are comparable.
         width = limits.TREMOR_HIGH - limits.TREMOR_LOW
-        mean = power[:, inside].mean(axis=1)
-        return np.where(whole, np.sqrt(mean * width / (lines[1] - lines[0])), 0.0)
+        return np.where(whole, np.sqrt(power[inside].mean(axis=0) * width), 0.0)
 
     return TremorLevels(
-        grid[starts] + limits.HOLD_WINDOW / 2,
+        grid[at] + limits.HOLD_WINDOW / 2,
         level(limits.TREMOR_LOW, limits.TREMOR_HIGH),
         level(FLANKS[0], FLANKS[1]),
         level(FLANKS[2], FLANKS[3]),

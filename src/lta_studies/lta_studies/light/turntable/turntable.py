@@ -28,7 +28,7 @@ from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.topics import load_topic_table
 from lta_control.cascade import wrap_angle
 from lta_data.bag.recorded_flight import open_flight, RecordedFlight
-from lta_model.attitude import to_euler_angles
+from lta_data.bag.table import get_column
 from lta_report.progress_bar import ProgressBar
 from lta_studies.light.bearing.run import error_quantile
 from lta_studies.light.bearing.study import DIRECTION_COUNT, RingStudy
@@ -183,13 +183,11 @@ def _build_true_direction(
         raise BadInput(
             f'The recording has no topic {table.heading}, so its turn is unknown; {remedy}.'
         )
-    series = flight.read_series(table.heading)
-    names = [f'pose.pose.orientation.{axis}' for axis in 'xyzw']
-    quaternions = np.stack([series.numbers[name] for name in names], axis=1)
+    turn = flight[table.heading]
     # Unwrapped, because interpolation across a jump of 2 pi would be wrong
-    yaw = np.unwrap(to_euler_angles(quaternions).yaw)
+    yaw = np.unwrap(get_column(turn, 'pose.pose.orientation.yaw'))
     return lambda time: wrap_angle(
-        table.start - float(np.interp(time, series.time, yaw) - np.interp(first, series.time, yaw))
+        table.start - float(np.interp(time, turn.index, yaw) - np.interp(first, turn.index, yaw))
     )
 
 
