@@ -255,7 +255,7 @@ class SimulateRequest(Action, command='simulate', json=True):
 
     def name_scene(self, recording: Path | None) -> tuple[str, str]:
         """Return vehicle and scenario: those asked for, else recorded ones, else the usual."""
-        from lta_data.scene import find_recorded_name
+        from lta_flight.recorded_choices import find_recorded_name
 
         recorded = {} if recording is None else open_flight(
             find_bag(recording), self.robot

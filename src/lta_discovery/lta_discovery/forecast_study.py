@@ -19,7 +19,6 @@ from typing import Any, Final, final
 from lta_config.errors import BadInput
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.recorded_flight import open_flight
-from lta_data.scene import find_recorded_name
 from lta_discovery.calibration.prepared_flights import prepare_calibration, PreparedCalibration
 from lta_discovery.calibration.result import find_main_score, ForecastRms, ForecastScore
 from lta_discovery.calibration.scores import score_forecasts
@@ -40,6 +39,7 @@ from lta_discovery.state_filter.forecasts import (
 from lta_discovery.state_filter.likelihood import linearize_all, ParameterPrior
 from lta_discovery.state_filter.noise_fit import learn_noise
 from lta_discovery.state_filter.noise_model import average_noise, NoiseModel
+from lta_flight.recorded_choices import find_recorded_name
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_report.drawing import add_legend, create_figure
 from lta_report.formatting import Tile

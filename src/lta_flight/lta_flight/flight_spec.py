@@ -27,10 +27,10 @@ from lta_control.cascade import CascadeGains
 from lta_control.laws import CASCADE, find_control_law
 from lta_control.reserve import check_reserve
 from lta_control.strategies import check_route, find_navigation_strategy
-from lta_data.scene import SETTABLE
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_stack import FlightStack
 from lta_flight.lamp_frequency import check_lamp_frequency
+from lta_flight.recorded_choices import SETTABLE
 from lta_model.scenario import resolve_wind_file, Scenario
 from lta_model.vehicle import Vehicle
 from lta_sim import scene_model

@@ -5,8 +5,6 @@ from typing import Final
 
 from lta_config.errors import BadInput
 from lta_config.files import load_yaml
-from mcap.exceptions import McapError
-from mcap.reader import make_reader
 
 ADVICE = 'give a rosbag2 folder or an .mcap file'
 MOST_ABSENT = 20  # missing files that are listed
@@ -96,29 +94,6 @@ def read_metadata(folder: Path) -> dict[str, object]:
         return {}
     metadata = content.get('rosbag2_bagfile_information') if isinstance(content, dict) else None
     return metadata if isinstance(metadata, dict) else {}
-
-
-def read_topic_types(path: Path) -> dict[str, str]:
-    """
-    Return the topics of a bag with their types, from metadata.yaml or the index of the file.
-
-    Reads no message, and returns nothing for a bag that has neither.
-    """
-    if path.is_dir():
-        counts = read_metadata(path).get('topics_with_message_count')
-        topics = [each['topic_metadata'] for each in counts] if isinstance(counts, list) else []
-        return {str(each['name']): str(each['type']) for each in topics}
-    with path.open('rb') as file:
-        try:
-            summary = make_reader(file).get_summary()
-        except McapError:
-            return {}
-    if summary is None:
-        return {}
-    return {
-        each.topic: summary.schemas[each.schema_id].name if each.schema_id else ''
-        for each in summary.channels.values()
-    }
 
 
 def find_listed_files(folder: Path, described: dict[str, object]) -> list[Path]:

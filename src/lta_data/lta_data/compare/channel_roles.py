@@ -45,7 +45,6 @@ FIELDS: Final = {  # ending of a field -> common name
     'linear.z': 'climb',
     'angular.z': 'yaw rate',
 }
-ENDS: Final = tuple(FIELDS)
 MANY_CHANNEL_ROLES: Final = ('motors', 'light')  # roles with several channels
 MOTION_ROLES: Final = ('x', 'y', 'altitude', 'heading', 'speed', 'pitch', 'roll', 'motors')
 

@@ -17,7 +17,8 @@ from lta_config.files import find_file
 from lta_config.topics import load_topic_table
 from lta_control.strategies import find_navigation_strategy
 from lta_data.bag.recorded_flight import RecordedFlight
-from lta_data.scene import find_recorded_name, read_recorded_file, read_recorded_settings
+from lta_data.scene import read_recorded_file
+from lta_flight.recorded_choices import find_recorded_name, read_recorded_settings
 from lta_graph.launch_plan import LaunchPlan
 from lta_graph.launches import FLY
 from lta_model.vehicle import load_vehicle

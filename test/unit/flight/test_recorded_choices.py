@@ -5,13 +5,8 @@ import sys
 
 from lta_config.errors import BadInput
 from lta_config.files import find_file
-from lta_data.scene import (
-    find_recorded_name,
-    read_recorded_file,
-    read_recorded_settings,
-    read_scene,
-    SETTABLE,
-)
+from lta_data.scene import read_recorded_file, read_scene
+from lta_flight.recorded_choices import find_recorded_name, read_recorded_settings, SETTABLE
 from pydantic import BaseModel
 import pytest
 import yaml
