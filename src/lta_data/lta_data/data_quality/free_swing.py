@@ -117,16 +117,18 @@ def _judge_swing(pose: PoseSeries) -> str:
 
 @final
 class PendulumLaw(NamedTuple):
-    """How a tilt swings."""
+    """How a tilt, or a place, swings."""
 
     stiffness: float  # of the main direction: the square of its angular frequency [rad2/s2]
-    explained: float  # share of the angular acceleration
-    energy: Array  # over a period, by the moment of inertia [rad2/s2]
+    explained: float  # share of the acceleration
+    energy: Array  # by the inertia, shape (n,) [rad2/s2 or m2/s2]
 
 
 def _fit_pendulum(up: Array, width: float) -> tuple[Array, int, PendulumLaw]:
     """
     Return the tilts, the row from which they are free, and their law from there.
+
+    Its energy is that over a period.
 
     `up`, shape (n, 2): horizontal parts of the body's up [rad]. `width`: of the smoothing [s].
     """
@@ -141,22 +143,25 @@ def _fit_pendulum(up: Array, width: float) -> tuple[Array, int, PendulumLaw]:
         return off, released, PendulumLaw(0.0, 0.0, np.zeros(len(free)))
     rate = np.gradient(free, SWING_STEP, axis=0)
     pull = np.gradient(rate, SWING_STEP, axis=0)
-    # Both axes at once, as they swing at frequencies of their own
-    terms = np.column_stack([free, rate, np.ones(len(free))])
+    law = fit_pendulum_law(free, rate, pull)
+    period = math.tau / max(SLOWEST_SWING, math.sqrt(max(0.0, law.stiffness)))
+    weights = hann_kernel(min(2.0 * period, 0.5 * len(free) * SWING_STEP), SWING_STEP)
+    return off, released, law._replace(energy=smooth_columns(law.energy[:, None], weights)[:, 0])
+
+
+def fit_pendulum_law(off: Array, rate: Array, pull: Array) -> PendulumLaw:
+    """
+    Fit the law of a damped pendulum to a motion, of each axis and between them.
+
+    `off`, `rate`, `pull`, shape (n, axes): displacement and its derivatives. All axes at once, as
+    they swing at frequencies of their own.
+    """
+    terms = np.column_stack([off, rate, np.ones(len(off))])
     law = np.linalg.lstsq(terms, pull, rcond=None)[0]
     unlike = float(np.var(pull - terms @ law, axis=0).sum())
-    back = -0.5 * (law[:2] + law[:2].T)
-    main = np.linalg.svd(free, full_matrices=False)[2][0]
-    energy = np.square(rate).sum(axis=1) + (free @ back * free).sum(axis=1)
-    stiffness = float(main @ back @ main)
-    period = math.tau / max(SLOWEST_SWING, math.sqrt(max(0.0, stiffness)))
-    weights = hann_kernel(min(2.0 * period, 0.5 * len(free) * SWING_STEP), SWING_STEP)
-    return (
-        off,
-        released,
-        PendulumLaw(
-            stiffness,
-            1.0 - unlike / max(float(np.var(pull, axis=0).sum()), 1e-12),
-            smooth_columns(energy[:, None], weights)[:, 0],
-        ),
-    )
+    axes = off.shape[1]
+    back = -0.5 * (law[:axes] + law[:axes].T)
+    main = np.linalg.svd(off, full_matrices=False)[2][0]
+    energy = np.square(rate).sum(axis=1) + (off @ back * off).sum(axis=1)
+    explained = 1.0 - unlike / max(float(np.var(pull, axis=0).sum()), 1e-12)
+    return PendulumLaw(float(main @ back @ main), explained, energy)
