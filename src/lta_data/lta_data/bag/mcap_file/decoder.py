@@ -7,6 +7,7 @@ type, or arrays of millions of messages, would never finish there.
 
 from collections.abc import Iterator, Mapping
 from dataclasses import fields
+from graphlib import CycleError, TopologicalSorter
 import struct
 from typing import Any, Final, final
 
@@ -56,26 +57,17 @@ def parse_definition(text: str, type_name: str, encoding: str) -> Typesdict:
     )
     if count > ARRAY_PARTS:
         raise TypesysError(f'its arrays have {count} elements, more than {ARRAY_PARTS}')
-    behind: set[str] = set()
-    for name in types:
-        check_nested_types(name, types, (), behind)
+    nested = {
+        name: [part for _, described in fields for part in iterate_nested_types(described)]
+        for name, (_, fields) in types.items()
+    }
+    if missing := {part for parts in nested.values() for part in parts} - nested.keys():
+        raise TypesysError(f"it lacks '{min(missing)}'")
+    try:
+        TopologicalSorter(nested).prepare()
+    except CycleError as error:
+        raise TypesysError(f"'{error.args[1][0]}' contains itself") from error
     return types
-
-
-def check_nested_types(
-    name: str, types: Typesdict, above: tuple[str, ...], behind: set[str]
-) -> None:
-    """Check a type and its nested types for recursion; `behind` are the types already checked."""
-    if name in above:
-        raise TypesysError(f"'{name}' contains itself")
-    if name not in types:
-        raise TypesysError(f"it lacks '{name}'")
-    if name in behind:
-        return
-    for _, described in types[name][1]:
-        for part in iterate_nested_types(described):
-            check_nested_types(part, types, (*above, name), behind)
-    behind.add(name)
 
 
 def iterate_nested_types(described: Any) -> Iterator[str]:  # noqa: ANN401 - as rosbags nests it
