@@ -77,7 +77,7 @@ def estimate_coarse_lag(
             for k in (0, 1)
         )
         if of_a is not None and of_b is not None:
-            scores[each.name], common = correlate_known(of_a, of_b, OVERLAP * min(counts))
+            scores[each.name], common = correlate_rates(of_a, of_b, OVERLAP * min(counts))
             # Largest overlap of any channel at each lag
             share = np.maximum(share, common / min(counts))
     if not scores:
@@ -140,7 +140,7 @@ def smoothed_rate(
     return rate if size > max(LIVELY_RATIO * alone, 1e-12) else None
 
 
-def correlate_known(a: Array, b: Array, least: float) -> tuple[Array, Array]:
+def correlate_rates(a: Array, b: Array, least: float) -> tuple[Array, Array]:
     """
     Return the correlation of two rates at each lag of b, and the overlap there.
 
