@@ -85,7 +85,7 @@ class BagInfo:
 def summarize_bag(path: Path | str) -> BagInfo:
     """Return the summary of a bag; raise BadInput if there is no recording at `path`."""
     bag = read_bag(path)
-    seconds = bag_duration(bag)
+    seconds = bag.duration
     old = describe_old_topics(bag.path, bag.types, bag.provenance)
     topics = [
         TopicInfo(
@@ -112,11 +112,6 @@ def summarize_bag(path: Path | str) -> BagInfo:
         losses=list(bag.losses),
         remarks=describe_irregularities(bag) + ([old] if old else []),
     )
-
-
-def bag_duration(bag: Bag) -> float:
-    """Return the time from the first to the last message. [s]"""
-    return 0.0 if bag.start is None or bag.end is None else (bag.end - bag.start) * 1e-9
 
 
 def print_bag_info(info: BagInfo, console: Console) -> None:

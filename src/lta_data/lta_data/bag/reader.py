@@ -125,6 +125,11 @@ class Bag:
         return {name: topic.type_name for name, topic in self.topics.items()}
 
     @property
+    def duration(self) -> float:
+        """Time from the first to the last message. [s]"""
+        return 0.0 if self.start is None or self.end is None else (self.end - self.start) * 1e-9
+
+    @property
     def is_complete(self) -> bool:
         """Whether the recording was finished and nothing is known to be missing."""
         return not self.losses

@@ -223,9 +223,8 @@ class RecordedFlight:
         bag = self.bag
         names = {topic: self.absolute_name(topic) for topic in self.topics}
         width = max(map(len, names), default=0)
-        seconds = 0.0 if bag.start is None or bag.end is None else (bag.end - bag.start) * 1e-9
         of = f' of {self.robot}' if self.robot else ''
-        lines = [f'{bag.path}: {format_count(len(names), "topic")}{of}, {seconds:.1f} s']
+        lines = [f'{bag.path}: {format_count(len(names), "topic")}{of}, {bag.duration:.1f} s']
         for topic, name in names.items():
             entry = bag.topics[name]
             lines.append(f'  {topic:{width}}  {entry.count:8}  {entry.type_name}')

@@ -122,8 +122,7 @@ class FlightView:
             if self.has_topics(topic):
                 time = self._read_motion(topic).time
                 return float(time[0]), float(time[-1])
-        bag = self.flight.bag
-        return 0.0, 0.0 if bag.start is None or bag.end is None else (bag.end - bag.start) * 1e-9
+        return 0.0, self.flight.bag.duration
 
     @cached_property
     def goal(self) -> FlightGoal:

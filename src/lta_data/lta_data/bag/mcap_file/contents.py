@@ -28,16 +28,13 @@ class MessageRegion:
     """
     A region of the file that contains messages. [bytes from the start of the file]
 
-    `packed` marks a chunk, otherwise the records are bare; `channels` is None if unknown. `start`
-    and `end` are the first and last log time in ns, None if unknown.
+    `packed` marks a chunk, otherwise the records are bare; `channels` is None if unknown.
     """
 
     offset: int
     length: int
     packed: bool
     channels: frozenset[int] | None
-    start: int | None = None
-    end: int | None = None
 
 
 @final
@@ -180,11 +177,8 @@ def parse_summary(stream: BinaryIO, start: int, section: bytes) -> McapContents:
         body = section[record.start : record.end]
         if record.opcode == Opcode.CHUNK_INDEX:
             chunk = ChunkIndex.read(ReadDataStream(BytesIO(body)))
-            region = MessageRegion(
-                chunk.chunk_start_offset, chunk.chunk_length, True,
-                frozenset(chunk.message_index_offsets) or None,
-                chunk.message_start_time, chunk.message_end_time,
-            )  # fmt: skip
+            channels = frozenset(chunk.message_index_offsets) or None
+            region = MessageRegion(chunk.chunk_start_offset, chunk.chunk_length, True, channels)
             contents.places.append(region)
         elif record.opcode == Opcode.STATISTICS:
             statistics = Statistics.read(ReadDataStream(BytesIO(body)))

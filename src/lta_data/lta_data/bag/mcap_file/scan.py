@@ -7,7 +7,6 @@ lies between two such chunks is walked record by record, and given up where that
 """
 
 from contextlib import suppress
-from dataclasses import replace
 import re
 from typing import BinaryIO, Final, final, NamedTuple
 
@@ -176,11 +175,9 @@ class McapScanner:
         except DamagedRecord:
             contents.losses.append(describe_damage(chunk.start, length))
         contents.counts.update(channels)
-        first, last = min(times, default=None), max(times, default=None)
-        if first is not None and last is not None:
-            contents.extend_time_span(first, last)
-        channel_ids = frozenset(channels)
-        contents.places.append(MessageRegion(chunk.start, length, True, channel_ids, first, last))
+        if times:
+            contents.extend_time_span(min(times), max(times))
+        contents.places.append(MessageRegion(chunk.start, length, True, frozenset(channels)))
 
     def _add_message(self, at: int, end: int) -> None:
         """Add a message outside chunks to the region of its neighbours."""
@@ -190,18 +187,9 @@ class McapScanner:
         if channel not in self.contents.channels:
             raise DamagedRecord
         self.contents.count_message(channel, log_time)
-        run = MessageRegion(at, 0, False, None, log_time, log_time)
         places = self.contents.places
-        if places and extends_run(places[-1], at):
-            run = places.pop()
-        places.append(
-            replace(
-                run,
-                length=end - run.offset,
-                start=min(run.start or 0, log_time),
-                end=max(run.end or 0, log_time),
-            )
-        )
+        start = places.pop().offset if places and extends_run(places[-1], at) else at
+        places.append(MessageRegion(start, end - start, False, None))
 
     def _note_loss(self, at: int, end: int, opcode: int, reason: str) -> None:
         """Add an unusable region, or extend the last one."""
