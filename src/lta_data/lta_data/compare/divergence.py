@@ -112,7 +112,8 @@ def rms_interval(difference: Array) -> tuple[float, float]:
     error = float(np.std(squares)) / mean / math.sqrt(independent)
     # The square of a normal value scatters widely, and the autocorrelation time is estimated too
     freedom = max(1.0, FREEDOM_SHARE * independent)
-    half = 0.5 * error * float(stdtrit(freedom, UPPER_QUANTILE))
+    # At 700 exp() is near the largest float
+    half = min(700.0, 0.5 * error * float(stdtrit(freedom, UPPER_QUANTILE)))
     # A mean cannot lie outside the range of the averaged values.
     low, high = math.sqrt(float(squares.min())), math.sqrt(float(squares.max()))
     return max(math.sqrt(mean) * math.exp(-half), low), min(math.sqrt(mean) * math.exp(half), high)
