@@ -22,7 +22,7 @@ from lta_data.compare.sampling import (
     ChannelSpectra,
     compute_spectra,
 )
-from lta_data.even_grid import mask_absurd_values, median_period, SampledSignal, sort_samples
+from lta_data.even_grid import median_period, SampledSignal, sort_samples
 from lta_data.flight import Channel
 import numpy as np
 
@@ -40,7 +40,7 @@ class TopicPair(NamedTuple):
 
 
 class ChannelPair(NamedTuple):
-    """One quantity of both flights; `name` is A's."""
+    """One quantity of both flights, each in the order of its times; `name` is A's."""
 
     name: str
     a: Channel
@@ -50,6 +50,11 @@ class ChannelPair(NamedTuple):
     def angular(self) -> bool:
         """Whether values 2 pi apart are equal."""
         return self.a.angular and self.b.angular
+
+    @property
+    def signals(self) -> tuple[SampledSignal, SampledSignal]:
+        """The samples of A and B."""
+        return SampledSignal(self.a.time, self.a.values), SampledSignal(self.b.time, self.b.values)
 
     @property
     def frames(self) -> tuple[str, str]:
@@ -146,9 +151,7 @@ def pair_channels(
                     f'{other.unit} in B.'
                 )
             else:
-                pairing.pairs.append(
-                    ChannelPair(name, mask_non_finite(one), mask_non_finite(other))
-                )
+                pairing.pairs.append(ChannelPair(name, sort_channel(one), sort_channel(other)))
     if not pairing.pairs:
         raise BadInput(
             f'The flights have no channel in common; name the topics to compare, as in {AS}.'
@@ -156,9 +159,10 @@ def pair_channels(
     return pairing
 
 
-def mask_non_finite(channel: Channel) -> Channel:
-    """Return a channel with NaN for all non-finite values."""
-    return replace(channel, values=mask_absurd_values(channel.values))
+def sort_channel(channel: Channel) -> Channel:
+    """Return a channel in the order of its times, with NaN for all non-finite values."""
+    time, values = sort_samples(channel.time, channel.values)
+    return replace(channel, time=time, values=values)
 
 
 def match_fields(
@@ -231,12 +235,7 @@ class ChannelComparison:
 
 
 def compare_channels(
-    pair: ChannelPair,
-    a: SampledSignal,
-    b: SampledSignal,
-    *,
-    tolerance: float | None = None,
-    doubt: float = 0.0,
+    pair: ChannelPair, *, tolerance: float | None = None, doubt: float = 0.0
 ) -> ChannelComparison:
     """
     Compare two channels that are both on A's time.
@@ -245,6 +244,7 @@ def compare_channels(
     of the clock offset [s].
     """
     angular = pair.angular
+    a, b = pair.signals
     quantity = SharedQuantity(pair.name, a, b, angular)
     both = align_signals(a, b, angular=angular)
     measures = measure_difference(both, angular=angular)
@@ -297,11 +297,6 @@ def score_difference(
     length = float(time[-1] - time[0])
     # The earlier the divergence, the larger the share of the span.
     return size * (float(time[-1]) - when.at) / length if length > 0.0 else size
-
-
-def build_pair_signals(pair: ChannelPair) -> tuple[SampledSignal, SampledSignal]:
-    """Return both channels of a pair, sorted by time."""
-    return sort_samples(pair.a.time, pair.a.values), sort_samples(pair.b.time, pair.b.values)
 
 
 def find_channel_tolerances(texts: Mapping[str, float], names: list[str]) -> dict[str, float]:

@@ -11,7 +11,6 @@ from lta_config.errors import BadInput
 from lta_data.bag.channels import find_airspeed_topic, read_flight
 from lta_data.bag.recorded_flight import RecordedFlight
 from lta_data.compare.channel_comparison import (
-    build_pair_signals,
     ChannelComparison,
     ChannelPair,
     compare_channels,
@@ -210,12 +209,12 @@ def compare_sides(
     matched, remarks = pair_channels(topic_pairs, a.channels, b.channels)
     tick('aligning')
     when = align_times(a, b, matched, request.align, request.offset)
-    pairs, frames = align_frames(matched, a.types, when, request.frames)
-    # From here on, both flights have A's clock and A's frame
-    pairs = [
+    # Clocks first: a time offset of a moving vehicle looks like a shift of the frame
+    on_one_clock = [
         each._replace(b=replace(each.b, time=when.convert_to_a_time(each.b.time)))
-        for each in pairs
+        for each in matched
     ]
+    pairs, frames = align_frames(on_one_clock, a.types, when.how, request.frames)
     span = find_common_time_span(pairs)
     tick('aligning')
     channels = compare_pairs(pairs, request, when, tick)
@@ -254,12 +253,9 @@ def compare_pairs(
         if pair.a.topic != topic:
             topic = pair.a.topic
             tick('comparing')
-        a, b = build_pair_signals(pair)
-        if not np.isfinite(a.values).any() and not np.isfinite(b.values).any():
+        if not (np.isfinite(pair.a.values).any() or np.isfinite(pair.b.values).any()):
             continue  # never measured, in neither flight
-        compared.append(
-            compare_channels(pair, a, b, tolerance=bands.get(pair.name), doubt=when.sigma)
-        )
+        compared.append(compare_channels(pair, tolerance=bands.get(pair.name), doubt=when.sigma))
     return tuple(sorted(compared, key=lambda each: (ORDER[each.verdict], -each.score, each.name)))
 
 

@@ -7,8 +7,6 @@ from typing import Final, final, Literal, NamedTuple
 
 from lta_data.compare.channel_comparison import ChannelPair
 from lta_data.compare.sampling import align_signals, Array, wrap_angle
-from lta_data.compare.time_alignment import TimeAlignment
-from lta_data.even_grid import sort_samples
 import numpy as np
 
 REWEIGHTING_ROUNDS: Final = 50  # iterations, at most
@@ -153,13 +151,14 @@ class FrameAlignment:
 def align_frames(
     pairs: Sequence[ChannelPair],
     types: Mapping[str, str],
-    timing: TimeAlignment,
+    timing_kind: str,
     frames: Frames = 'auto',
 ) -> tuple[list[ChannelPair], list[FrameAlignment]]:
     """
-    Return the pairs with B in A's frames, and what was done.
+    Return the pairs, whose B has A's clock, with B in A's frames, and what was done.
 
-    `types`: message types of A's topics, as far as they are known.
+    `timing_kind`: `how` of the alignment of time. `types`: message types of A's topics, as far as
+    they are known.
     `frames` is 'given': unchanged; 'fit': fit each world frame of B to A's; 'auto': fit only if
     the frames have different names, or if the data of one run recorded twice show a difference.
     """
@@ -170,7 +169,7 @@ def align_frames(
         # Per pair of frames, prefer odometry, then the topic with the most messages
         if held is None or pose.weight > held.weight:
             best[pose.frames] = pose
-    done = [fit_frame_alignment(pose, by_name, timing, frames) for pose in best.values()]
+    done = [fit_frame_alignment(pose, by_name, timing_kind, frames) for pose in best.values()]
     moved = dict(by_name)
     for each in done:
         if each.applied and each.fit is not None:
@@ -203,26 +202,15 @@ def find_world_positions(
 
 
 def fit_frame_alignment(
-    pose: PositionPair, pairs: Mapping[str, ChannelPair], timing: TimeAlignment, frames: Frames
+    pose: PositionPair, pairs: Mapping[str, ChannelPair], timing_kind: str, frames: Frames
 ) -> FrameAlignment:
     """Fit the transformation of one pair of frames and decide whether to apply it."""
     both = [pairs[f'{pose.field}position.{axis}'] for axis in PLACE_AXES]
-    joined = [
-        align_signals(
-            sort_samples(pair.a.time, pair.a.values),
-            # Clocks first: a time offset of a moving vehicle looks like a shift of the frame
-            sort_samples(timing.convert_to_a_time(pair.b.time), pair.b.values),
-        )
-        for pair in both
-    ]
+    joined = [align_signals(*pair.signals) for pair in both]
     heading = pairs.get(f'{pose.field}orientation.yaw')
     yaws: tuple[Array | None, Array | None] = (None, None)
     if heading is not None:
-        turn = align_signals(
-            sort_samples(heading.a.time, heading.a.values),
-            sort_samples(timing.convert_to_a_time(heading.b.time), heading.b.values),
-            angular=True,
-        )
+        turn = align_signals(*heading.signals, angular=True)
         yaws = turn.a, turn.b
     fit = fit_frame_transform(
         np.stack([each.a for each in joined], axis=1),
@@ -230,12 +218,12 @@ def fit_frame_alignment(
         *yaws,
     )
     return FrameAlignment(
-        pose.frames, pose.topic, fit, *decide_alignment(pose.frames, fit, timing, frames)
+        pose.frames, pose.topic, fit, *decide_alignment(pose.frames, fit, timing_kind, frames)
     )
 
 
 def decide_alignment(
-    names: tuple[str, str], fit: FrameTransform | None, timing: TimeAlignment, frames: Frames
+    names: tuple[str, str], fit: FrameTransform | None, timing_kind: str, frames: Frames
 ) -> tuple[bool, str]:
     """Return whether to apply a transformation, and why."""
     if fit is None:
@@ -248,7 +236,7 @@ def decide_alignment(
     # The same frame name is trusted unless a fit removes most of the distance.
     better = fit.after < FRAMES_DIFFER_SHARE * fit.before
     # Two different runs may differ in position; one run recorded twice may not.
-    if better and timing.how == 'clock':
+    if better and timing_kind == 'clock':
         return True, (
             f'A and B show the same run, but their paths are {fit.before:.2f} m apart without '
             f'this transformation and {fit.after:.2f} m with it.'

@@ -9,7 +9,7 @@ from lta_data.compare.channel_comparison import ChannelPair
 from lta_data.compare.clock_offset import ClockOffset, estimate_clock_offset
 from lta_data.compare.coarse_lag import estimate_start_offset, SharedQuantity
 from lta_data.compare.sampling import Array, interpolate_signal
-from lta_data.even_grid import SampledSignal, sort_samples
+from lta_data.even_grid import NO_SAMPLES, SampledSignal
 from lta_data.flight import Flight
 from lta_data.importers.log_provenance import have_separate_clocks
 import numpy as np
@@ -210,8 +210,8 @@ def select_frame_invariants(
     """
     invariants = []
     for pair in pairs:
-        a = sort_samples(pair.a.time, pair.a.values)
-        b = sort_samples(pair.b.time - bare.lead, pair.b.values)
+        a, b = pair.signals
+        b = b._replace(time=b.time - bare.lead)
         # Horizontal positions depend on the world frame; their speed does not.
         if not pair.name.endswith(PLACE_FIELDS):
             invariants.append(SharedQuantity(pair.name, a, b, pair.angular))
@@ -219,18 +219,18 @@ def select_frame_invariants(
     for name, pair in by_name.items():
         other = by_name.get(name.removesuffix(PLACE_FIELDS[0]) + PLACE_FIELDS[1])
         if name.endswith(PLACE_FIELDS[0]) and other is not None:
-            a = ground_speed(pair.a.time, pair.a.values, other.a.values)
-            b = ground_speed(pair.b.time - bare.lead, pair.b.values, other.b.values)
+            a, b = (
+                ground_speed(*sides) for sides in zip(pair.signals, other.signals, strict=True)
+            )
+            b = b._replace(time=b.time - bare.lead)
             invariants.append(SharedQuantity(f'{name.removesuffix(".x")}.way', a, b))
     return invariants
 
 
-def ground_speed(time: Array, x: Array, y: Array) -> SampledSignal:
+def ground_speed(of_x: SampledSignal, of_y: SampledSignal) -> SampledSignal:
     """Return the horizontal speed, from positions smoothed over 0.25 s. [m/s]"""
-    of_x, of_y = sort_samples(time, x), sort_samples(time, y)
-    count = len(of_x.time)
-    if count < 8 or len(of_y.time) != count:
-        return SampledSignal(np.empty(0), np.empty(0))
+    if len(of_x.time) < 8 or len(of_y.time) != len(of_x.time):
+        return SampledSignal(NO_SAMPLES, NO_SAMPLES)
     step = max(0.05, float(np.median(np.diff(of_x.time))))
     half = 2.5 * step
     # The window must fit into the recording
