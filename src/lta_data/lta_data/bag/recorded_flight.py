@@ -66,13 +66,6 @@ class SampleBlocks(NamedTuple):
     samples: NDArray[Any]
 
 
-class PointSeries(NamedTuple):
-    """Point lists: stamps in s, shape (n,); values by field, each of shape (n, points)."""
-
-    time: NDArray[np.float64]
-    fields: dict[str, NDArray[np.float64]]
-
-
 @final
 class RecordedFlight:
     """
@@ -232,7 +225,7 @@ class RecordedFlight:
 
     def read_blocks(self, topic: str, chosen: Collection[int] | None = None) -> SampleBlocks:
         """
-        Return the samples of a topic of ADC blocks; errors as `read_series`.
+        Return the samples of a topic of ADC blocks; errors as `read_tables`.
 
         `chosen` are the message numbers to read, counted from 0; the result is in the order of
         recording.
@@ -248,14 +241,12 @@ class RecordedFlight:
     def iterate_blocks(self, topic: str, rows: int) -> Iterator[SampleBlocks]:
         """Yield the samples of such a topic, `rows` messages at a time."""
         self._require_type(topic, LIGHT_BLOCK)
-        for time, messages in self._iterate_message_batches(topic, rows):
-            yield SampleBlocks(time, stack_blocks(messages))
-
-    def iterate_points(self, topic: str, rows: int) -> Iterator[PointSeries]:
-        """Yield the readings of a topic of lamp peaks, `rows` messages at a time."""
-        self._require_type(topic, LAMP_PEAKS)
-        for time, messages in self._iterate_message_batches(topic, rows):
-            yield PointSeries(time, stack_points(messages))
+        times: list[float] = []
+        messages = self._iterate_messages(topic, times)
+        while batch := list(islice(messages, rows)):
+            # The iterator appends the times while islice reads the messages
+            yield SampleBlocks(np.array(times), stack_blocks(batch))
+            times.clear()
 
     def read_log_times(self, topics: Collection[str]) -> dict[str, NDArray[np.int64]]:
         """Return the log times of the messages of topics, each of shape (n,). [ns]"""
@@ -288,17 +279,6 @@ class RecordedFlight:
                 f"Topic '{topic}' has type '{actual}', not '{expected}'; choose a topic of this "
                 'type.'
             )
-
-    def _iterate_message_batches(
-        self, topic: str, rows: int
-    ) -> Iterator[tuple[NDArray[np.float64], list[object]]]:
-        """Yield times and messages of a topic, `rows` at a time. [s]"""
-        times: list[float] = []
-        messages = self._iterate_messages(topic, times)
-        while batch := list(islice(messages, rows)):
-            # The iterator appends the times while islice reads the messages
-            yield np.array(times), batch
-            times.clear()
 
     def _create_column_builder(self, topic: str) -> ColumnBuilder:
         """Return a builder of the topic's columns."""

@@ -273,6 +273,12 @@ def stack_components(table: Table, path: str) -> NDArray[np.float64]:
     return np.stack(parts, axis=1).astype(np.float64)
 
 
+def group_points(table: Table) -> dict[str, NDArray[np.float64]]:
+    """Return the fields of a table of lamp peaks, each of shape (n, points)."""
+    fields = dict.fromkeys(name.partition('[')[0] for name in table if name.endswith(']'))
+    return {field: table.filter(regex=rf'^{field}\[').to_numpy() for field in fields}
+
+
 def align_tables(
     tables: Sequence[Table], clock: Stamps, method: str = 'previous', gap: float | None = None
 ) -> Table:

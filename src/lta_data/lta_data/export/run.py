@@ -26,6 +26,7 @@ from lta_data.bag.recorded_flight import RecordedFlight
 from lta_data.bag.table import (
     find_unit,
     FIXED_UNITS,
+    group_points,
     STAMP_COLUMN,
     Table,
     TIME_INDEX,
@@ -114,7 +115,6 @@ def format_matlab_name(name: str) -> str:
 
 
 BLOCK_ROWS: Final = 512  # blocks of the photodiodes per part, 16 kB each
-POINT_ROWS: Final = 1024  # messages with points per part
 PACKED_TYPES: Final = ('sensor_msgs/msg/Image', 'sensor_msgs/msg/PointCloud2')
 
 
@@ -154,7 +154,7 @@ def build_topic_source(flight: RecordedFlight, topic: str) -> ExportSource:
     """Return the source of a topic; raise `BadInput` if the topic cannot be decoded."""
     kind = flight.message_type(topic)
     if kind == LAMP_PEAKS:
-        parts = _iterate_point_rows(flight, topic)
+        parts = iter([_build_point_rows(flight, topic)])
         units = {field: find_unit(kind, field, topic) for field in
                  ('x', 'y', 'z', 'amplitude', 'snr', 'frequency')}  # fmt: skip
         return _build_part_source(flight, topic, kind, parts, units)
@@ -203,19 +203,19 @@ def _iterate_sample_rows(flight: RecordedFlight, topic: str) -> Iterator[Columns
         yield _build_clock_columns(flight, stamps) | {'sample': inside} | diodes
 
 
-def _iterate_point_rows(flight: RecordedFlight, topic: str) -> Iterator[Columns]:
-    """Yield lamp peaks, one row per beacon and diode; padding is dropped."""
-    for time, fields in flight.iterate_points(topic, POINT_ROWS):
-        if not fields:
-            continue
-        table = np.stack(list(fields.values()))
-        _, count, most = table.shape
-        # Messages with fewer points are padded with NaN points.
-        there = ~np.isnan(table).all(axis=0).ravel()
-        stamps = np.repeat(_compute_stamps(flight, time), most)[there]
-        index = np.tile(np.arange(most), count)[there]
-        columns = {name: values.ravel()[there] for name, values in fields.items()}
-        yield _build_clock_columns(flight, stamps) | {'point': index} | columns
+def _build_point_rows(flight: RecordedFlight, topic: str) -> Columns:
+    """Return lamp peaks, one row per beacon and diode; padding is dropped."""
+    (table,) = flight.read_tables([topic]).values()
+    stamps, fields = table[STAMP_COLUMN].to_numpy(), group_points(table)
+    if not fields:
+        return _build_clock_columns(flight, stamps[:0])
+    points = np.stack(list(fields.values()))
+    # Messages with fewer points are padded with NaN points.
+    there = ~np.isnan(points).all(axis=0).ravel()
+    rows = np.repeat(stamps, points.shape[2])[there]
+    index = np.tile(np.arange(points.shape[2]), len(stamps))[there]
+    columns = {name: values.ravel()[there] for name, values in fields.items()}
+    return _build_clock_columns(flight, rows) | {'point': index} | columns
 
 
 def _build_clock_columns(flight: RecordedFlight, stamps: NDArray[np.int64]) -> Columns:

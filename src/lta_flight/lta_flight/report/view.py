@@ -13,7 +13,7 @@ from lta_config.covariances import select_estimates
 from lta_config.topics import load_topic_table
 from lta_data.bag.channels import find_airspeed_topic
 from lta_data.bag.recorded_flight import RecordedFlight
-from lta_data.bag.table import get_column, stack_components, Table
+from lta_data.bag.table import get_column, group_points, stack_components, Table
 from lta_data.even_grid import check_time_span, median_period
 from lta_data.scene import read_scene
 from lta_flight.report.goal import FlightGoal
@@ -210,12 +210,9 @@ class FlightView:
     def peaks(self) -> PeakCurves:
         """Amplitude [counts], SNR and frequency [Hz] of the wanted lamp per diode, mid-block."""
         table = self.read_table('light/peaks')
-        names = [name.partition('[')[0] for name in table if name.endswith(']')]
-        fields = {
-            name: table.filter(regex=rf'^{name}\[').to_numpy() for name in dict.fromkeys(names)
-        }
         return PeakCurves(
-            table.index.to_numpy() + self.half_block_time, select_primary_beacon(fields)
+            table.index.to_numpy() + self.half_block_time,
+            select_primary_beacon(group_points(table)),
         )
 
     @cached_property
