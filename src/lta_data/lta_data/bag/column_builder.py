@@ -97,11 +97,11 @@ class ColumnBuilder:
             part = EqualLengthMessages(
                 begin, stamps, np.array(indices), stack_messages(batch, indices)
             )
-            odd += self._read_alike(key, part)
+            odd += self._read_alike(key, part).tolist()
         self._read_objects(begin, stamps, batch, sorted(odd))
         self._stamps.append(stamps)
 
-    def _read_alike(self, key: tuple[int, bytes], part: 'EqualLengthMessages') -> list[int]:
+    def _read_alike(self, key: tuple[int, bytes], part: 'EqualLengthMessages') -> NDArray[np.intp]:
         """
         Read the messages of one length and byte order that have one layout.
 
@@ -115,15 +115,15 @@ class ColumnBuilder:
                 )
         layout = self._layouts.get(key)
         if layout is None:
-            return part.indices.tolist()
+            return part.indices
         fits = layout.find_matching_messages(part.table)
         read = part if fits.all() else part.select_messages(fits)
         if len(read.indices):
             try:
                 self._add_columns(layout, read)
             except UnicodeDecodeError:
-                return part.indices.tolist()  # decoding as objects finds the invalid text
-        return part.indices[~fits].tolist()
+                return part.indices  # decoding as objects finds the invalid text
+        return part.indices[~fits]
 
     def _add_columns(self, layout: CdrLayout, part: 'EqualLengthMessages') -> None:
         values = [normalize_leaf(layout, part.table, leaf) for leaf in layout.leaves]
