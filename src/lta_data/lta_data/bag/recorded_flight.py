@@ -230,23 +230,23 @@ class RecordedFlight:
         `chosen` are the message numbers to read, counted from 0; the result is in the order of
         recording.
         """
-        times: list[float] = []
+        stamps: list[int] = []
         self._require_type(topic, LIGHT_BLOCK)
         messages = self._iterate_messages(
-            topic, times, None if chosen is None else frozenset(chosen)
+            topic, stamps, None if chosen is None else frozenset(chosen)
         )
         samples = stack_blocks(messages)
-        return SampleBlocks(np.array(times, dtype=np.float64), samples)
+        return SampleBlocks(self._compute_times(stamps), samples)
 
     def iterate_blocks(self, topic: str, rows: int) -> Iterator[SampleBlocks]:
         """Yield the samples of such a topic, `rows` messages at a time."""
         self._require_type(topic, LIGHT_BLOCK)
-        times: list[float] = []
-        messages = self._iterate_messages(topic, times)
+        stamps: list[int] = []
+        messages = self._iterate_messages(topic, stamps)
         while batch := list(islice(messages, rows)):
-            # The iterator appends the times while islice reads the messages
-            yield SampleBlocks(np.array(times), stack_blocks(batch))
-            times.clear()
+            # The iterator appends the stamps while islice reads the messages
+            yield SampleBlocks(self._compute_times(stamps), stack_blocks(batch))
+            stamps.clear()
 
     def read_log_times(self, topics: Collection[str]) -> dict[str, NDArray[np.int64]]:
         """Return the log times of the messages of topics, each of shape (n,). [ns]"""
@@ -291,23 +291,21 @@ class RecordedFlight:
         """Return the collected messages of a topic as a table."""
         stamps = columns.stamps
         for index in np.flatnonzero(stamps == 0):
-            # Messages without a stamp: log time, shifted to the clock of the stamps.
-            placed = self.start + int(columns.logged[index]) - self._origin.log
-            stamps[index] = min(placed, LATEST_STAMP)
+            stamps[index] = self._place_log_time(int(columns.logged[index]))
         named = name_columns(columns.numbers, columns.texts, kind, topic)
         return build_table(topic, self.start, stamps, *named)
 
     def _build_point_table(self, topic: str) -> Table:
         """Return the readings of a topic of lamp peaks as a table."""
-        times: list[float] = []
-        fields = stack_points(self._iterate_messages(topic, times))
-        stamps = self.start + np.rint(np.array(times) * 1e9).astype(np.int64)
-        return build_table(topic, self.start, stamps, *name_point_columns(fields, topic))
+        stamps: list[int] = []
+        fields = stack_points(self._iterate_messages(topic, stamps))
+        named = name_point_columns(fields, topic)
+        return build_table(topic, self.start, np.array(stamps, np.int64), *named)
 
     def _iterate_messages(
-        self, topic: str, times: list[float], chosen: Collection[int] | None = None
+        self, topic: str, stamps: list[int], chosen: Collection[int] | None = None
     ) -> Iterator[object]:
-        """Yield messages of a topic and append their times to `times`. [s]"""
+        """Yield messages of a topic and append their stamps to `stamps`. [ns]"""
         name = self.absolute_name(topic)
         if name not in self.bag.topics:
             raise unknown_name_error('topic', topic, self.topics)
@@ -316,9 +314,17 @@ class RecordedFlight:
                 continue
             message = self.bag.decode(name, data)
             stamp = extract_stamp(message)
-            elapsed = log_time - self._origin.log if stamp is None else stamp - self.start
-            times.append(elapsed * 1e-9)
+            stamps.append(self._place_log_time(log_time) if stamp is None else stamp)
             yield message
+
+    def _place_log_time(self, log_time: int) -> int:
+        """Return a log time on the clock of the stamps, for a message without a stamp. [ns]"""
+        return min(self.start + log_time - self._origin.log, LATEST_STAMP)
+
+    def _compute_times(self, stamps: Sequence[int]) -> NDArray[np.float64]:
+        """Return stamps as times since the start. [s]"""
+        # Subtract as integers first: float64 does not resolve 1 ns in times since 1970
+        return (np.array(stamps, np.int64) - self.start).astype(np.float64) * 1e-9
 
 
 def find_flight_origin(bag: Bag, topics: list[str]) -> FlightOrigin:
