@@ -11,7 +11,7 @@ Time 0 is the stamp of the robot's first stamped message. Messages without a sta
 their log time, relative to the log time of that first message.
 """
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from functools import partial
 from itertools import islice
 from pathlib import Path
