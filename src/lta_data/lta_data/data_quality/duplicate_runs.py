@@ -130,7 +130,7 @@ def find_best_alignment(
     total = np.sum(
         [correlate(one, two, method='fft') for one, two in zip(*padded, strict=True)], axis=0
     )
-    lags = correlation_lags(*counts)
+    lags = correlation_lags(counts[0], counts[1])
     overlap = np.minimum(counts[0], counts[1] + lags) - np.maximum(0, lags)
     shares = total / (len(first) * np.maximum(overlap, 1))
     inside = overlap >= least
