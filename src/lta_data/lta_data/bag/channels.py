@@ -133,7 +133,10 @@ def read_flight(
         channels |= {channel.name: channel for channel in own}
         tick()
     logged = recorded.read_log_times(names) if raw else {}
-    arrivals = {topic: (times - times[:1]) * 1e-9 for topic, times in logged.items()}
+    arrivals = {
+        topic: np.asarray((times - times[:1]) * 1e-9, dtype=np.float64)
+        for topic, times in logged.items()
+    }
     return Flight(
         channels, recorded.provenance, arrivals, str(recorded.bag.path), recorded.robot,
         recorded.start, types,

@@ -149,7 +149,6 @@ def test_samples_and_points_are_rows_with_times_of_their_own(
     mixed_bag, tmp_path, monkeypatch, stretch
 ):
     monkeypatch.setattr(run, 'BLOCK_ROWS', stretch)
-    monkeypatch.setattr(run, 'POINT_ROWS', stretch)
     written, done = files(mixed_bag, 'parquet', tmp_path / 'out')
     assert done.remarks == ["Of the messages on 'camera', the data are not exported."]
     table = parquet.read_table(written['photodiodes'].file)
