@@ -111,7 +111,7 @@ def measure_tremor(vector: VectorSeries, values: Array) -> TremorLevels:
     count = round(min(limits.HOLD_WINDOW / max(FINEST, step), GRID_POINTS))
     if len(grid) < count:  # stamps that span years
         return TremorLevels(NO_SAMPLES, NO_SAMPLES, NO_SAMPLES, NO_SAMPLES)
-    lines, middles, power = spectrogram(  # type: ignore[call-overload] - stubs know no array
+    lines, middles, power = spectrogram(  # type: ignore[call-overload]
         # Without the zeros at both ends, which would waste two samples
         table.T, 1.0 / step, np.hanning(count + 2)[1:-1],
         noverlap=count - max(1, count // HOP),
