@@ -4,6 +4,7 @@ from collections.abc import Callable
 from functools import partial
 import gzip
 from pathlib import Path
+import re
 from typing import final, NamedTuple
 import zlib
 
@@ -33,6 +34,7 @@ PACKAGES = {
     b'\xfd7zXZ': 'compressed with xz; decompress it with `unxz` first',
 }
 PACKED_BAGS = ('.mcap.zstd', '.mcap.zst', '.db3.zstd', '.db3.zst')
+JSON = re.compile(rb'\s*\[?\s*\{')
 USD = bytes([crazyflie_usd.MAGIC])
 
 
@@ -133,6 +135,10 @@ def detect_format(path: Path) -> str:
     # One byte only, so test it after the longer magic numbers.
     if head.startswith(USD):
         return 'usd'
+    if JSON.match(head):
+        raise BadInput(
+            f"'{path}' is JSON; write it as a table, as with pandas.json_normalize(...).to_csv."
+        )
     if detect_encoding(head):
         return 'csv'
     for begin, what in PACKAGES.items():
@@ -144,12 +150,8 @@ def detect_format(path: Path) -> str:
 
 def _detect_binary(path: Path, head: bytes) -> str | None:
     """Return the format of arrays or of ArduPilot by the first bytes; None if it is another."""
-    if head.startswith(b'MATLAB 5.0') or array_files.HDF5 in head[:1024]:
-        return 'mat'
-    if head.startswith(b'\x93NUMPY') or (head.startswith(b'PK') and path.suffix == '.npz'):
-        return 'numpy'
-    if head.startswith(b'PAR1'):
-        return 'parquet'
+    if arrays := array_files.detect_arrays(head, path.suffix):
+        return arrays
     # The first message defines the type of all definitions
     return (
         'dataflash' if head.startswith(dataflash.DATAFLASH_HEAD + bytes([dataflash.FMT])) else None

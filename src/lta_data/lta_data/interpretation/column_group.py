@@ -31,6 +31,7 @@ class ColumnGroup(NamedTuple):
     axes: tuple[str, ...]  # the axis in the name of each
     unit: str  # as in the names, '' if they do not say
     reason: str  # why it has this kind
+    rise: float = 1.0  # factor of the third column to the unit of the others: an altitude in feet
 
     @property
     def is_geodetic(self) -> bool:
@@ -40,6 +41,8 @@ class ColumnGroup(NamedTuple):
     def stack(self, table: Columns) -> Numbers:
         """Return the numbers, shape (n, columns); a latitude becomes a place in metres."""
         rows = np.stack([table[name] for name in self.columns], axis=1).astype(np.float64)
+        if self.rise != 1.0:
+            rows *= [1.0, 1.0, self.rise]
         if self.is_geodetic:
             return LocalMap().project(rows * np.array(FIX_SCALES[self.unit]))
         return rows
@@ -72,3 +75,10 @@ def has_unit_length(rows: Numbers) -> bool:
     length = np.linalg.norm(rows, axis=1)
     good = np.isfinite(length)
     return bool(good.any() and float(np.median(np.abs(length[good] - 1.0))) < UNIT_NORM)
+
+
+def is_rotation(rows: Numbers) -> bool:
+    """Return whether nine numbers in each row are those of a rotation matrix."""
+    finite = rows[np.isfinite(rows).all(axis=1)].astype(np.float64).reshape(-1, 3, 3)
+    apart = np.abs(finite @ finite.mT - np.eye(3)).max(axis=(1, 2), initial=0.0)
+    return bool(len(finite) and np.median(apart) < UNIT_NORM)

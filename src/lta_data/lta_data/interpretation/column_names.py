@@ -7,10 +7,11 @@ from typing import Final, final, NamedTuple
 # Unit as written in a name -> unit of a mapping, and a further factor
 UNIT_WORDS: Final[dict[str, tuple[str, float]]] = {
     'm': ('m', 1.0), 'mm': ('mm', 1.0), 'cm': ('cm', 1.0), 'meters': ('m', 1.0),
+    'ft': ('m', 0.3048), 'feet': ('m', 0.3048), 'ft/s': ('m/s', 0.3048),
     's': ('s', 1.0), 'sec': ('s', 1.0), 'ms': ('ms', 1.0), 'us': ('us', 1.0), 'ns': ('ns', 1.0),
     'rad': ('rad', 1.0), 'deg': ('deg', 1.0), 'degrees': ('deg', 1.0), '°': ('deg', 1.0),
     'm/s': ('m/s', 1.0), 'mps': ('m/s', 1.0), 'm s^-1': ('m/s', 1.0), 'mm/s': ('m/s', 0.001),
-    'cm/s': ('m/s', 0.01), 'rad/s': ('rad/s', 1.0), 'rad s^-1': ('rad/s', 1.0),
+    'cm/s': ('m/s', 0.01), 'km/h': ('m/s', 1.0 / 3.6), 'rad/s': ('rad/s', 1.0), 'rad s^-1': ('rad/s', 1.0),
     'radps': ('rad/s', 1.0), 'deg/s': ('deg/s', 1.0), 'dps': ('deg/s', 1.0),
     'degps': ('deg/s', 1.0), '°/s': ('deg/s', 1.0), 'rpm': ('rpm', 1.0),
     'm/s2': ('m/s2', 1.0), 'm/s^2': ('m/s2', 1.0), 'm s^-2': ('m/s2', 1.0),
@@ -24,11 +25,12 @@ UNIT_WORDS: Final[dict[str, tuple[str, float]]] = {
     'm s': ('m/s', 1.0), 'm s2': ('m/s2', 1.0), 'rad s': ('rad/s', 1.0),
     'deg s': ('deg/s', 1.0), 'newton': ('N', 1.0), 'newtons': ('N', 1.0),
     'newton meter': ('N m', 1.0), 'newton meters': ('N m', 1.0),
+    'gf': ('N', 0.00980665), 'grams': ('N', 0.00980665),
 }  # fmt: skip
 FORCE_UNITS: Final = ('N', 'mN', 'N m', 'mN m')
 # Words at the end of a name that are units, not axes or quantities
 ENDINGS: Final = frozenset([
-    'mm', 'cm', 'ms', 'us', 'ns', 'sec', 'rad', 'deg', 'degrees', 'mps', 'radps', 'dps', 'degps',
+    'mm', 'cm', 'ft', 'feet', 'ms', 'us', 'ns', 'sec', 'rad', 'deg', 'degrees', 'mps', 'radps', 'dps', 'degps',
     'rpm', 'mss', 'mv', 'volts', 'ma', 'pa', 'hpa', 'mbar', 'percent',
 ])  # fmt: skip
 AXIS_WORDS: Final = frozenset(['x', 'y', 'z', 'w', 'n', 'e', 'd', 'i', 'j', 'k'])
@@ -119,6 +121,9 @@ LOOSE_WORDS: Final = frozenset(['lift', 'turn', 'steer', 'steering'])
 # The letters of marine craft: forces X, Y, Z with moments K, M, N, or along velocities u to r
 AXIS_LETTERS: Final = ('xyzkmn', 'uvwpqr')
 JOYSTICKS: Final = frozenset(['joy', 'joystick', 'gamepad', 'stick', 'sticks'])
+# Integers of a Crazyflie's stateEstimateZ
+COMPRESSED: Final = ('state', 'estimate', 'z')
+COMPRESSED_UNITS: Final = {'z': 'mm', 'v': 'mm/s'}
 SERVOS: Final = frozenset(['servo', 'servos'])
 # What a learned controller puts out; a1, a2, a3 can be an acceleration, too
 ACTIONS: Final = frozenset(['a', 'act', 'action', 'actions'])
@@ -147,6 +152,12 @@ class ColumnName(NamedTuple):
 
 def parse_column_name(column: str) -> ColumnName:
     """Take the name of a column apart."""
+    name = _split_name(column)
+    compressed = name.stem[:3] == COMPRESSED and not name.unit
+    return name._replace(unit=COMPRESSED_UNITS.get(name.stem[-1], '')) if compressed else name
+
+
+def _split_name(column: str) -> ColumnName:
     text, unit = column, ''
     # x [m], x (m), "x, m" or x / m
     for ending in (r'\s*[\[(]([^\[\]()]*)[\])]\s*$', r'\s*(?:,|\s/)\s*([^\s,/][^,]*)$'):
@@ -213,8 +224,8 @@ def _ends_with_unit(words: Sequence[str], end: str) -> bool:
         driven = ACTUATORS - frozenset('mu') | {*BODY_WORDS, 'wrench', *letters}
         there = name.words | {name.axis}
         return match_kind(there) in ('force', 'torque') or bool(there & driven)
-    if unit == 'm/s2':
-        return match_kind(name.stem) == 'acceleration'
+    if unit == 'm/s2':  # thrust_g is in grams
+        return match_kind(name.stem) == 'acceleration' or 'thrust' in name.words
     # u_m_s, p_rad_s
     return unit in ('m/s', 'rad/s', 'deg/s') and (bool(name.axis) or words[-1] in {*'uvwpqr'})
 

@@ -184,7 +184,7 @@ def _read_draft(name: str, draft: TableDraft, table: Columns) -> TimedTable:
     count = len(motion.turn)
     turn = Rotation.from_matrix(world @ motion.turn.as_matrix() @ body.T)
     position = motion.evidence.position[:count] @ world.T
-    return TimedTable(name, first, seconds[:count], commands, position, turn)
+    return TimedTable(name, first, motion.evidence.seconds[:count], commands, position, turn)
 
 
 def estimate_clock_offset(

@@ -13,8 +13,8 @@ from lta_data.interpretation.column_group import (
     find_turn,
     GEODETIC,
     has_unit_length,
+    is_rotation,
     measure_length,
-    UNIT_NORM,
 )
 from lta_data.interpretation.column_names import (
     ACTIONS,
@@ -54,6 +54,8 @@ ELEMENTS: Final = tuple(
 )  # fmt: skip
 LEAST_FIX: Final = 0.02  # longitude in radians; less is that of a simulator at zero, in degrees
 FULL_TURN: Final = 360.0  # degrees; larger numbers are in 1e-7 degrees, and altitudes in mm
+SAME_HEIGHTS: Final = 0.05  # of their spread, that two altitudes may differ by
+LENGTH_SCALES: Final = {'m': 1.0, 'cm': 0.01, 'mm': 0.001}
 STEADY_LENGTH: Final = 0.3  # of the length of a specific force; a command varies by more
 
 
@@ -161,8 +163,11 @@ def _group_height(
 ) -> ColumnGroup | None:
     """Return the place of x and y, east and north or a geodetic fix, beside an altitude."""
     heights = [name for name in names if name.words & HEIGHT_WORDS and not match_role(name.words)]
-    if len(heights) != 1 or any(group.kind == 'position' for group in groups):
+    if not heights or any(group.kind == 'position' for group in groups):
         return None
+    # Above the sea, above the ground: about the first fix, they are the same
+    heights = [one for one in heights if _moves_like(table, one, heights[0])]
+    named_rise = UNIT_WORDS.get(heights[0].unit, ('m', 1.0))
     fix = [
         [name.column for name in names if name.words & words] for words in (LATITUDES, LONGITUDES)
     ]
@@ -171,20 +176,42 @@ def _group_height(
         largest = np.nanmax(np.abs([table[column] for column in columns[:2]]), axis=1)
         named = next(name.unit for name in names if name.column == columns[0])
         unit = 'm' if largest.max() < FULL_TURN else 'mm'
+        rise = UNIT_WORDS.get(heights[0].unit, ('m', 1.0))[1] if unit == 'm' else 1.0
         # In degrees, that is a place in the Gulf of Guinea
         near_origin = largest[0] < 0.5 * np.pi and LEAST_FIX < largest[1] < np.pi
         if named == 'rad' or (near_origin and not named):
             unit = 'rad'
-        return ColumnGroup('position', '', columns, GEODETIC, unit, 'latitude and longitude')
+        why = 'latitude and longitude'
+        return ColumnGroup('position', '', columns, GEODETIC, unit, why, rise)
     for pair in (('x', 'y'), ('e', 'n')):
         for first in (name for name in names if name.axis == pair[0]):
             second = [name for name in names if (name.stem, name.axis) == (first.stem, pair[1])]
             if second and match_kind(first.words) in ('position', ''):
                 columns = (first.column, second[0].column, heights[0].column)
                 why = 'two horizontal columns beside an altitude'
+                unit, rise = _relate_units(first.unit, heights[0].unit)
                 role = match_role(first.words)
-                return ColumnGroup('position', role, columns, (*pair, 'z'), first.unit, why)
+                return ColumnGroup('position', role, columns, (*pair, 'z'), unit, why, rise)
     return None
+
+
+def _moves_like(table: Columns, one: ColumnName, other: ColumnName) -> bool:
+    """Return whether two heights differ by a constant, in one unit."""
+    apart = table[one.column] - table[other.column]
+    return bool(np.nanstd(apart) <= SAME_HEIGHTS * np.nanstd(table[other.column]))
+
+
+def _relate_units(level: str, height: str) -> tuple[str, float]:
+    """Return the unit of two horizontal columns, and the factor to it of a height in its own."""
+    sizes = [
+        LENGTH_SCALES[unit] * factor
+        for unit, factor in (UNIT_WORDS.get(one, ('m', 1.0)) for one in (height, level))
+    ]
+    # Beside feet, a unit that is not named is the metre
+    is_metric = UNIT_WORDS.get(height, ('m', 1.0))[1] == 1.0
+    if not height or (not level and is_metric):
+        return level or height, 1.0
+    return level or 'm', float(f'{sizes[0] / sizes[1]:.9g}')
 
 
 def _describe(name: ColumnName) -> tuple[str, str, str]:
@@ -281,12 +308,7 @@ def _group_matrices(names: Sequence[ColumnName], table: Columns) -> Iterator[Col
         columns = tuple(family[index] for index in sorted(family))
         if ' '.join(sorted(family)) not in ELEMENTS:
             continue
-        rows = np.stack([table[column] for column in columns], axis=1).astype(np.float64)
-        rows = rows[np.isfinite(rows).all(axis=1)].reshape(-1, 3, 3)
-        if (
-            len(rows)
-            and np.median(np.abs(rows @ rows.mT - np.eye(3)).max(axis=(1, 2))) < UNIT_NORM
-        ):
+        if is_rotation(np.stack([table[column] for column in columns], axis=1)):
             words = parse_column_name(columns[0]).words
             why = f'the elements of {stem.strip(" [(_.")} are those of a rotation'
             yield ColumnGroup('matrix', match_role(words), columns, tuple(sorted(family)), '', why)

@@ -118,7 +118,8 @@ def measure_shares(tracked: TimedTable, stamps: Numbers, values: Numbers) -> Num
     """
     if tracked.position is None or tracked.turn is None:
         return None
-    seconds, rising = tracked.seconds, find_rising(stamps)
+    # A row without any command is that of another sensor
+    seconds, rising = tracked.seconds, find_rising(stamps) & np.isfinite(values).any(axis=1)
     grid = build_uniform_time_grid(
         np.nanmin(seconds), np.nanmax(seconds), ALIGNED_STEP, len(seconds)
     )
@@ -326,7 +327,7 @@ def check_wrenches(
             if entry['topic'] != 'wrench_command':
                 continue
             late = clocks[name].seconds if name in clocks else 0.0
-            stamps = timed[name].seconds + timed[name].first - pose.first + late
+            stamps = draft.time.seconds + draft.time.first - pose.first + late
             factors = _fit_accelerations(pose, stamps, entry, tables[name])
             _check_unit(entry, factors, choices)
             if 'body' in entry:
@@ -384,11 +385,11 @@ def _fit_accelerations(
     Only of the commands that clearly explain the acceleration. [m/s2, rad/s2]
     """
     columns = list_columns(entry)
-    held = np.nan_to_num(np.column_stack([table[one] for one in columns]).astype(float))
-    rising = find_rising(stamps)
+    held = np.column_stack([table[one] for one in columns]).astype(float)
+    rising = find_rising(stamps) & np.isfinite(held).any(axis=1)
     if pose.position is None or pose.turn is None or not rising.any():
         return {}
-    stamps, held = stamps[rising], held[: len(rising)][rising]
+    stamps, held = stamps[rising], np.nan_to_num(held[rising])
     begin, end = np.nanmin(pose.seconds), np.nanmax(pose.seconds)
     first, last = max(begin, stamps[0]), min(end, stamps[-1])
     grid = build_uniform_time_grid(first, last, ALIGNED_STEP, len(pose.seconds))

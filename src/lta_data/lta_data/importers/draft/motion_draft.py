@@ -6,6 +6,7 @@ from typing import Any, Final, final, NamedTuple
 from lta_data.data_quality import limits
 from lta_data.even_grid import sort_samples
 from lta_data.importers.draft.choices import DraftChoices
+from lta_data.importers.draft.column_groups import LENGTH_SCALES
 from lta_data.importers.draft.vertical import (
     choose_reading,
     EQUAL_SCORES,
@@ -38,7 +39,6 @@ PITCH_DOWN: Final = np.array([1.0, -1.0, 1.0])  # from angles that are positive 
 DRAFTED_ROWS: Final = 20_000  # rows that are looked at
 NORTH_EAST_DOWN: Final = ('n', 'e', 'd')
 EAST_NORTH_DOWN: Final = ('e', 'n', 'd')
-LENGTH_SCALES: Final = {'m': 1.0, 'cm': 0.01, 'mm': 0.001}
 RADIANS_PER_DEGREE: Final = np.pi / 180.0
 UNIT_LOG_TOLERANCE: Final = 0.7  # logarithm of a factor, within which noise can move it
 UNRELATED: Final = 0.3  # explained share of a motion below which two contradict each other
@@ -201,8 +201,9 @@ def _named_unit(group: ColumnGroup) -> tuple[str, float] | None:
 
 def _build_vector(group: ColumnGroup, unit: str, scale: float = 1.0) -> dict[str, Any]:
     vector: dict[str, Any] = {'columns': list(group.columns), 'unit': unit}
-    if group.axes == EAST_NORTH_DOWN:
-        return vector | {'scale': [scale, scale, -scale]}
+    if group.axes == EAST_NORTH_DOWN or group.rise != 1.0:
+        rise = group.rise * (-scale if group.axes == EAST_NORTH_DOWN else scale)
+        return vector | {'scale': [scale, scale, rise]}
     return vector if scale == 1.0 else vector | {'scale': scale}
 
 
@@ -307,7 +308,8 @@ def _draft_position(
     if group.is_geodetic:
         parts['position'] = _build_vector(group, 'm') | {'geodetic': True}
         if group.unit != 'm':
-            parts['position']['scale'] = [*map(float, FIX_SCALES[group.unit])]
+            scales_of_fix = np.array(FIX_SCALES[group.unit]) * [1.0, 1.0, group.rise]
+            parts['position']['scale'] = [*map(float, scales_of_fix)]
         choices.add_reason(f'{topic}: position', group.columns, 'east, north, up',
                            'from the first fix, in m')  # fmt: skip
         return 1.0
@@ -343,14 +345,16 @@ def _draft_position(
             unit = choices.decide(key, options, 'No velocity tells the unit of the position.')
     unit = choices.override(key, unit)
     choices.settled.setdefault('position.unit', unit)
-    parts['position'] = _build_vector(group, unit)
+    # Feet are 0.3048 m
+    factor = named[1] if named and named[0] == unit else 1.0
+    parts['position'] = _build_vector(group, unit, factor)
     if _is_mirrored(turn, raw) and 'orientation' in parts:
         options = [('yes', 'y of the place counts the other way'), ('no', 'it flies sideways')]
         question = 'The vehicle moves where it points only if y of its place is mirrored.'
         if choices.decide(f'{topic}.position.mirrored', options, question) == 'yes':
             parts['position']['scale'] = [1.0, -1.0, 1.0]
     choices.add_reason(f'{topic}: position', group.columns, unit, why)
-    return LENGTH_SCALES.get(unit, 1.0)
+    return LENGTH_SCALES.get(unit, 1.0) * factor
 
 
 def _is_mirrored(turn: Rotation | None, raw: MotionEvidence) -> bool:

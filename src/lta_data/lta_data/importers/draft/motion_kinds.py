@@ -13,7 +13,13 @@ from typing import Final
 
 from lta_data.importers.protocol import Numbers
 from lta_data.interpretation.attitude_readings import AttitudeReading, list_readings
-from lta_data.interpretation.column_group import ATTITUDES, ColumnGroup, Columns, has_unit_length
+from lta_data.interpretation.column_group import (
+    ATTITUDES,
+    ColumnGroup,
+    Columns,
+    has_unit_length,
+    is_rotation,
+)
 from lta_data.interpretation.column_names import (
     ACTUATORS,
     COMMAND_WORDS,
@@ -197,9 +203,14 @@ def follows_course(rows: Numbers, place: Numbers, seconds: Numbers) -> bool:
 def feels_gravity(rows: Numbers) -> bool:
     """Return whether the length of a vector is that of gravity in a usual unit."""
     low, felt, high = np.nanpercentile(np.linalg.norm(rows, axis=1), [10.0, 50.0, 90.0])
-    return bool(find_gravity_unit(float(felt), 0.1) and high - low < 0.3 * felt)
+    # A direction has length one, without the noise of a sensor
+    is_direction = max(abs(low - 1.0), abs(high - 1.0)) < DIRECTION
+    return bool(find_gravity_unit(float(felt), 0.1) and high - low < 0.3 * felt) and not (
+        is_direction
+    )
 
 
+DIRECTION: Final = 1e-4  # of the length of a vector, by which that of a direction is not one
 MIN_STATE_NUMBERS: Final = 6  # numbers of a state vector
 ANGLE_SHARE_GAIN: Final = 0.02  # of a share that tells angles from the coordinates of a place
 ARRAY_ELEMENT: Final = re.compile(r'(.*?)[\[(_.]?(\d+)[\])]?')
@@ -210,7 +221,11 @@ def find_state_vectors(
     columns: Sequence[str], table: Columns, seconds: Numbers
 ) -> list[ColumnGroup]:
     """Return the groups of numbered columns without a name whose motion says what they are."""
-    blocks = [block for array in _list_arrays(columns) for block in _cut(array, table)]
+    arrays = [*_list_arrays(columns)]
+    poses = [pose for array in arrays if (pose := _find_pose(array, table))]
+    if poses:
+        return poses[0]
+    blocks = [block for array in arrays for block in _cut(array, table)]
     rows = {block: _stack(block, table) for block in blocks}
     blocks = [block for block in blocks if np.isfinite(rows[block]).all() and np.ptp(rows[block])]
     at, kinds = seconds[:MOTION_ROWS], dict[Block, tuple[str, str]]()
@@ -232,6 +247,18 @@ def find_state_vectors(
         _pair_turning(kinds, turned, rate, (rows, turns, at), clearly=False)
     _add_single(kinds, blocks, rows, at)
     return [_build(block, *kind) for block, kind in kinds.items()]
+
+
+def _find_pose(array: Sequence[str], table: Columns) -> list[ColumnGroup]:
+    """Return attitude and place of three rows of four numbers, as KITTI's poses are written."""
+    if len(array) not in (12, 16):
+        return []
+    turned = tuple(array[4 * row + column] for row in range(3) for column in range(3))
+    if not is_rotation(np.stack([table[one] for one in turned], axis=1)):
+        return []
+    place = tuple(array[3:12:4])
+    why = 'the numbers of a pose as a matrix, row by row'
+    return [ColumnGroup('matrix', '', turned, tuple('012345678'), '', why), _build(place, 'position', why)]
 
 
 def _pair_turning(

@@ -34,8 +34,11 @@ SCALARS: Final = (
 CORNER_WORDS: Final = frozenset(['rl', 'rr', 'bl', 'br'])  # of a quadrotor, beside fl and fr
 FORCES: Final = frozenset(['f', 'force', 'fl', 'fr', 'fu', 'thrust', 'forces']) | CORNER_WORDS
 UPSTREAM: Final = frozenset(
-    ['pid', 'controller', 'controls', 'cmd', 'setpoint', 'sp', 'ref', 'mixer']
+    ['pid', 'controller', 'controls', 'cmd', 'setpoint', 'sp', 'ref', 'mixer', 'stabilizer']
 )
+GRAMS: Final = frozenset(['g', 'gf', 'grams'])  # of thrust
+LARGEST_DUTY: Final = 1.05
+LARGEST_THRUST: Final = 60.0  # below it, numbers of a thrust can be %, N or grams
 SIDE_WORDS: Final = {'l': 'left', 'r': 'right'}
 RESTING_PULSE: Final = 15.0  # a motor stands at a pulse nearer to its rest [us]
 STANDING_SHARE: Final = 0.05  # share of the pulses at which motors stand, in a log with pauses
@@ -107,26 +110,54 @@ def _choose_unit(
 def _draft_actuators(
     motors: Sequence[ColumnName], table: Columns, choices: DraftChoices
 ) -> dict[str, Any]:
-    """Return the actuators: duties, forces or rotor speeds, by name and by size."""
+    """Return the actuators: servos, and what rotors do, in one of the ways that a log has it."""
+    families: dict[tuple[str, frozenset[str]], list[ColumnName]] = {}
+    for name in motors:
+        families.setdefault((name.unit, name.words & ACTUATORS), []).append(name)
+    servos = [one for one in families.values() if one[0].words & SERVOS]
+    turned = [one for one in families.values() if one not in servos]
+    rotors = turned[:1]
+    if len(turned) > 1 and len({len(one) for one in turned}) == 1:
+        # Duties beside speeds or thrusts of the same rotors
+        options = [(one[0].column, ', '.join(name.column for name in one)) for one in turned]
+        question = 'Several columns for each rotor are there; one kind of them can be the commands.'
+        answer = choices.decide('motors.columns', options, question)
+        rotors = [one for one in turned if one[0].column == answer]
+    elif len(turned) > 1:
+        rotors = [[name for one in turned for name in one]]
+    drafted = [_draft_family(one, table, choices) for one in (*rotors, *servos)]
+    return {name: part for family in drafted for name, part in family.items()}
+
+
+def _draft_family(
+    motors: Sequence[ColumnName], table: Columns, choices: DraftChoices
+) -> dict[str, Any]:
+    """Return actuators with one unit: duties, forces, rotor speeds or angles, by name and size."""
     values = np.concatenate([np.abs(table[name.column]) for name in motors])
     values = values[np.isfinite(values)]
     size = float(np.percentile(values, 99.0)) if len(values) else 0.0
     columns = [name.column for name in motors]
     words = frozenset().union(*(name.words for name in motors))
-    units = {UNIT_WORDS.get(name.unit, ('',))[0] for name in motors}
+    units = {UNIT_WORDS.get(name.unit, ('',))[0] for name in motors} - {''}
+    units |= {'gf'} if {name.unit for name in motors} & GRAMS else set()
     kind, field, why = _judge_actuators(words, units, size, values)
     key = 'motors.unit'
     if kind == 'pulse':
         kind, why = _judge_pulses(motors, table, key, choices)
     if kind == '?':
-        options = [('duty', f'a duty from 0 to 1 ({size:.3g})'), ('N', f'a force of {size:.3g} N')]
-        kind = choices.decide(key, options, f'"thrust" up to {size:.3g} can be a duty or a force.')
+        share = 'duty' if size <= LARGEST_DUTY else '%'
+        options = [(share, f'up to {size:.3g}'), ('N', f'a force of {size:.3g} N'),
+                   ('gf', f'a force of {size:.3g} g')]  # fmt: skip
+        kind = choices.decide(key, options, f'"thrust" up to {size:.3g} can be a share or a force.')
         why = choices.explain(key)
     kind = choices.override(key, kind)
-    field = {'rpm': 'velocity', 'rad/s': 'velocity'}.get(kind, field)
+    field = {'rpm': 'velocity', 'rad/s': 'velocity', 'deg': 'position', 'rad': 'position'}.get(
+        kind, field
+    )
     choices.add_reason('motors', columns, kind, why)
     scales: dict[str, dict[str, Any]] = {
         'duty': {}, 'N': {'unit': 'N'}, 'mN': {'unit': 'mN'}, '%': {'unit': '%'},
+        'gf': {'unit': 'N', 'scale': UNIT_WORDS['gf'][1]}, 'deg': {'unit': 'deg'}, 'rad': {'unit': 'rad'},
         'pulse': {'offset': -1000, 'over': 1000},
         'pulse about 1500': {'offset': -1500, 'over': 500}, 'of 255': {'over': 255},
         'of 65535': {'over': 65535}, 'rpm': {'unit': 'rpm'}, 'rad/s': {'unit': 'rad/s'},
@@ -175,17 +206,18 @@ def _judge_actuators(
     for unit in ('rpm', 'rad/s'):
         if unit in units or (unit == 'rpm' and 'rpm' in words):
             return unit, 'velocity', 'rotor speeds; add "thrust: [c0, c1, c2]" for a thrust law'
-    for unit in ('N', 'mN', '%'):
+    for unit in ('gf', 'N', 'mN', '%', 'deg', 'rad'):
         if unit in units:
             return unit, 'effort', 'the unit in the names'
     if words & ROTOR_SPEED_WORDS:
         return 'rad/s', 'velocity', 'the word speed'
     named_force = bool(words & (FORCES - {'thrust'})) and not words & {'pwm', 'duty', 'throttle'}
-    if size <= 1.05:
+    is_thrust = 'thrust' in words and not words & {'pwm', 'duty', 'motor', 'm'}
+    if is_thrust and size <= LARGEST_THRUST:
+        return '?', 'effort', ''
+    if size <= LARGEST_DUTY:
         if named_force:
             return 'N', 'effort', f'a word for force; up to {size:.3g}'
-        if 'thrust' in words and not words & {'pwm', 'duty', 'motor', 'm'}:
-            return '?', 'effort', ''
         return 'duty', 'effort', f'99 % are below {size:.3g}'
     busy = values[values > 0.0]
     if 800.0 <= float(np.median(busy)) <= 2200.0 and float(busy.max()) <= 2500.0:

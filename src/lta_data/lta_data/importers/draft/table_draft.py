@@ -22,6 +22,8 @@ from lta_data.interpretation.column_group import ATTITUDES, ColumnGroup, Columns
 from lta_data.interpretation.column_names import match_role, parse_column_name, UNIT_WORDS
 from lta_data.interpretation.commands import is_held
 from lta_data.interpretation.kinematics import find_sensor_axes, MotionEvidence, SENSOR_AXES
+import numpy as np
+import pandas as pd
 
 ROLE_TABLE_TOPICS: Final = {
     'truth': 'ground_truth/odom',
@@ -32,6 +34,7 @@ WRENCH_UNITS: Final = {'force': 'N', 'torque': 'N m'}
 INERTIAL_WORDS: Final = frozenset(
     ['imu', 'gyro', 'gyr', 'gyros', 'gyroscope', 'g', 'acc', 'accel', 'accelerometer']
 )
+SHARED_ROWS: Final = 0.1  # share of the rows of a sensor with a pose; fewer are coincidence
 MOTION_PARTS: Final = frozenset(['position', 'attitude', 'velocity'])
 Groups = dict[str, ColumnGroup]
 
@@ -77,17 +80,18 @@ def draft_table(
         whole = parse_column_name(name.replace('/', '_') + '_columns')
         singles = [single._replace(stem=(*whole.stem, *single.stem)) for single in singles
                    if single.stem] if len(table) > 2 else singles  # fmt: skip
+    numbers, at = _join_rows(groups, numbers, time)
     grouped = {column for group in groups for column in group.columns}
     times = [time.entry.get(key) for key in ('column', 'fraction')]
     arrays = [column for column in numbers if column not in (*grouped, *times)]
-    groups += find_state_vectors(arrays, numbers, time.seconds)
+    groups += find_state_vectors(arrays, numbers, at.seconds)
     candidates = groups
-    groups = choose_body(settle_kinds(groups, numbers, time.seconds), numbers, choices)
+    groups = choose_body(settle_kinds(groups, numbers, at.seconds), numbers, choices)
     lost = {c for one in candidates for c in one.columns if not one.kind} - {
         c for one in groups for c in one.columns
     }
     singles += [parse_column_name(column) for column in lost]
-    topics = _sort_groups(name, groups, table, choices)
+    topics = _sort_groups(name, groups, numbers, choices)
     entries: list[dict[str, Any]] = []
     axes = None
     inertial = topics.pop('imu', {})
@@ -103,7 +107,7 @@ def draft_table(
         )
         if (rates := borrowed.pop('rates', None)) is not None:
             borrowed['sensed'] = rates
-        drafted = _draft_topic(topic, members | borrowed, time, table, choices)
+        drafted = _draft_topic(topic, members | borrowed, at, numbers, choices)
         if topic != ROLE_TABLE_TOPICS['setpoint'] and primary is None:
             primary = drafted
             if drafted.turn is not None or drafted.evidence.position is not None:
@@ -112,8 +116,8 @@ def draft_table(
         if parts:
             entries.append({'topic': topic} | parts)
     if inertial:
-        entries.append(_draft_inertial(inertial, time, table, primary, axes, choices))
-        axes = axes or _inertial_axes(inertial, time, table, choices)
+        entries.append(_draft_inertial(inertial, at, numbers, primary, axes, choices))
+        axes = axes or _inertial_axes(inertial, at, numbers, choices)
     entries = [entry | ({'table': name} if name else {}) for entry in entries]
     taken = [column for group in groups for column in group.columns]
     rest = [single for single in singles if single.column not in (*times, *taken)]
@@ -121,6 +125,28 @@ def draft_table(
     used = {column for entry in entries for column in list_columns(entry)}
     unused = [c for c in table if c not in used and c not in times]
     return TableDraft(entries, time, axes, groups, unused, generic, primary)
+
+
+def _join_rows(
+    groups: Sequence[ColumnGroup], numbers: Columns, time: TimeBase
+) -> tuple[Columns, TimeBase]:
+    """
+    Return the rows with a pose, with the latest numbers of other sensors, and their times.
+
+    All rows, unless other sensors have rows of their own, as topics of a bag do in one table.
+    """
+    filled = {
+        kind: np.isfinite(one.stack(numbers)).all(axis=1)
+        for one in groups for kind in [one.kind] if len(one.columns) > 1
+    }  # fmt: skip
+    pose = next((filled[kind] for kind in (*ATTITUDES, 'position') if kind in filled), None)
+    if pose is None or all(
+        not rows.any() or (rows & pose).sum() > SHARED_ROWS * rows.sum() for rows in filled.values()
+    ):
+        return numbers, time
+    table = pd.DataFrame(dict(numbers)).ffill()[pose]
+    joined = {column: table[column].to_numpy() for column in table}
+    return joined, time._replace(seconds=time.seconds[pose])
 
 
 def _sort_groups(

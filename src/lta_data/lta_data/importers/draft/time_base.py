@@ -16,6 +16,7 @@ EPOCHS: Final = {'s': 1e9, 'ms': 1e12, 'us': 1e15, 'ns': 1e18}  # times since 19
 FRAMES: Final = frozenset(
     ['frame', 'frames', 'index', 'idx', 'row', 'sample', 'samples', 'unnamed']
 )
+REPEATED: Final = 0.3  # least share of rows in which a time rises
 RESTART: Final = 0.1  # of what passed; a time that falls back to less of it begins anew
 # Words for the parts of a time: whole seconds, and what is left of a second
 SECOND_WORDS: Final = frozenset(['s', 'sec', 'secs', 'second', 'seconds'])
@@ -160,6 +161,11 @@ def _find_time_column(table: Columns, groups: list[ColumnGroup]) -> str:
             return column
         if not dated and name.words & TIME_WORDS:
             return column
+    for column, cells in table.items():
+        named = parse_column_name(column).words & TIME_WORDS and column not in taken
+        # Rows that were written several times have one time
+        if named and cells.dtype.kind in 'fiu' and _rises(np.unique(cells)) and _repeats(cells):
+            return column
     numbers = [column for column in rising if table[column].dtype.kind in 'fiub']
     first = next(iter(table))
     # Without a name: the first column, if it rises evenly
@@ -170,6 +176,12 @@ def _rises(cells: Numbers) -> bool:
     """Return whether numbers rise nearly everywhere."""
     good = cells[np.isfinite(cells)]
     return len(good) > 1 and bool(np.mean(np.diff(good) > 0.0) > 0.9) and good[-1] > good[0]
+
+
+def _repeats(cells: Numbers) -> bool:
+    """Return whether times never fall, and rise at least in every third row."""
+    step = np.diff(cells)
+    return len(step) > 1 and bool((step >= 0.0).all() and np.mean(step > 0.0) > REPEATED)
 
 
 def _counts(column: str, cells: Numbers) -> bool:

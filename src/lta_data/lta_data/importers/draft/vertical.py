@@ -6,6 +6,7 @@ from typing import Final, final, NamedTuple
 from lta_config.schema.import_file import FIELD_AXES
 from lta_data.importers.axes import signed_permutation
 from lta_data.importers.draft.choices import DraftChoices
+from lta_data.importers.draft.column_groups import LENGTH_SCALES
 from lta_data.importers.protocol import Numbers
 from lta_data.interpretation.attitude_readings import (
     AttitudeReading,
@@ -278,6 +279,8 @@ SAME_ATTITUDE: Final = 3.0  # readings that differ by less are the same in this 
 EQUAL_SCORES: Final = 0.02  # scores of readings that agree equally well
 FORWARD_SHARE: Final = 0.85  # of the way is along one direction of the body of an airship
 AHEAD_WEIGHT: Final = 0.3  # weight of a motion along x, which tells a compass heading from a yaw
+DECIDING_LEAN: Final = 0.15  # more of the acceleration, that another reading must explain
+LEANING_ROWS: Final = 5000  # rows that are looked at
 FORWARDNESS_GAIN: Final = 0.15  # by which another reading must keep to its direction less
 
 
@@ -334,10 +337,18 @@ def choose_reading(
             why = "the convention of Crazyflie's firmware, whose pitch is positive nose up"
         elif level[0]:
             why = 'the first order that keeps the vehicle upright'
+        floats = choices.vehicle is not None and choices.vehicle.floats
+        leans = [0.0 if floats else _measure_lean(one, evidence) for one in readings]
+        leaning = int(np.argmax(leans))
         ways = [measure_forwardness(reading.turn, evidence) for reading in readings]
         forward = [steady + AHEAD_WEIGHT * ahead for steady, ahead in ways]
         best = int(np.argmax(forward))
-        if ways[best][0] > FORWARD_SHARE and forward[best] - forward[level[0]] > FORWARDNESS_GAIN:
+        if leans[leaning] > leans[level[0]] + DECIDING_LEAN:
+            first = readings[leaning]
+            why = f'the vehicle accelerates towards its tilt ({100 * leans[leaning]:.0f} %)'
+        elif leans[leaning] > DECIDING_LEAN:
+            why += f'; the vehicle accelerates towards its tilt ({100 * leans[leaning]:.0f} %)'
+        elif ways[best][0] > FORWARD_SHARE and forward[best] - forward[level[0]] > FORWARDNESS_GAIN:
             first = readings[best]
             why = f'the vehicle moves where it points ({100 * ways[best][0]:.0f} % of the way)'
         elif len(group.columns) == 3 and not _are_named(group):
@@ -354,6 +365,18 @@ def choose_reading(
             why = choices.explain(key)
     choices.add_reason(f'{topic}: orientation', group.columns, first.label, why)
     return first
+
+
+def _measure_lean(reading: AttitudeReading, evidence: MotionEvidence) -> float:
+    """Return the share of the horizontal acceleration, in any unit, that a tilt explains."""
+    if evidence.position is None:
+        return 0.0
+    rows = slice(0, min(LEANING_ROWS, len(reading.turn), len(evidence.position)))
+    fits = (
+        judge_tilt(reading.turn[rows], scale * evidence.position[rows], evidence.seconds[rows])
+        for scale in LENGTH_SCALES.values()
+    )
+    return max(fit.cosine**2 - reading.cost if way else 0.0 for way, fit in fits)
 
 
 def _are_named(group: ColumnGroup) -> bool:

@@ -17,6 +17,7 @@ from lta_data.importers.readers.column_log import Column
 from lta_data.importers.readers.mat_process import read_mat_arrays
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 MAX_MATRIX_COLUMNS = 64  # columns of a matrix; wider ones are images or maps
@@ -92,6 +93,15 @@ HDF5 = b'\x89HDF\r\n\x1a\n'
 READ = tuple[dict[str, dict[str, Column]], list[str]]  # tables, remarks
 
 
+def detect_arrays(head: bytes, suffix: str) -> str | None:
+    """Return the format of a file of arrays by its first bytes; None if it is another."""
+    if head.startswith(b'MATLAB 5.0') or HDF5 in head[:1024]:
+        return 'mat'
+    if head.startswith(b'\x93NUMPY') or (head.startswith(b'PK') and suffix == '.npz'):
+        return 'numpy'
+    return 'parquet' if head.startswith(b'PAR1') else None
+
+
 def read_mat_file(path: Path) -> READ:
     """
     Read a MATLAB file of version 5 or older.
@@ -103,8 +113,8 @@ def read_mat_file(path: Path) -> READ:
         head = stream.read(1024)
     if HDF5 in head or head[:19] == b'MATLAB 7.3 MAT-file':
         raise BadInput(
-            f"'{path}' is a MATLAB file of version 7.3 (HDF5), which LTA does not read; save it "
-            "with save(FILE, '-v7') in MATLAB."
+            f"'{path}' is HDF5, as MATLAB writes it since version 7.3, which LTA does not read; "
+            "save it with save(FILE, '-v7') in MATLAB, or with np.savez in Python."
         )
     return _require_tables(path, read_mat_arrays(path))
 
@@ -151,7 +161,9 @@ def read_parquet_file(path: Path) -> READ:
         raise
     except (pa.ArrowException, OSError, ValueError, MemoryError) as error:
         raise _damaged(path, 'Parquet', error) from None
-    columns = {}
+    while any(pa.types.is_struct(field.type) for field in table.schema):
+        table = table.flatten()
+    columns: dict[str, Column] = {}
     left_out = []
     for name in table.column_names:
         column = table.column(name)
@@ -159,12 +171,23 @@ def read_parquet_file(path: Path) -> READ:
             columns[name] = column.cast(pa.timestamp('ns')).cast(pa.int64()).to_numpy()
         elif pa.types.is_floating(column.type) or pa.types.is_integer(column.type):
             columns[name] = column.to_numpy()
+        elif parts := _split_columns(name, _stack_lists(column)):
+            columns |= parts
         else:
             left_out.append(name)
     notes = [f'Not numbers, and left out: {", ".join(left_out)}.'] if left_out else []
     if not columns or not table.num_rows:
         raise _empty(path)
     return {'': columns}, notes
+
+
+def _stack_lists(column: pa.ChunkedArray) -> Column:
+    """Return lists of equally many numbers as a matrix; empty for other cells."""
+    if isinstance(column.type, (pa.ListType, pa.LargeListType, pa.FixedSizeListType)):
+        lists = column.combine_chunks()
+        if not lists.null_count and len(pc.unique(pc.list_value_length(lists))) == 1:
+            return np.asarray(lists.flatten()).reshape(len(lists), -1)
+    return np.empty(0)
 
 
 def _name_array(array: Column) -> dict[str, Column]:

@@ -50,7 +50,7 @@ DATE: Final = re.compile(
 
 DOTTED: Final = re.compile(r'^(\d\d)\.(\d\d)\.(\d{4})(?=[T ])')  # as in 24.12.2026
 # A time of day without a date
-CLOCK_TIME: Final = re.compile(r'(\d\d?:\d\d:\d\d)(?:[.,](\d+))?')
+CLOCK_TIME: Final = re.compile(r'(\d\d?)(:\d\d:\d\d)(?:[.,](\d+))?(?:\s*([AaPp])\.?[Mm]\.?)?')
 
 
 class ParsedTimes(NamedTuple):
@@ -128,7 +128,10 @@ def split_date(text: str) -> tuple[str, str, str] | None:
     if match := DATE.fullmatch(text):
         return match[1], match[2] or '0', match[3]
     if match := CLOCK_TIME.fullmatch(text):
-        return f'1970-01-01T{match[1].zfill(8)}', match[2] or '0', 'Z'
+        hour = int(match[1])
+        if half := (match[4] or '').lower():  # noon is 12 PM, midnight 12 AM
+            hour = hour % 12 + 12 * (half == 'p')
+        return f'1970-01-01T{hour:02}{match[2]}', match[3] or '0', 'Z'
     return None
 
 

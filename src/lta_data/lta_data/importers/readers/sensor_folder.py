@@ -4,6 +4,7 @@ from pathlib import Path
 
 from lta_config.errors import BadInput, check_printable
 from lta_data.importers.readers.array_files import (
+    detect_arrays,
     READ,
     read_mat_file,
     read_numpy_file,
@@ -16,13 +17,10 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
 
-READERS = {
-    '.mat': read_mat_file,
-    '.npy': read_numpy_file,
-    '.npz': read_numpy_file,
-    '.parquet': read_parquet_file,
-}
+READERS = {'mat': read_mat_file, 'numpy': read_numpy_file, 'parquet': read_parquet_file}
+ARRAYS = ('.mat', '.npy', '.npz', '.parquet')
 RUN_ENDINGS = ('.ulg', '.bin', '.bag', '.mcap', '.db3')  # further formats with one run in a file
+HEAD_BYTES = 1024
 TEXTS = ('.csv', '.txt', '.tsv', '.dat', '.log')
 
 
@@ -53,25 +51,27 @@ def read_folder(path: Path) -> READ:
         notes += [f'{base}: {remark}' for remark in remarks]
     if not tables:
         raise BadInput(
-            f"Folder '{path}' contains no data file ({', '.join((*TEXTS, *READERS))}) and no bag; "
+            f"Folder '{path}' contains no data file ({', '.join((*TEXTS, *ARRAYS))}) and no bag; "
             'give a folder of logs.'
         )
     return tables, notes
 
 
 def read_table_file(path: Path) -> READ:
-    """Read one file by its suffix."""
-    return READERS.get(path.suffix.lower(), read_text_file)(path)
+    """Read one file of columns."""
+    with path.open('rb') as stream:
+        kind = detect_arrays(stream.read(HEAD_BYTES), path.suffix.lower())
+    return READERS.get(kind or '', read_text_file)(path)
 
 
 def list_data_files(path: Path) -> list[Path]:
     """Return the files of a folder that can be tables, sorted; hidden ones do not count."""
-    return _list_files(path, (*TEXTS, *READERS))
+    return _list_files(path, (*TEXTS, *ARRAYS))
 
 
 def list_run_files(path: Path) -> list[Path]:
     """Return the logs in a folder, sorted; hidden ones do not count."""
-    return _list_files(path, (*TEXTS, *READERS, *RUN_ENDINGS))
+    return _list_files(path, (*TEXTS, *ARRAYS, *RUN_ENDINGS))
 
 
 def list_run_folders(path: Path) -> list[Path]:
@@ -100,7 +100,7 @@ def describe_empty_files(path: Path) -> list[str]:
     used = list_run_files(path)
     names = [
         file.name
-        for file in _find_files(path, (*TEXTS, *READERS, *RUN_ENDINGS))
+        for file in _find_files(path, (*TEXTS, *ARRAYS, *RUN_ENDINGS))
         if file not in used
     ]
     return [f'Left out, as they hold no rows of numbers: {", ".join(names)}.'] if names else []
