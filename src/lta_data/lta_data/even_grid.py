@@ -13,6 +13,7 @@ from lta_config.errors import BadInput
 from lta_config.limits import GRID_POINTS
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.signal import fftconvolve
 
 NO_SAMPLES = np.empty(0)
 HOLES = 3.0  # grid points per sample, at most; more would be mostly gaps
@@ -179,6 +180,9 @@ def interpolate_on_grid(
     return table, inside & (width <= BRIDGED_PERIODS * median_period(time))
 
 
+LONG_KERNEL = 4096  # of times in a wrong unit; by Fourier transforms, it does not take minutes
+
+
 def hann_kernel(width: float, step: float) -> Array:
     """Return a Hann window of a width, normalised to one; of odd length, at least three."""
     # No signal has more samples within the width than the longest grid
@@ -193,7 +197,8 @@ def smooth_columns(table: Array, weights: Array) -> Array:
     # Padded by half the kernel, so that the result has the length of the table and no lag
     half = len(weights) // 2
     wide = np.pad(table, ((half, half), (0, 0)), mode='edge')
-    return np.stack([np.convolve(column, weights, mode='valid') for column in wide.T], axis=1)
+    convolve = np.convolve if len(weights) < LONG_KERNEL else fftconvolve
+    return np.stack([convolve(column, weights, mode='valid') for column in wide.T], axis=1)
 
 
 ROUNDING_SHARE = (

@@ -8,7 +8,7 @@ from typing import Final, final, NamedTuple
 UNIT_WORDS: Final[dict[str, tuple[str, float]]] = {
     'm': ('m', 1.0), 'mm': ('mm', 1.0), 'cm': ('cm', 1.0), 'meters': ('m', 1.0),
     'ft': ('m', 0.3048), 'feet': ('m', 0.3048), 'ft/s': ('m/s', 0.3048),
-    's': ('s', 1.0), 'sec': ('s', 1.0), 'ms': ('ms', 1.0), 'us': ('us', 1.0), 'ns': ('ns', 1.0),
+    's': ('s', 1.0), 'min': ('min', 1.0), 'sec': ('s', 1.0), 'ms': ('ms', 1.0), 'us': ('us', 1.0), 'ns': ('ns', 1.0),
     'rad': ('rad', 1.0), 'deg': ('deg', 1.0), 'degrees': ('deg', 1.0), '°': ('deg', 1.0),
     'm/s': ('m/s', 1.0), 'mps': ('m/s', 1.0), 'm s^-1': ('m/s', 1.0), 'mm/s': ('m/s', 0.001),
     'cm/s': ('m/s', 0.01), 'km/h': ('m/s', 1.0 / 3.6), 'rad/s': ('rad/s', 1.0), 'rad s^-1': ('rad/s', 1.0),
@@ -212,7 +212,7 @@ def _ends_with_unit(words: Sequence[str], end: str) -> bool:
     """Return whether the end of a name is the unit of what the words before it name."""
     if end in ENDINGS:
         return True
-    if end in ('m', 's'):  # x_m, t_s
+    if end in ('m', 's', 'min'):  # x_m, t_s
         return words[-1] in ({*AXIS_WORDS, *COMPASS} if end == 'm' else TIME_WORDS)
     unit = UNIT_WORDS[end][0]
     name = _find_axis('', words, '')

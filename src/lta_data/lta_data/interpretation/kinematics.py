@@ -84,7 +84,7 @@ class ScaleFit(NamedTuple):
 
 # Units of what a log states, by how many of them are one of SI
 UNIT_FACTORS: Final[dict[str, dict[str, float]]] = {
-    'rates': {'rad/s': 1.0, 'deg/s': 180.0 / np.pi, 'mrad/s': 1e3},
+    'rates': {'rad/s': 1.0, 'deg/s': 180.0 / np.pi, 'mrad/s': 1e3, 'mdeg/s': 180e3 / np.pi},
     'velocity': {'m/s': 1.0, 'mm/s': 1e3, 'cm/s': 100.0, 'km/h': 3.6},
     'force': {
         'm/s2': 1.0, 'g': 1.0 / STANDARD_GRAVITY, 'mg': 1e3 / STANDARD_GRAVITY, 'mm/s2': 1e3,

@@ -41,12 +41,15 @@ NORTH_EAST_DOWN: Final = ('n', 'e', 'd')
 EAST_NORTH_DOWN: Final = ('e', 'n', 'd')
 RADIANS_PER_DEGREE: Final = np.pi / 180.0
 UNIT_LOG_TOLERANCE: Final = 0.7  # logarithm of a factor, within which noise can move it
+COUNTS: Final = 'counts'  # of a sensor, whose scale the attitude shows
 UNRELATED: Final = 0.3  # explained share of a motion below which two contradict each other
 UNLIKE: Final = 1.3  # times as much unexplained decides between two frames
 # Between body and world axes; below it, the better of two is taken [deg]
 FRAMES_APART: Final = 15.0
 EXTENTS: Final = (0.3, 30.0)  # usual extents of a flight in a laboratory [m]
 IMPOSSIBLE: Final = 60.0  # speed of no vehicle in a laboratory [m/s]
+GRAVITY_TOLERANCE: Final = 0.12  # a slow vehicle accelerates little; 8192 is no number of mm/s2
+MOST_DEGREES: Final = 400.0  # of a roll or pitch; larger ones are in another unit
 FLIGHT_SPEEDS: Final = (0.02, 20.0)  # usual speeds of a vehicle in flight [m/s]
 
 
@@ -85,6 +88,11 @@ def draft_motion(
     scales = {'acceleration': _draft_acceleration(topic, groups, rows, parts, choices)}
     # Without gravity in it, an acceleration says nothing about the attitude
     felt = rows.get('acceleration') if scales['acceleration'] else None
+    if 'attitude' in groups and _are_no_angles(groups['attitude'], rows['attitude']):
+        choices.add_reason(f'{topic}: orientation', groups['attitude'].columns, 'left out',
+                           'its angles are larger than degrees can be; divide them first')  # fmt: skip
+        groups = {kind: one for kind, one in groups.items() if kind != 'attitude'}
+        rows = {kind: one for kind, one in rows.items() if kind != 'attitude'}
     place = _blank_lost_rows(rows)
     raw = MotionEvidence(
         seconds, place, rows.get('velocity'), rows.get('rates'), felt, rows.get('sensed')
@@ -133,6 +141,12 @@ def draft_motion(
     return MotionDraft(
         {name: parts[name] for name in order if name in parts}, si, turn, axes_named
     )
+
+
+def _are_no_angles(group: ColumnGroup, rows: Numbers) -> bool:
+    """Return whether angles can be neither radians nor degrees, as those in 0.01 degrees."""
+    sizes = np.nanpercentile(np.abs(rows), 99.0, axis=0)
+    return group.kind == 'euler' and len(sizes) == 3 and bool((sizes[:2] > MOST_DEGREES).any())
 
 
 def _turn_names(group: ColumnGroup) -> ColumnGroup:
@@ -219,14 +233,14 @@ def _draft_acceleration(
     if group is None:
         return 0.0
     felt = float(np.nanmedian(np.linalg.norm(rows['acceleration'], axis=1)))
-    if unit := find_gravity_unit(felt):
+    if unit := find_gravity_unit(felt, GRAVITY_TOLERANCE):
         scale = float(f'{1.0 / UNIT_FACTORS["force"][unit]:.12g}')
         parts['acceleration'] = _build_vector(group, 'm/s2', scale)
         choices.add_reason(f'{topic}: acceleration', group.columns, unit,
                            f'its median length {felt:.4g} is gravity in {unit}')  # fmt: skip
         return scale
     choices.add_reason(f'{topic}: acceleration', group.columns, 'left out',
-                       f'its median length is {felt:.3g}, so gravity is not in it')  # fmt: skip
+                       f'its median length {felt:.4g} is gravity in no usual unit')  # fmt: skip
     return 0.0
 
 
@@ -267,7 +281,8 @@ def _draft_rates(
                 unit = choices.decide(key, options, question)
                 why = choices.explain(key)
             elif far[unit] > UNIT_LOG_TOLERANCE:
-                question = f'The rates are {why}: the unit of time, angles or rates is another.'
+                options.insert(0, (COUNTS, f'{1.0 / fit.factor:.4g} rad/s each, by the attitude'))
+                question = f'The rates are {why}, as counts of a sensor, or with another time.'
                 unit = choices.decide(key, options, question)
                 why = choices.explain(key)
     if not unit and named:
@@ -282,7 +297,9 @@ def _draft_rates(
             unit = choices.decide(key, options, f'The rates reach {size:.3g}.')
     unit = choices.override(key, unit)
     scale = 1.0 / UNIT_FACTORS['rates'].get(unit, 1.0)
-    if unit == 'mrad/s':  # as stateEstimateZ of a Crazyflie
+    if unit == COUNTS:
+        scale = float(f'{1.0 / fit.factor:.6g}')
+    if unit in ('mrad/s', 'mdeg/s', COUNTS):  # as stateEstimateZ of a Crazyflie
         parts['rates'] = _build_vector(group, 'rad/s', scale)
     else:
         parts['rates'] = _build_vector(group, unit)

@@ -13,6 +13,9 @@ import numpy as np
 
 LOG_RATES: Final = (0.5, 3000.0)  # of samples that a flight log has [Hz]
 EPOCHS: Final = {'s': 1e9, 'ms': 1e12, 'us': 1e15, 'ns': 1e18}  # times since 1970, at least
+LONG_UNITS: Final = ('min', 'h', 'd')
+DAYS: Final = (30_000, 60_000)  # of today, in spreadsheets
+FIRST_DAY: Final = 25_569  # of 1970 in spreadsheets
 FRAMES: Final = frozenset(
     ['frame', 'frames', 'index', 'idx', 'row', 'sample', 'samples', 'unnamed']
 )
@@ -214,6 +217,8 @@ def _read_time_column(
             for one in fitting or EPOCHS
         ]
         question = 'The rate of the rows is plausible in each unit.'
+        if not fitting:
+            question = 'In no unit is the rate of the rows that of a flight log.'
         if len(fitting) == 1:
             question = 'The unit in the name gives a rate of the rows that no flight log has.'
         unit = choices.decide(key, options, question)
@@ -224,6 +229,8 @@ def _read_time_column(
     first = cells[np.isfinite(cells)][0]
     scale = SI_UNITS[unit][1]
     entry = {'column': column, 'unit': unit}
+    if unit == 'd' and DAYS[0] < first < DAYS[1]:
+        entry['start'] = f'-{FIRST_DAY} d'
     return TimeBase((cells - first) * scale, entry, float(first) * scale)
 
 
@@ -233,11 +240,13 @@ def _find_time_unit(
     """Return the unit of times and the reason; '' if several fit."""
     named = UNIT_WORDS.get(parse_column_name(column).unit, ('',))[0]
     fitting = _list_units(cells)
-    if named in EPOCHS:
+    if named in (*EPOCHS, *LONG_UNITS):
         # A name may be wrong: no flight log has a row every 20 s
         doubtful = fitting and named not in fitting
         return ('', '') if doubtful else (named, 'the unit in the name')
     first = float(cells[np.isfinite(cells)][0])
+    if 'd' in fitting and DAYS[0] < first < DAYS[1]:
+        return 'd', 'days since 1900, as in spreadsheets'
     for unit, least in EPOCHS.items():
         if least <= first < least * 10.0:
             return unit, 'the size of a time since 1970'
@@ -255,9 +264,11 @@ def _find_time_unit(
 def _list_units(cells: Numbers) -> list[str]:
     """Return the units in which the rate of the rows is that of a flight log."""
     step = _median_step(cells)
-    return [
-        unit for unit in EPOCHS if LOG_RATES[0] <= 1.0 / (step * SI_UNITS[unit][1]) <= LOG_RATES[1]
-    ]
+    usual, long = (
+        [one for one in units if LOG_RATES[0] <= 1.0 / (step * SI_UNITS[one][1]) <= LOG_RATES[1]]
+        for units in (EPOCHS, LONG_UNITS)
+    )
+    return usual or long
 
 
 def _median_step(cells: Numbers) -> float:

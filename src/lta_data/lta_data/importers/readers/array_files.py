@@ -113,8 +113,8 @@ def read_mat_file(path: Path) -> READ:
         head = stream.read(1024)
     if HDF5 in head or head[:19] == b'MATLAB 7.3 MAT-file':
         raise BadInput(
-            f"'{path}' is HDF5, as MATLAB writes it since version 7.3, which LTA does not read; "
-            "save it with save(FILE, '-v7') in MATLAB, or with np.savez in Python."
+            f"'{path}' is HDF5, such as a MATLAB file of version 7.3, which LTA does not "
+            "read; save it with save(FILE, '-v7') in MATLAB, or with np.savez in Python."
         )
     return _require_tables(path, read_mat_arrays(path))
 
