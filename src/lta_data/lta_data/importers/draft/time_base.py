@@ -13,9 +13,9 @@ import numpy as np
 
 LOG_RATES: Final = (0.5, 3000.0)  # of samples that a flight log has [Hz]
 EPOCHS: Final = {'s': 1e9, 'ms': 1e12, 'us': 1e15, 'ns': 1e18}  # times since 1970, at least
-LONG_UNITS: Final = ('min', 'h', 'd')
-DAYS: Final = (30_000, 60_000)  # of today, in spreadsheets
-FIRST_DAY: Final = 25_569  # of 1970 in spreadsheets
+LONG_UNITS: Final = ('min', 'h')
+DAYS: Final = ((30_000, 60_000), (720_000, 760_000))  # of today, in spreadsheets and MATLAB
+DAY: Final = 86_400.0  # s
 FRAMES: Final = frozenset(
     ['frame', 'frames', 'index', 'idx', 'row', 'sample', 'samples', 'unnamed']
 )
@@ -229,8 +229,6 @@ def _read_time_column(
     first = cells[np.isfinite(cells)][0]
     scale = SI_UNITS[unit][1]
     entry = {'column': column, 'unit': unit}
-    if unit == 'd' and DAYS[0] < first < DAYS[1]:
-        entry['start'] = f'-{FIRST_DAY} d'
     return TimeBase((cells - first) * scale, entry, float(first) * scale)
 
 
@@ -245,8 +243,13 @@ def _find_time_unit(
         doubtful = fitting and named not in fitting
         return ('', '') if doubtful else (named, 'the unit in the name')
     first = float(cells[np.isfinite(cells)][0])
-    if 'd' in fitting and DAYS[0] < first < DAYS[1]:
-        return 'd', 'days since 1900, as in spreadsheets'
+    per_second = 1.0 / (_median_step(cells) * DAY)
+    are_days = any(low < first < high for low, high in DAYS)
+    if are_days and not {*fitting} & {*EPOCHS} and LOG_RATES[0] <= per_second <= LOG_RATES[1]:
+        raise BadInput(
+            f"Column '{column}' counts days ({first:.6f}), as spreadsheets and MATLAB do; multiply "
+            'what has passed since its first row by 86400, which gives seconds.'
+        )
     for unit, least in EPOCHS.items():
         if least <= first < least * 10.0:
             return unit, 'the size of a time since 1970'

@@ -113,7 +113,7 @@ def read_mat_file(path: Path) -> READ:
         head = stream.read(1024)
     if HDF5 in head or head[:19] == b'MATLAB 7.3 MAT-file':
         raise BadInput(
-            f"'{path}' is HDF5, such as a MATLAB file of version 7.3, which LTA does not "
+            f"'{path}' is a MATLAB file of version 7.3 or another HDF5 file, which LTA does not "
             "read; save it with save(FILE, '-v7') in MATLAB, or with np.savez in Python."
         )
     return _require_tables(path, read_mat_arrays(path))

@@ -1,5 +1,6 @@
 """Read a folder with one file for each sensor: each file is a table."""
 
+from contextlib import suppress
 from pathlib import Path
 
 from lta_config.errors import BadInput, check_printable
@@ -147,14 +148,9 @@ def _to_numbers(cells: pa.ChunkedArray) -> Column | None:
     """Return a column as numbers, as texts if they are dates, or None if most are words."""
     texts = pc.utf8_trim_whitespace(cells.cast(pa.string()))
     texts = pc.if_else(pc.equal(texts, ''), None, texts)
-    try:
-        return (
-            np.asarray(pc.cast(texts, pa.int64()).to_numpy())
-            if not texts.null_count
-            else (pc.cast(texts, pa.float64()).to_numpy())
-        )
-    except pa.ArrowInvalid:
-        pass
+    for kind in (pa.float64(),) if texts.null_count else (pa.int64(), pa.float64()):
+        with suppress(pa.ArrowInvalid):
+            return np.asarray(pc.cast(texts, kind).to_numpy())
     numbers = np.array([_parse(cell) for cell in texts.to_pylist()])
     if np.isfinite(numbers).mean() > 0.5:
         return numbers

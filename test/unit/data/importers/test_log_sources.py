@@ -1,0 +1,242 @@
+"""
+Logs that tools export: rows of several topics, doubled rows, poses as matrices, lists, counts.
+
+Each is drafted from names and motion, imported, and compared with the flight that it was written
+from; where nothing tells a reading, the draft asks or leaves it out.
+"""
+
+from pathlib import Path
+
+from lta_config.errors import BadInput
+from lta_data.bag.reader import read_bag
+from lta_data.bag.recorded_flight import open_flight
+from lta_data.importers.draft.draft_mapping import draft_mapping
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+from scipy.spatial.transform import Rotation
+import yaml
+
+from .lab_flights import lab_flight, three, write_csv
+from .test_log_conventions import (
+    angles,
+    Array,
+    DEGREES,
+    Flight,
+    import_draft,
+    place,
+    quaternion,
+    timed,
+    turned,
+    world_velocity,
+)
+
+
+def draft_topics(source: Path, **answers: str) -> tuple[dict[str, object], list[str]]:
+    """Return the entries of a draft by topic, and the keys of its questions."""
+    draft = draft_mapping(source, answers)
+    topics = {one['topic']: one for one in yaml.safe_load(draft.text)['topics']}
+    return topics, [one.key for one in draft.choices.questions]
+
+
+def check_flight(source: Path, f: Flight, folder: Path, **answers: str) -> None:
+    """Import a log by its draft, and compare place and attitude with those that were flown."""
+    draft = draft_mapping(source, answers)
+    assert draft.choices.questions == []
+    series = import_draft(draft, source, folder)
+    rows = np.round((series.time - series.time[0]) / 0.02).astype(int)
+    np.testing.assert_allclose(series.vector('pose.pose.position'), f['p'][rows], atol=0.01)
+    attitude = Rotation.from_quat(series.vector('pose.pose.orientation'))
+    assert np.degrees((attitude.inv() * turned(f)[rows]).magnitude()).max() < 1.0
+
+
+def interleave(first: dict[str, Array], second: dict[str, Array]) -> dict[str, Array]:
+    """Return columns in which every other row has the numbers of one sensor alone."""
+    count = len(next(iter(first.values())))
+    out = {}
+    for columns, offset in ((first, 0), (second, 1)):
+        for name, values in columns.items():
+            out[name] = np.full(2 * count, np.nan)
+            out[name][offset::2] = values
+    return out
+
+
+def test_the_topics_of_one_table_may_have_rows_of_their_own(tmp_path: Path) -> None:
+    """As PlotJuggler exports them; world to body attitudes need the gyroscope beside them."""
+    f = lab_flight()
+    sensed = three('/imu/angular_velocity/', f['w']) | three('/imu/linear_acceleration/', f['a'])
+    pose = place(f, '/mocap/position/') | three(
+        '/mocap/orientation/', f['q'] * [-1.0, -1.0, -1.0, 1.0], 'xyzw'
+    )
+    table = {'__time': np.sort(np.r_[f['t'], f['t'] + 0.004])} | interleave(pose, sensed)
+    check_flight(write_csv(tmp_path / 'log.csv', table), f, tmp_path)
+    imu = open_flight(read_bag(tmp_path / 'out' / 'bag'), None).read_series('imu')
+    np.testing.assert_allclose(imu.vector('angular_velocity'), f['w'], atol=1e-4)
+
+
+def test_rows_that_were_written_twice_have_one_time(tmp_path: Path) -> None:
+    f = lab_flight()
+    table = timed(f) | place(f) | quaternion(f)
+    twice = {name: np.repeat(values, 2) for name, values in table.items()}
+    check_flight(write_csv(tmp_path / 'log.csv', twice), f, tmp_path)
+
+
+def test_rows_of_twelve_numbers_are_poses_as_matrices(tmp_path: Path) -> None:
+    """As KITTI and evo write them."""
+    f = lab_flight()
+    rows = np.concatenate([turned(f).as_matrix(), f['p'][:, :, None]], axis=2).reshape(-1, 12)
+    source = tmp_path / 'poses.txt'
+    np.savetxt(source, rows, '%.9f')
+    assert [one.key for one in draft_mapping(source, {}).choices.questions] == ['time.rate']
+    check_flight(source, f, tmp_path, **{'time.rate': '50'})
+
+
+@pytest.mark.parametrize('name', ['altitude (ft)', 'alt_ft'])
+def test_an_altitude_may_be_in_feet_beside_metres(name: str, tmp_path: Path) -> None:
+    f = lab_flight()
+    table = timed(f, x=f['p'][:, 0], y=f['p'][:, 1]) | {name: f['p'][:, 2] / 0.3048}
+    check_flight(write_csv(tmp_path / 'log.csv', table | quaternion(f)), f, tmp_path)
+
+
+def test_of_two_altitudes_that_move_alike_one_is_taken(tmp_path: Path) -> None:
+    f = lab_flight()
+    fix = {'lat': 47.4 + f['p'][:, 1] / 111_182.0, 'lon': 8.5 + f['p'][:, 0] / 75_489.0}
+    heights = {'alt_msl': f['p'][:, 2] + 408.0, 'alt_rel': f['p'][:, 2]}
+    source = tmp_path / 'log.csv'
+    table = timed(f) | fix | heights | quaternion(f)
+    rows = zip(*(values.tolist() for values in table.values()), strict=True)
+    source.write_text('\n'.join([','.join(table), *(','.join(map(repr, row)) for row in rows)]))
+    f['p'] = f['p'] - f['p'][0]
+    check_flight(source, f, tmp_path)
+
+
+def quad_flight() -> Flight:
+    """Return a figure of eight in which a rotorcraft leans towards its acceleration."""
+    t = np.arange(0.0, 40.0, 0.02)
+    p = np.column_stack([1.5 * np.sin(0.8 * t), 0.8 * np.sin(1.6 * t), 1.2 + 0.2 * np.sin(0.4 * t)])
+    pull = np.gradient(np.gradient(p, t, axis=0), t, axis=0)
+    lean = np.arctan2(pull, 9.80665)
+    rpy = np.column_stack([-lean[:, 1], lean[:, 0], 0.02 * np.sin(0.1 * t)])
+    return {'t': t, 'p': p, 'q': Rotation.from_euler('ZYX', rpy[:, ::-1]).as_quat(), 'rpy': rpy}
+
+
+@pytest.mark.parametrize('signs', [(1, 1, 1), (1, -1, 1)])
+def test_a_rotorcraft_accelerates_towards_its_tilt(
+    signs: tuple[int, ...], tmp_path: Path
+) -> None:
+    """The sign of its pitch needs no gyroscope."""
+    f = quad_flight()
+    source = write_csv(tmp_path / 'log.csv', timed(f) | place(f) | angles(f, signs=signs))
+    check_flight(source, f, tmp_path)
+
+
+def test_integers_of_a_crazyflie_are_in_millimetres(tmp_path: Path) -> None:
+    f = lab_flight()
+    names = 'stabilizer.roll stabilizer.pitch stabilizer.yaw'
+    table = {'timestamp': np.round(1e3 * f['t']) + 99.0} | angles(f, names, (1, -1, 1))
+    far = {**f, 'p': 4.0 * f['p']}  # 10 m in centimetres would be a flight, too
+    table |= place(far, 'stateEstimateZ.', 1e3)
+    check_flight(write_csv(tmp_path / 'log.csv', table), far, tmp_path)
+
+
+def test_times_may_be_minutes_or_of_the_morning(tmp_path: Path) -> None:
+    f = lab_flight()
+    rest = place(f) | quaternion(f)
+    clocks = {
+        'time_min': [f'{one / 60.0:.9f}' for one in f['t']],
+        'Time of day': [f'11:59:{one + 40.0:.3f} AM' if one < 20.0 else
+                        f'12:00:{one - 20.0:06.3f} PM' for one in f['t']],
+    }  # fmt: skip
+    for name, cells in clocks.items():
+        rows = zip(cells, *(map(repr, values.tolist()) for values in rest.values()), strict=True)
+        source = tmp_path / f'{name}.csv'
+        source.write_text('\n'.join([','.join([name, *rest]), *map(','.join, rows)]))
+        folder = tmp_path / name
+        folder.mkdir()
+        check_flight(source, f, folder)
+
+
+@pytest.mark.parametrize('first', [46_082.5, 739_678.5])
+def test_days_are_refused_with_the_way_to_seconds(first: float, tmp_path: Path) -> None:
+    f = lab_flight()
+    days = [f'{first + one / 86_400.0:.12f}' for one in f['t']]
+    rows = zip(days, *(map(repr, values.tolist()) for values in place(f).values()), strict=True)
+    source = tmp_path / 'log.csv'
+    source.write_text('\n'.join(['Time,x,y,z', *map(','.join, rows)]))
+    with pytest.raises(BadInput, match=r"'Time' counts days .* by 86400"):
+        draft_mapping(source, {})
+
+
+def test_counts_of_a_gyroscope_are_scaled_by_the_attitude(tmp_path: Path) -> None:
+    f = lab_flight()
+    for factor, asked in ((1e3 * DEGREES, []), (65.5 * DEGREES, ['imu.rates.unit'])):
+        sensed = three('gyro_', np.round(factor * f['w'])) | three('acc_', np.round(8192 * f['a']))
+        source = write_csv(tmp_path / 'log.csv', timed(f) | place(f) | quaternion(f) | sensed)
+        answers = dict.fromkeys(asked, 'counts')
+        assert draft_topics(source)[1] == asked
+        entry = draft_topics(source, **answers)[0]['imu']
+        assert isinstance(entry, dict)
+        assert entry['rates']['unit'] == 'rad/s'
+        assert entry['rates']['scale'] * factor == pytest.approx(1.0, rel=0.01)
+        # 8192 is gravity in counts, and no acceleration in mm/s2
+        assert 'acceleration' not in entry
+
+
+def test_angles_in_hundredths_of_a_degree_are_left_out(tmp_path: Path) -> None:
+    f = lab_flight()
+    table = timed(f) | place(f) | angles(f, scale=100.0 * DEGREES)
+    topics, _ = draft_topics(write_csv(tmp_path / 'log.csv', table))
+    assert [*topics['ground_truth/odom']] == ['topic', 'position']  # type: ignore[misc]
+
+
+def test_duties_and_thrusts_of_the_same_rotors_are_asked_about(tmp_path: Path) -> None:
+    f = lab_flight()
+    duty = 0.5 + 0.4 * np.sin(np.outer(f['t'], [0.3, 0.4]))
+    table = timed(f) | place(f) | quaternion(f)
+    table |= {f'm{k + 1}': np.round(65_535 * duty[:, k]) for k in range(2)}
+    table |= {f'thrust{k + 1}_g': 15.0 * duty[:, k] for k in range(2)}
+    source = write_csv(tmp_path / 'log.csv', table)
+    topics, asked = draft_topics(source)
+    assert asked == ['motors.columns']
+    assert topics['motors']['actuators'] == {  # type: ignore[index]
+        f'm{k}': {'effort': {'column': f'm{k}', 'over': 65535}} for k in (1, 2)
+    }
+    topics, _ = draft_topics(source, **{'motors.columns': 'thrust1_g'})
+    (first, _) = topics['motors']['actuators'].values()  # type: ignore[index]
+    assert first == {'effort': {'column': 'thrust1_g', 'unit': 'N', 'scale': 0.00980665}}
+
+
+def test_servos_in_degrees_stand_beside_motors(tmp_path: Path) -> None:
+    f = lab_flight()
+    table = timed(f) | place(f) | quaternion(f)
+    table |= {'servo1_deg': 90.0 + 30.0 * np.sin(f['t']), 'motor_left': 0.5 + 0.4 * np.sin(f['t'])}
+    topics, asked = draft_topics(write_csv(tmp_path / 'log.csv', table))
+    assert asked == []
+    assert topics['motors']['actuators'] == {  # type: ignore[index]
+        'left': {'effort': {'column': 'motor_left'}},
+        'servo1_deg': {'position': {'column': 'servo1_deg', 'unit': 'deg'}},
+    }
+
+
+def test_lists_and_structs_of_a_parquet_table_are_columns(tmp_path: Path) -> None:
+    f = lab_flight()
+    pose = [{'position': p, 'orientation': q}
+            for p, q in zip(f['p'].tolist(), f['q'].tolist(), strict=True)]  # fmt: skip
+    source = tmp_path / 'log.data'  # its content says what it is
+    pq.write_table(pa.table({'t': f['t'], 'pose': pose}), source)
+    check_flight(source, f, tmp_path)
+
+
+def test_json_is_refused_with_the_remedy(tmp_path: Path) -> None:
+    source = tmp_path / 'log.jsonl'
+    source.write_text('{"t": 0.0, "x": 1.0}\n{"t": 0.1, "x": 1.1}\n')
+    with pytest.raises(BadInput, match=r'is JSON; write it as a table'):
+        draft_mapping(source, {})
+
+
+def test_a_velocity_in_world_axes_says_the_unit_of_feet(tmp_path: Path) -> None:
+    f = lab_flight()
+    feet = {f'{axis} [ft]': f['p'][:, k] / 0.3048 for k, axis in enumerate('xyz')}
+    table = timed(f) | feet | quaternion(f) | three('v', world_velocity(f))
+    check_flight(write_csv(tmp_path / 'log.csv', table), f, tmp_path)
