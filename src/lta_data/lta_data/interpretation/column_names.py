@@ -8,10 +8,12 @@ from typing import Final, final, NamedTuple
 UNIT_WORDS: Final[dict[str, tuple[str, float]]] = {
     'm': ('m', 1.0), 'mm': ('mm', 1.0), 'cm': ('cm', 1.0), 'meters': ('m', 1.0),
     'ft': ('m', 0.3048), 'feet': ('m', 0.3048), 'ft/s': ('m/s', 0.3048),
-    's': ('s', 1.0), 'min': ('min', 1.0), 'sec': ('s', 1.0), 'ms': ('ms', 1.0), 'us': ('us', 1.0), 'ns': ('ns', 1.0),
+    's': ('s', 1.0), 'sec': ('s', 1.0), 'ms': ('ms', 1.0), 'us': ('us', 1.0), 'ns': ('ns', 1.0),
+    'min': ('min', 1.0),
     'rad': ('rad', 1.0), 'deg': ('deg', 1.0), 'degrees': ('deg', 1.0), '°': ('deg', 1.0),
     'm/s': ('m/s', 1.0), 'mps': ('m/s', 1.0), 'm s^-1': ('m/s', 1.0), 'mm/s': ('m/s', 0.001),
-    'cm/s': ('m/s', 0.01), 'km/h': ('m/s', 1.0 / 3.6), 'rad/s': ('rad/s', 1.0), 'rad s^-1': ('rad/s', 1.0),
+    'cm/s': ('m/s', 0.01), 'km/h': ('m/s', 1.0 / 3.6),
+    'rad/s': ('rad/s', 1.0), 'rad s^-1': ('rad/s', 1.0),
     'radps': ('rad/s', 1.0), 'deg/s': ('deg/s', 1.0), 'dps': ('deg/s', 1.0),
     'degps': ('deg/s', 1.0), '°/s': ('deg/s', 1.0), 'rpm': ('rpm', 1.0),
     'm/s2': ('m/s2', 1.0), 'm/s^2': ('m/s2', 1.0), 'm s^-2': ('m/s2', 1.0),
@@ -30,8 +32,8 @@ UNIT_WORDS: Final[dict[str, tuple[str, float]]] = {
 FORCE_UNITS: Final = ('N', 'mN', 'N m', 'mN m')
 # Words at the end of a name that are units, not axes or quantities
 ENDINGS: Final = frozenset([
-    'mm', 'cm', 'ft', 'feet', 'ms', 'us', 'ns', 'sec', 'rad', 'deg', 'degrees', 'mps', 'radps', 'dps', 'degps',
-    'rpm', 'mss', 'mv', 'volts', 'ma', 'pa', 'hpa', 'mbar', 'percent',
+    'mm', 'cm', 'ft', 'feet', 'ms', 'us', 'ns', 'sec', 'rad', 'deg', 'degrees', 'mps', 'radps',
+    'dps', 'degps', 'rpm', 'mss', 'mv', 'volts', 'ma', 'pa', 'hpa', 'mbar', 'percent',
 ])  # fmt: skip
 AXIS_WORDS: Final = frozenset(['x', 'y', 'z', 'w', 'n', 'e', 'd', 'i', 'j', 'k'])
 ANGLE_WORDS: Final = {

@@ -185,3 +185,47 @@ def test_which_block_of_values_commands_is_asked(tmp_path):
     assert 'motors' not in draft.text
     draft = draft_mapping(tmp_path / 'a.mcap', {'commands.table': '/cf7/block'})
     assert yaml.safe_load(draft.text)['topics'][1]['table'] == '/cf7/block'
+
+
+def test_an_imu_of_a_bag_is_read_as_the_pose_beside_it_turns(tmp_path, bring):
+    """In deg/s and g, down and to the right, at twice the rate of the poses."""
+    f = lab_flight()
+    down = np.array([1.0, -1.0, -1.0])
+    vector = RULE + 'geometry_msgs/Vector3\nfloat64 x\nfloat64 y\nfloat64 z'
+    imu = 'std_msgs/Header header\ngeometry_msgs/Quaternion orientation\n' + '\n'.join(
+        f'float64[9] {name}_covariance' + f'\ngeometry_msgs/Vector3 {following}' * bool(following)
+        for name, following in (('orientation', 'angular_velocity'),
+                                ('angular_velocity', 'linear_acceleration'),
+                                ('linear_acceleration', ''))
+    ) + vector + QUATERNION + HEADER  # fmt: skip
+    source = tmp_path / 'log.mcap'
+    with source.open('wb') as stream:
+        writer = Writer(stream)
+        posed = writer.register_msgdef(
+            'geometry_msgs/msg/PoseStamped',
+            'std_msgs/Header header\ngeometry_msgs/Pose pose' + POSE + HEADER,
+        )
+        sensed = writer.register_msgdef('sensor_msgs/msg/Imu', imu)
+        unknown = {f'{name}_covariance': [0.0] * 9 for name in (
+            'orientation', 'angular_velocity', 'linear_acceleration')}  # fmt: skip
+        for k, time in enumerate(f['t']):
+            head, at = stamp(time)
+            writer.write_message('/mocap/pose', posed, {'header': head, 'pose': {
+                'position': named('xyz', f['p'][k]), 'orientation': named('xyzw', f['q'][k])}},
+                at, at)  # fmt: skip
+            for late in (0.0, 0.01):
+                head, at = stamp(time + late)
+                writer.write_message('/imu/data', sensed, unknown | {
+                    'header': head, 'orientation': named('xyzw', [0.0, 0.0, 0.0, 1.0]),
+                    'angular_velocity': named('xyz', np.degrees(f['w'][k]) * down),
+                    'linear_acceleration': named('xyz', f['a'][k] * down / 9.80665),
+                }, at, at)  # fmt: skip
+        writer.finish()
+    draft = draft_mapping(source, {})
+    assert draft.choices.questions == []
+    read = bring(source, draft.text)
+    turned = [message.angular_velocity for message in read.messages['/lta1/imu']]
+    felt = [message.linear_acceleration for message in read.messages['/lta1/imu']]
+    axes = attrgetter('x', 'y', 'z')
+    np.testing.assert_allclose([*map(axes, turned)], np.repeat(f['w'], 2, axis=0), atol=1e-6)
+    np.testing.assert_allclose([*map(axes, felt)], np.repeat(f['a'], 2, axis=0), atol=1e-6)

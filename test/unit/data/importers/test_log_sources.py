@@ -70,7 +70,9 @@ def test_the_topics_of_one_table_may_have_rows_of_their_own(tmp_path: Path) -> N
         '/mocap/orientation/', f['q'] * [-1.0, -1.0, -1.0, 1.0], 'xyzw'
     )
     table = {'__time': np.sort(np.r_[f['t'], f['t'] + 0.004])} | interleave(pose, sensed)
-    check_flight(write_csv(tmp_path / 'log.csv', table), f, tmp_path)
+    source = write_csv(tmp_path / 'log.csv', table)
+    source.write_text(source.read_text().replace('nan', ''))
+    check_flight(source, f, tmp_path)
     imu = open_flight(read_bag(tmp_path / 'out' / 'bag'), None).read_series('imu')
     np.testing.assert_allclose(imu.vector('angular_velocity'), f['w'], atol=1e-4)
 
@@ -114,7 +116,9 @@ def test_of_two_altitudes_that_move_alike_one_is_taken(tmp_path: Path) -> None:
 def quad_flight() -> Flight:
     """Return a figure of eight in which a rotorcraft leans towards its acceleration."""
     t = np.arange(0.0, 40.0, 0.02)
-    p = np.column_stack([1.5 * np.sin(0.8 * t), 0.8 * np.sin(1.6 * t), 1.2 + 0.2 * np.sin(0.4 * t)])
+    p = np.column_stack(
+        [1.5 * np.sin(0.8 * t), 0.8 * np.sin(1.6 * t), 1.2 + 0.2 * np.sin(0.4 * t)]
+    )
     pull = np.gradient(np.gradient(p, t, axis=0), t, axis=0)
     lean = np.arctan2(pull, 9.80665)
     rpy = np.column_stack([-lean[:, 1], lean[:, 0], 0.02 * np.sin(0.1 * t)])
@@ -122,9 +126,7 @@ def quad_flight() -> Flight:
 
 
 @pytest.mark.parametrize('signs', [(1, 1, 1), (1, -1, 1)])
-def test_a_rotorcraft_accelerates_towards_its_tilt(
-    signs: tuple[int, ...], tmp_path: Path
-) -> None:
+def test_a_rotorcraft_accelerates_towards_its_tilt(signs: tuple[int, ...], tmp_path: Path) -> None:
     """The sign of its pitch needs no gyroscope."""
     f = quad_flight()
     source = write_csv(tmp_path / 'log.csv', timed(f) | place(f) | angles(f, signs=signs))

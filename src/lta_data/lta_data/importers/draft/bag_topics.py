@@ -13,8 +13,9 @@ from lta_data.importers.draft.choices import BODY_AXES, DraftChoices
 from lta_data.importers.draft.clock_alignment import TimedTable
 from lta_data.importers.draft.command_motion import ask_for_columns
 from lta_data.importers.draft.motion_draft import draft_motion, MotionDraft
+from lta_data.importers.draft.motion_kinds import MIN_MOTION_ROWS
 from lta_data.importers.draft.scalar_draft import draft_scalars
-from lta_data.importers.draft.table_draft import draft_table
+from lta_data.importers.draft.table_draft import draft_inertial, draft_table
 from lta_data.importers.draft.time_base import TimeBase
 from lta_data.importers.draft.vertical import CONFLICT, find_axes, VerticalAxes
 from lta_data.importers.entry_plan import MESSAGE_SHAPES
@@ -31,6 +32,7 @@ from lta_data.interpretation.column_names import (
     parse_column_name,
     TIME_WORDS,
 )
+from lta_data.interpretation.kinematics import AGREEING_SHARE, find_sensor_axes
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -93,9 +95,10 @@ def draft_bag_topics(path: Path, choices: DraftChoices) -> BagDraft:
     poses = {ours: name for ours, name in chosen.items() if ours in ROLE_TOPICS.values()}
     if poses and not commands and 'wrench_command' not in chosen:
         commands = _ask_for_commands(types, choices)
-    read = [name for ours, name in chosen.items() if ours in (*poses, 'wrench_command')]
+    read = [name for ours, name in chosen.items() if ours in (*poses, 'wrench_command', 'imu')]
     tables, foreign = _replace_foreign_stamps(read_tables(path, [*read, *commands]), choices)
     entries, groups, tracked = [], dict[str, list[ColumnGroup]](), None
+    inertial: dict[str, Any] = {}
     # ROS states metres and z up; a log shows where that is not so
     choices.settled.setdefault('position.unit', 'm')
     choices.settled.setdefault(CONFLICT, 'up')
@@ -111,8 +114,13 @@ def draft_bag_topics(path: Path, choices: DraftChoices) -> BagDraft:
             drafted, axes = _draft_pose(ours, pose_groups, tables[name], choices)
             entry |= _list_differences(drafted, axes)
             if tracked is None and ours != ROLE_TOPICS['setpoint']:
+                inertial = _draft_inertial(
+                    chosen.get('imu', ''), name, tables, drafted, axes, choices
+                )
                 tracked = _place_in_our_axes(name, tables[name], drafted, axes)
         entries.append(entry)
+    for entry in entries:
+        entry |= inertial if entry['topic'] == 'imu' else {}
     if not poses:
         entries += _draft_nameless(path, types, [*chosen.values(), *commands], choices)
     entries += _draft_commands({one: tables[one] for one in commands if one in tables},
@@ -264,6 +272,42 @@ def _draft_pose(
     if drafted.turn is None and drafted.evidence.position is None:
         return drafted, None
     return drafted, find_axes(drafted.evidence, drafted.turn, '', choices)
+
+
+def _draft_inertial(
+    sensor: str,
+    pose: str,
+    tables: Mapping[str, LogTable],
+    drafted: MotionDraft,
+    axes: VerticalAxes | None,
+    choices: DraftChoices,
+) -> dict[str, Any]:
+    """Return what an entry must say of an IMU whose rates are clearly those of a pose."""
+    if sensor not in tables or drafted.turn is None or not len(tables[sensor]):
+        return {}
+    imu, stamps = tables[sensor], tables[pose].stamps[: len(drafted.turn)]
+    members = _group_pose('sensor_msgs/msg/Imu', imu)
+    members.pop('attitude', None)
+    inside = (stamps >= imu.stamps[0]) & (stamps <= imu.stamps[-1])
+    # The latest message of the sensor before each pose
+    rows = np.searchsorted(imu.stamps, stamps, side='right').clip(1) - 1
+    latest = {
+        name: np.where(inside, values[rows], np.nan) for name, values in imu.columns.items()
+        if name in {column for group in members.values() for column in group.columns}
+    }  # fmt: skip
+    seconds = drafted.evidence.seconds[: len(stamps)]
+    if 'rates' not in members or inside.sum() < MIN_MOTION_ROWS:
+        return {}
+    _, fit = find_sensor_axes(members['rates'].stack(latest), drafted.turn, seconds)
+    if fit.share < AGREEING_SHARE:
+        return {}
+    time = TimeBase(seconds, {})
+    entry = draft_inertial(members, time, latest, drafted, axes, choices)
+    usual = {'rates': 'rad/s', 'acceleration': 'm/s2'}
+    differs = any({**entry[name], 'columns': 0} != {'columns': 0, 'unit': unit}
+                  for name, unit in usual.items() if name in entry)  # fmt: skip
+    body = {key: value for key, value in _list_axes(axes).items() if key == 'body'}
+    return {key: value for key, value in (body | entry).items() if key == 'body' or differs}
 
 
 def _count_seconds(table: LogTable) -> Numbers:

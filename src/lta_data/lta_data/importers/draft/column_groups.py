@@ -167,7 +167,6 @@ def _group_height(
         return None
     # Above the sea, above the ground: about the first fix, they are the same
     heights = [one for one in heights if _moves_like(table, one, heights[0])]
-    named_rise = UNIT_WORDS.get(heights[0].unit, ('m', 1.0))
     fix = [
         [name.column for name in names if name.words & words] for words in (LATITUDES, LONGITUDES)
     ]

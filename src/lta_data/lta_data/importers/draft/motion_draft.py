@@ -29,6 +29,7 @@ from lta_data.interpretation.kinematics import (
     fit_scale,
     measure_forwardness,
     MotionEvidence,
+    NO_FIT,
     score_attitude,
     UNIT_FACTORS,
 )
@@ -89,8 +90,9 @@ def draft_motion(
     # Without gravity in it, an acceleration says nothing about the attitude
     felt = rows.get('acceleration') if scales['acceleration'] else None
     if 'attitude' in groups and _are_no_angles(groups['attitude'], rows['attitude']):
-        choices.add_reason(f'{topic}: orientation', groups['attitude'].columns, 'left out',
-                           'its angles are larger than degrees can be; divide them first')  # fmt: skip
+        why = 'its angles are larger than those in degrees; divide them first'
+        columns = groups['attitude'].columns
+        choices.add_reason(f'{topic}: orientation', columns, 'left out', why)
         groups = {kind: one for kind, one in groups.items() if kind != 'attitude'}
         rows = {kind: one for kind, one in rows.items() if kind != 'attitude'}
     place = _blank_lost_rows(rows)
@@ -258,7 +260,7 @@ def _draft_rates(
         return 0.0
     key = f'{topic}.rates.unit'
     named = _named_unit(group)
-    unit, why, frame = '', '', ''
+    unit, why, frame, fit = '', '', '', NO_FIT
     if turn is not None:
         derived = body_rates_of(turn, raw.seconds)
         in_world = turn.apply(np.nan_to_num(derived))
@@ -297,7 +299,7 @@ def _draft_rates(
             unit = choices.decide(key, options, f'The rates reach {size:.3g}.')
     unit = choices.override(key, unit)
     scale = 1.0 / UNIT_FACTORS['rates'].get(unit, 1.0)
-    if unit == COUNTS:
+    if unit == COUNTS and fit.share > AGREEING_SHARE:
         scale = float(f'{1.0 / fit.factor:.6g}')
     if unit in ('mrad/s', 'mdeg/s', COUNTS):  # as stateEstimateZ of a Crazyflie
         parts['rates'] = _build_vector(group, 'rad/s', scale)

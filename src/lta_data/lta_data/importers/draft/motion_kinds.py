@@ -258,7 +258,10 @@ def _find_pose(array: Sequence[str], table: Columns) -> list[ColumnGroup]:
         return []
     place = tuple(array[3:12:4])
     why = 'the numbers of a pose as a matrix, row by row'
-    return [ColumnGroup('matrix', '', turned, tuple('012345678'), '', why), _build(place, 'position', why)]
+    return [
+        ColumnGroup('matrix', '', turned, tuple('012345678'), '', why),
+        _build(place, 'position', why),
+    ]
 
 
 def _pair_turning(

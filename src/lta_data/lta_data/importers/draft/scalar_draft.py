@@ -120,7 +120,9 @@ def _draft_actuators(
     if len(turned) > 1 and len({len(one) for one in turned}) == 1:
         # Duties beside speeds or thrusts of the same rotors
         options = [(one[0].column, ', '.join(name.column for name in one)) for one in turned]
-        question = 'Several columns for each rotor are there; one kind of them can be the commands.'
+        question = (
+            'Several columns for each rotor are there; one kind of them can be the commands.'
+        )
         answer = choices.decide('motors.columns', options, question)
         rotors = [one for one in turned if one[0].column == answer]
     elif len(turned) > 1:
@@ -148,7 +150,9 @@ def _draft_family(
         share = 'duty' if size <= LARGEST_DUTY else '%'
         options = [(share, f'up to {size:.3g}'), ('N', f'a force of {size:.3g} N'),
                    ('gf', f'a force of {size:.3g} g')]  # fmt: skip
-        kind = choices.decide(key, options, f'"thrust" up to {size:.3g} can be a share or a force.')
+        kind = choices.decide(
+            key, options, f'"thrust" up to {size:.3g} can be a share or a force.'
+        )
         why = choices.explain(key)
     kind = choices.override(key, kind)
     field = {'rpm': 'velocity', 'rad/s': 'velocity', 'deg': 'position', 'rad': 'position'}.get(
@@ -157,7 +161,8 @@ def _draft_family(
     choices.add_reason('motors', columns, kind, why)
     scales: dict[str, dict[str, Any]] = {
         'duty': {}, 'N': {'unit': 'N'}, 'mN': {'unit': 'mN'}, '%': {'unit': '%'},
-        'gf': {'unit': 'N', 'scale': UNIT_WORDS['gf'][1]}, 'deg': {'unit': 'deg'}, 'rad': {'unit': 'rad'},
+        'gf': {'unit': 'N', 'scale': UNIT_WORDS['gf'][1]},
+        'deg': {'unit': 'deg'}, 'rad': {'unit': 'rad'},
         'pulse': {'offset': -1000, 'over': 1000},
         'pulse about 1500': {'offset': -1500, 'over': 500}, 'of 255': {'over': 255},
         'of 65535': {'over': 65535}, 'rpm': {'unit': 'rpm'}, 'rad/s': {'unit': 'rad/s'},

@@ -116,7 +116,7 @@ def draft_table(
         if parts:
             entries.append({'topic': topic} | parts)
     if inertial:
-        entries.append(_draft_inertial(inertial, at, numbers, primary, axes, choices))
+        entries.append(draft_inertial(inertial, at, numbers, primary, axes, choices))
         axes = axes or _inertial_axes(inertial, at, numbers, choices)
     entries = [entry | ({'table': name} if name else {}) for entry in entries]
     taken = [column for group in groups for column in group.columns]
@@ -141,7 +141,8 @@ def _join_rows(
     }  # fmt: skip
     pose = next((filled[kind] for kind in (*ATTITUDES, 'position') if kind in filled), None)
     if pose is None or all(
-        not rows.any() or (rows & pose).sum() > SHARED_ROWS * rows.sum() for rows in filled.values()
+        not rows.any() or (rows & pose).sum() > SHARED_ROWS * rows.sum()
+        for rows in filled.values()
     ):
         return numbers, time
     table = pd.DataFrame(dict(numbers)).ffill()[pose]
@@ -236,7 +237,7 @@ def _draft_topic(
     return draft_motion(topic, time.seconds, members, numbers, choices)
 
 
-def _draft_inertial(
+def draft_inertial(
     members: Groups,
     time: TimeBase,
     table: Columns,

@@ -15,7 +15,6 @@ LOG_RATES: Final = (0.5, 3000.0)  # of samples that a flight log has [Hz]
 EPOCHS: Final = {'s': 1e9, 'ms': 1e12, 'us': 1e15, 'ns': 1e18}  # times since 1970, at least
 LONG_UNITS: Final = ('min', 'h')
 DAYS: Final = ((30_000, 60_000), (720_000, 760_000))  # of today, in spreadsheets and MATLAB
-DAY: Final = 86_400.0  # s
 FRAMES: Final = frozenset(
     ['frame', 'frames', 'index', 'idx', 'row', 'sample', 'samples', 'unnamed']
 )
@@ -240,15 +239,14 @@ def _find_time_unit(
     fitting = _list_units(cells)
     if named in (*EPOCHS, *LONG_UNITS):
         # A name may be wrong: no flight log has a row every 20 s
-        doubtful = fitting and named not in fitting
+        doubtful = fitting and not _is_usual(cells, named)
         return ('', '') if doubtful else (named, 'the unit in the name')
     first = float(cells[np.isfinite(cells)][0])
-    per_second = 1.0 / (_median_step(cells) * DAY)
-    are_days = any(low < first < high for low, high in DAYS)
-    if are_days and not {*fitting} & {*EPOCHS} and LOG_RATES[0] <= per_second <= LOG_RATES[1]:
+    is_short = not any(_is_usual(cells, unit) for unit in EPOCHS)
+    if is_short and any(low < first < high for low, high in DAYS):
         raise BadInput(
-            f"Column '{column}' counts days ({first:.6f}), as spreadsheets and MATLAB do; multiply "
-            'what has passed since its first row by 86400, which gives seconds.'
+            f"Column '{column}' counts days ({first:.6f}), as spreadsheets and MATLAB do; "
+            'multiply what has passed since its first row by 86400, which gives seconds.'
         )
     for unit, least in EPOCHS.items():
         if least <= first < least * 10.0:
@@ -266,12 +264,15 @@ def _find_time_unit(
 
 def _list_units(cells: Numbers) -> list[str]:
     """Return the units in which the rate of the rows is that of a flight log."""
-    step = _median_step(cells)
     usual, long = (
-        [one for one in units if LOG_RATES[0] <= 1.0 / (step * SI_UNITS[one][1]) <= LOG_RATES[1]]
-        for units in (EPOCHS, LONG_UNITS)
+        [one for one in units if _is_usual(cells, one)] for units in (EPOCHS, LONG_UNITS)
     )
     return usual or long
+
+
+def _is_usual(cells: Numbers, unit: str) -> bool:
+    """Return whether the rate of the rows is that of a flight log, in a unit."""
+    return LOG_RATES[0] <= 1.0 / (_median_step(cells) * SI_UNITS[unit][1]) <= LOG_RATES[1]
 
 
 def _median_step(cells: Numbers) -> float:

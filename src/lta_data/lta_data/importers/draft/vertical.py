@@ -348,7 +348,9 @@ def choose_reading(
             why = f'the vehicle accelerates towards its tilt ({100 * leans[leaning]:.0f} %)'
         elif leans[leaning] > DECIDING_LEAN:
             why += f'; the vehicle accelerates towards its tilt ({100 * leans[leaning]:.0f} %)'
-        elif ways[best][0] > FORWARD_SHARE and forward[best] - forward[level[0]] > FORWARDNESS_GAIN:
+        elif (
+            ways[best][0] > FORWARD_SHARE and forward[best] - forward[level[0]] > FORWARDNESS_GAIN
+        ):
             first = readings[best]
             why = f'the vehicle moves where it points ({100 * ways[best][0]:.0f} % of the way)'
         elif len(group.columns) == 3 and not _are_named(group):
