@@ -60,7 +60,9 @@ def draft_table(
 
     `name`: '' for a single table. `time`: of the rows, where no column has it.
     """
-    numbers = {column: cells for column, cells in table.items() if cells.dtype.kind in 'fiub'}
+    numbers: Columns = {
+        column: cells for column, cells in table.items() if cells.dtype.kind in 'fiub'
+    }
     answers = {column: choices.find_answer(f'{column}.command') for column in numbers}
     generic = list_generic_commands([parse_column_name(one) for one in numbers])
     # Of a1, a2, a3, the numbers tell an acceleration from what a controller puts out
