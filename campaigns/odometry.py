@@ -13,8 +13,8 @@ import random
 from typing import Any, Final, final, NamedTuple
 
 from builtin_interfaces.msg import Time
-from lta_control.messages import from_airspeed, from_estimate
 from lta_control.odometry.ground_state import GroundSettings
+from lta_control.odometry.messages import from_airspeed, from_estimate
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_spec import build_loop, load_spec
 import numpy as np

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from lta_bridge.nodes.recorder import RecorderSettings, RobotOrigin
+from lta_bridge.parameters import RecorderSettings, RobotOrigin
 from lta_config.errors import BadInput
 from lta_flight.preflight import check_plan
 from lta_graph.launches import FLEET, FLY

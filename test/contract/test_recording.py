@@ -5,7 +5,7 @@ import re
 
 from lta_bridge.bag.background_writer import FLUSH_PERIOD, REFRESH_PERIOD
 from lta_bridge.nodes.recorder import LOOK_PERIOD
-from lta_bridge.recorder_settings import RecorderSettings, RobotOrigin
+from lta_bridge.parameters import RecorderSettings, RobotOrigin
 from lta_graph.launches import FLEET, FLY
 from lta_graph.ros.parameters import iterate_fields
 import pytest

@@ -4,21 +4,21 @@ import ast
 from pathlib import Path
 from xml.etree import ElementTree
 
-from lta_bridge.crazyflie.settings import CrazyflieBridgeSettings
-from lta_bridge.nodes.description import DescriptionSettings
-from lta_bridge.nodes.live import LiveSettings
-from lta_bridge.nodes.pilot import PilotSettings
-from lta_bridge.nodes.player import PlayerSettings
-from lta_bridge.nodes.recorder import RecorderSettings
-from lta_bridge.nodes.teensy_bridge import TeensyBridgeSettings
-from lta_bridge.nodes.teleop import TeleopSettings
-from lta_bridge.nodes.tracker import TrackerSettings
+from lta_bridge.parameters import (
+    CrazyflieBridgeSettings,
+    DescriptionSettings,
+    LiveSettings,
+    PilotSettings,
+    PlayerSettings,
+    RecorderSettings,
+    TeensyBridgeSettings,
+    TeleopSettings,
+    TrackerSettings,
+)
 from lta_bridge.playback.node_selection import list_replayable_roles, select_nodes
 from lta_config.settings import Settings
 from lta_config.topics import load_topic_table, Topic
-from lta_control.nodes.controller import ControllerSettings
-from lta_control.nodes.estimator import EstimatorParameters
-from lta_control.nodes.navigator import NavigatorParameters
+from lta_control.parameters import ControllerSettings, EstimatorParameters, NavigatorParameters
 from lta_energy.nodes.energy_monitor import EnergyMonitorParameters
 from lta_graph.launch_arguments import FlyArguments
 from lta_graph.launches import DRONE_NODES, FLY

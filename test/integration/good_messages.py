@@ -6,8 +6,9 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from lta_bridge.crazyflie.messages import RANGE_SETTINGS
 from lta_control.cascade import Setpoint
 from lta_control.estimator import MotionEstimate
-from lta_control.messages import from_airspeed, from_duties, from_estimate, from_setpoint
+from lta_control.messages import from_duties, from_setpoint
 from lta_control.odometry.ground_state import GroundSettings, start_ground_motion
+from lta_control.odometry.messages import from_airspeed, from_estimate
 from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.stamps import to_stamp
 from lta_model import messages

@@ -3,7 +3,11 @@
 from collections.abc import Sequence
 import math
 
+from lta_control.bias_calibration import is_tilted, is_turning, largest_deviation, MOST_RATE
+from lta_control.commanded_flight import CommandedFlight
+from lta_control.estimator import EstimatorModel, MotionEstimate
 from lta_control.flight_step import ControlInputs, FlightRules, FlightState, is_stopped
+from lta_control.guidance import Guidance
 from lta_control.phases import Mission, Phase
 from lta_control.reserve import FlightPermission
 from lta_graph.health import HealthFact, HealthLevel
@@ -20,6 +24,31 @@ STOP_REASONS = {
     FlightState.NOT_FINITE: 'the estimate or the setpoint contains NaN or infinity',
     FlightState.EMERGENCY_STOP: 'emergency stop',
 }
+
+
+def describe_calibration(estimate: MotionEstimate, body: EstimatorModel) -> HealthFact:
+    """Return the state of the bias calibration."""
+    if not estimate.ready and is_turning(estimate.biases, body.rate_bias):
+        off = math.degrees(largest_deviation(estimate.biases.rates, body.rate_bias))
+        return HealthFact(
+            'estimate',
+            HealthLevel.ERROR,
+            f'cannot calibrate the gyroscope bias: the drone turns at {off:.1f} deg/s, '
+            f'more than the largest possible bias of {math.degrees(MOST_RATE):.0f} deg/s; '
+            'keep the drone still, or if it is still, enter its bias in the vehicle file '
+            '(effects.gyro_bias)',
+        )
+    level, text = HealthLevel.OK, 'biases are known'
+    if not estimate.ready:
+        level = HealthLevel.WARN
+        text = 'calibrating the IMU biases: keep the drone still and level'
+    elif is_tilted(estimate.biases, body.force_bias):
+        level = HealthLevel.WARN
+        text = (
+            'the IMU biases are uncertain, because the drone was tilted during the '
+            'calibration; restart the estimator with the drone still and level'
+        )
+    return HealthFact('estimate', level, text)
 
 
 def describe_stop(state: int) -> str:
@@ -76,6 +105,17 @@ def describe_commanders(is_contested: bool) -> HealthFact:
         text = 'several nodes sent setpoints: landing; stop all but one, and arm again'
         return HealthFact('commanders', HealthLevel.ERROR, text)
     return HealthFact('commanders', HealthLevel.OK, 'one node sends setpoints')
+
+
+def describe_guidance(guidance: Guidance | CommandedFlight, why: str) -> HealthFact:
+    """Return what the drone does, and `why` the energy restricts it."""
+    mission, permission = guidance.mission, guidance.permission
+    if isinstance(guidance, Guidance):
+        if guidance.route and permission is FlightPermission.FLY:
+            return describe_leg(mission, guidance.route)
+        if guidance.course is not None:
+            return describe_mission(None, permission, why)
+    return describe_mission(mission, permission, why)
 
 
 def describe_mission(

@@ -84,6 +84,8 @@ class Guidance:
 
     Attributes
     ----------
+    course, route
+        As given.
     mission : Mission
         State of the mission, which a course does not change.
     permission : FlightPermission
@@ -97,7 +99,7 @@ class Guidance:
     def __init__(self, course: Course | None, route: Sequence[tuple[str, float]]) -> None:
         self.mission, self.permission = Mission(), FlightPermission.DOWN
         self.beacon = ANY_BEACON
-        self._course, self._route = course, route
+        self.course, self.route = course, route
         self._begun_ns: int | None = None
 
     @refuse_failures
@@ -107,15 +109,15 @@ class Guidance:
         # Without a known energy the drone does not take off
         altitude = math.nan if measured is None or inputs.report is None else measured.altitude
         order = self.permission = decide_permission(inputs.reserve, inputs.report, inputs.stamp_ns)
-        if self._course is not None:
+        if self.course is not None:
             self._begun_ns = inputs.stamp_ns if self._begun_ns is None else self._begun_ns
             time = (inputs.stamp_ns - self._begun_ns) * 1e-9
-            setpoint = course_step(self._course, time, sight.heading, altitude, order)
+            setpoint = course_step(self.course, time, sight.heading, altitude, order)
         else:
             setpoint, self.mission = mission_step(
                 inputs.settings, inputs.strategy, self.mission, sight, altitude, order,
-                max(len(self._route), 1), inputs.reserve.rule,
+                max(len(self.route), 1), inputs.reserve.rule,
             )  # fmt: skip
-        if self._route:
-            self.beacon = self._route[self.mission.target][1]
+        if self.route:
+            self.beacon = self.route[self.mission.target][1]
         return setpoint

@@ -1,9 +1,10 @@
-"""Convert estimates, setpoints and duties to and from ROS messages."""
+"""Convert motions, setpoints and duties to and from ROS messages."""
 
 import array
 from collections.abc import Iterable
 from itertools import chain
 import math
+from typing import final
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import (
@@ -12,189 +13,35 @@ from geometry_msgs.msg import (
     TwistStamped,
     TwistWithCovarianceStamped,
 )
-from lta_config.covariances import has_estimate, UNKNOWN_VARIANCE
-from lta_control.altitude import mask_out_of_range
-from lta_control.attitude import (
-    level_quaternion,
-    Quaternion,
-    up_in_body,
-    Vector,
-    yaw_from_quaternion,
-)
+from lta_config.covariances import has_estimate
+from lta_config.topics import TopicTable
+from lta_control.attitude import level_quaternion, Quaternion, Vector, yaw_from_quaternion
 from lta_control.cascade import CascadeMeasurement, FLOOR_SETPOINT, Setpoint
-from lta_control.estimator import (
-    air_relative_velocity,
-    EstimatorInputs,
-    has_height,
-    MotionEstimate,
-)
-from lta_control.flight_step import ControlInputs, measure_motion
+from lta_control.flight_step import ControlInputs, has_overturned, measure_motion, TILT_LIMIT
+from lta_control.guidance import GuidanceInputs
 from lta_control.laws.protocol import ControlMotion
-from lta_control.odometry.ground_motion import ground_velocity
-from lta_control.odometry.ground_state import GroundMotion, rotate_covariance
-from lta_control.odometry.tracked_motion import OdomMotion, rotate, TrackedMotion
-from lta_control.per_rotor import pad_to_slots, PerRotor
-from lta_control.reserve import ReserveReport
-from lta_control.sighting import build_sighting, LampPosition, LampSighting
+from lta_control.mission import MissionSettings
+from lta_control.odometry.airspeed import AirReckoning
+from lta_control.odometry.tracked_motion import (
+    LocatedMotion,
+    Locator,
+    OdomMotion,
+    rotate,
+    TrackedMotion,
+)
+from lta_control.reserve import ReserveReport, ReserveResponseSettings
+from lta_control.sighting import build_sight, LampPosition
+from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy
 from lta_graph.blank_message import create_message
 from lta_graph.health import HealthLevel, stamp_age
 from lta_graph.inbox import InboxStep
-from lta_graph.ros.stamps import from_stamp
+from lta_graph.ros.stamps import from_stamp, MessagePairing
 from lta_msgs.msg import ActuatorDuty, LampPeaks
 from nav_msgs.msg import Odometry
-import numpy as np
-from numpy.typing import NDArray
-from sensor_msgs.msg import FluidPressure, Imu, Range
 
 DiodeReadings = tuple[tuple[tuple[float, float], ...], tuple[float, ...]]
 
-MOST_VARIANCE = 0.5 * UNKNOWN_VARIANCE  # of an estimate that is there
-BAROMETER = 30e3, 125e3  # Pa, the range of the BMP388
-# m; upper bound for the range finder of a small drone, whatever the message declares
-LONGEST_RANGE = 100.0
 FARTHEST_PLACE = 1e4  # m from the origin, and m/s: beyond any hall
-YAW_DRIFT = 1e-3  # of the heading after the calibration [rad/s]: as measured in simulated flights
-# Of the first heading [rad]: the gyroscope's noise turns it by 3e-4 rad within a second
-YAW_START = 1e-3
-# Of the range finder's constant offset [m]: an assumption, within the 2 cm of the VL53L1x
-RANGE_DEVIATION = 0.01
-# Of the altitude filter's variance of the climb rate. Its acceleration noise covers faults of the
-# model; docs/control.md has the measured errors.
-CLIMB_SHARE = 0.2
-# Root mean square errors of simulated flights in still air, gusts and 0.4 m/s of wind, in which a
-# drone sways while its biases are calibrated: of roll and pitch [rad], and of the rates [rad/s]
-LEVEL_SIGMA = 0.01
-RATE_SIGMA = 0.002
-TILT_SIGMA = 0.015  # [rad] of the tilt, which turns the velocity: measured in flights
-
-
-def to_inputs(step: InboxStep, commanded: PerRotor) -> EstimatorInputs:
-    """Return the estimator's input from the newest messages of one step."""
-    imu: Imu = step.last_message('imu')
-    distance, air = step.last_message('range'), step.last_message('pressure')
-    w, f = imu.angular_velocity, imu.linear_acceleration
-    return EstimatorInputs(
-        rates=(w.x, w.y, w.z),
-        force=(f.x, f.y, f.z),
-        range=math.nan if distance is None else to_distance(distance),
-        pressure=math.nan if air is None else to_pressure(air),
-        duties=commanded,
-    )
-
-
-def to_distance(message: Range) -> float:
-    """Return a distance, or NaN outside the sensor's range (REP-117). [m]"""
-    farthest = min(message.max_range, LONGEST_RANGE)
-    return mask_out_of_range(float(message.range), message.min_range, farthest)
-
-
-def to_pressure(message: FluidPressure) -> float:
-    """Return a pressure, or NaN outside the barometer's range. [Pa]"""
-    return mask_out_of_range(message.fluid_pressure, *BAROMETER)
-
-
-def to_duties(motors: ActuatorDuty | None, names: list[str], before: PerRotor) -> PerRotor:
-    """Return the commanded duties by slot, or `before` without a valid command."""
-    return (
-        before
-        if motors is None or not is_valid_command(motors, names)
-        else pad_to_slots(motors.duty)
-    )
-
-
-def is_valid_command(motors: ActuatorDuty, names: list[str]) -> bool:
-    """Return whether the duties belong to the vehicle's rotors and are from -1 to 1."""
-    ours = list(motors.name) == names and len(motors.duty) == len(names)
-    return ours and all(-1.0 <= duty <= 1.0 for duty in motors.duty)  # NaN compares false
-
-
-def from_estimate(stamp: Time, estimate: MotionEstimate, ground: GroundMotion) -> Odometry:
-    """Return the motion over ground; variances are huge while the biases are calibrated."""
-    message = create_message(Odometry)
-    message.header.stamp = stamp
-    message.header.frame_id = 'odom'
-    message.child_frame_id = 'base_link'
-    pose, twist = message.pose.pose, message.twist.twist
-    p, q = pose.position, pose.orientation
-    p.x, p.y = ground.position
-    p.z = estimate.altitude.height
-    q.x, q.y, q.z, q.w = estimate.attitude
-    v, w = twist.linear, twist.angular
-    v.x, v.y, v.z = ground_velocity(estimate, ground)
-    w.x, w.y, w.z = estimate.rates
-    if not estimate.ready:
-        message.pose.covariance = _unknown_covariance()
-        message.twist.covariance = _unknown_covariance()
-        return message
-    pose_covariance = _build_covariance(ground.position_covariance)
-    is_known = has_height(estimate)
-    pose_covariance[14] = (
-        estimate.altitude.p[0] + RANGE_DEVIATION**2 if is_known else UNKNOWN_VARIANCE
-    )
-    # Roll and pitch are bounded by gravity; yaw drifts with the gyroscope
-    pose_covariance[21] = pose_covariance[28] = LEVEL_SIGMA**2
-    pose_covariance[35] = YAW_START**2 + (YAW_DRIFT * estimate.flight_time) ** 2
-    message.pose.covariance = pose_covariance
-    yaw = yaw_from_quaternion(estimate.attitude)
-    message.twist.covariance = _build_twist_covariance(
-        rotate_covariance(ground.velocity_covariance, yaw), ground.velocity, estimate
-    )
-    return message
-
-
-def from_airspeed(
-    stamp: Time, estimate: MotionEstimate, ground: GroundMotion
-) -> TwistWithCovarianceStamped:
-    """Return the velocity through the air and the rates; the covariance accounts for wind."""
-    message = create_message(TwistWithCovarianceStamped)
-    message.header.stamp = stamp
-    message.header.frame_id = 'base_link'
-    twist = message.twist.twist
-    v, w = twist.linear, twist.angular
-    v.x, v.y, v.z = air_relative_velocity(estimate)
-    w.x, w.y, w.z = estimate.rates
-    if not estimate.ready:
-        message.twist.covariance = _unknown_covariance()
-        return message
-    yaw = yaw_from_quaternion(estimate.attitude)
-    xx, xy, yy = rotate_covariance(ground.airspeed_covariance, yaw)
-    # The law's airspeed is not that of the ground filter: their difference counts as error
-    x, y = ground.airspeed
-    cos, sin = math.cos(yaw), math.sin(yaw)
-    ahead, aside = v.x - (cos * x + sin * y), v.y - (cos * y - sin * x)
-    planar = xx + ahead * ahead, xy + ahead * aside, yy + aside * aside
-    message.twist.covariance = _build_twist_covariance(planar, (x, y), estimate)
-    return message
-
-
-def _unknown_covariance() -> NDArray[np.float64]:
-    return UNKNOWN_VARIANCE * np.eye(6).ravel()
-
-
-def _build_covariance(planar: tuple[float, float, float]) -> NDArray[np.float64]:
-    """Return a row-major 6 x 6 covariance, with xx, xy and yy."""
-    # A position that has drifted for an hour is uncertain, but the estimate is there: motors must
-    # not stop for that
-    scale = min(1.0, MOST_VARIANCE / max(planar[0], planar[2], MOST_VARIANCE))
-    # Order x y z roll pitch yaw: diagonal at 0, 7, 14, 21, 28, 35
-    covariance = np.zeros(36)
-    covariance[0], covariance[1], covariance[7] = (scale * each for each in planar)
-    covariance[6] = covariance[1]
-    return covariance
-
-
-def _build_twist_covariance(
-    planar: tuple[float, float, float], velocity: tuple[float, float], estimate: MotionEstimate
-) -> NDArray[np.float64]:
-    """Return the covariance of a twist in the body frame, from that of its level part."""
-    covariance = _build_covariance(planar)
-    square = velocity[0] * velocity[0] + velocity[1] * velocity[1]
-    # A tilted z axis shows a part of the error of the level velocity
-    x, y, _ = up_in_body(estimate.attitude)
-    level = x * x * covariance[0] + 2.0 * x * y * covariance[1] + y * y * covariance[7]
-    covariance[14] = CLIMB_SHARE * estimate.altitude.p[3] + TILT_SIGMA**2 * square + level
-    covariance[21] = covariance[28] = covariance[35] = RATE_SIGMA**2
-    return covariance
 
 
 def to_air_velocity(odom: Odometry, airspeed: TwistWithCovarianceStamped | None) -> Vector:
@@ -351,21 +198,6 @@ def to_diodes(message: LampPeaks | None) -> DiodeReadings:
     return axes, tuple(message.beacon[0].amplitude)
 
 
-def to_sighting(
-    lamp: PoseWithCovarianceStamped | None, peaks: LampPeaks | None, age: float
-) -> LampSighting | None:
-    """Return the lamp as the estimator uses it; `age` is the time since mid-block [s]."""
-    if lamp is None or peaks is None:
-        return None
-    axes, amplitudes = to_diodes(peaks)
-    return build_sighting(to_lamp(lamp), axes, amplitudes, to_frequencies(peaks), age)
-
-
-def to_frequencies(message: LampPeaks) -> tuple[float, ...]:
-    """Return the frequency of the requested beacon at each diode. [Hz]"""
-    return tuple(message.beacon[0].frequency) if message.beacon else ()
-
-
 def to_tracked(message: Odometry) -> TrackedMotion | None:
     """Return the motion by a tracker, or None where a number of it cannot be meant."""
     p, v, yaw = message.pose.pose.position, message.twist.twist.linear, _to_yaw(message)
@@ -394,3 +226,70 @@ def to_odom_motion(odom: Odometry, airspeed: TwistWithCovarianceStamped | None) 
 
 def _to_yaw(message: Odometry) -> float:
     return yaw_from_quaternion(to_attitude(message))
+
+
+@final
+class GuidanceReader:
+    """
+    Collect what a setpoint is chosen from, over the steps of the navigator.
+
+    `table` has the periods of light blocks and estimates, `scale` is that of `build_sight`.
+
+    Attributes
+    ----------
+    tracked : TrackedMotion or None
+        The newest pose by a tracker that no step has used.
+    is_started : bool
+        Whether an estimate has come.
+    has_overturned : bool
+        Whether the drone has overturned by the newest estimate.
+
+    """
+
+    def __init__(self, table: TopicTable, scale: float) -> None:
+        self._block_ns, self._scale = table['photodiodes'].period_ns, scale
+        # Three blocks of estimates: the light of a block arrives after its end
+        self._reckoning = AirReckoning(table.control_ns, 3 * self._block_ns // table.control_ns)
+        self._airspeeds = MessagePairing()
+        self._measured: CascadeMeasurement | None = None
+        self._locator = Locator()
+        self._located: LocatedMotion | None = None
+        self._report: ReserveReport | None = None  # None: stay on the ground
+        self.tracked: TrackedMotion | None = None
+        self.is_started = self.has_overturned = False
+
+    def read_step(
+        self,
+        step: InboxStep,
+        settings: MissionSettings,
+        reserve: ReserveResponseSettings,
+        strategy: NavigationStrategy,
+    ) -> GuidanceInputs:
+        """Return what the setpoint of a step is chosen from."""
+        stamped = self._airspeeds.pair_messages(step.valid['odom'], step.valid['airspeed'])
+        self._reckoning.add_motions(to_air_motions(stamped))
+        if stamped:
+            _, odom, airspeed = stamped[-1]
+            self._measured = to_cascade_measurement(odom, airspeed)
+            self._located = self._locator.locate(to_odom_motion(odom, airspeed), self.tracked)
+            self.tracked, self.is_started = None, True
+            self.has_overturned = has_overturned(to_attitude(odom), math.cos(TILT_LIMIT))
+        self._report = update_reserve_report(self._report, step)
+        return GuidanceInputs(
+            settings,
+            reserve,
+            strategy,
+            step.stamp_ns,
+            self._build_sight(step),
+            self._measured,
+            self._report,
+            self._located,
+        )
+
+    def _build_sight(self, step: InboxStep) -> LightMeasurement:
+        """Return the light with the drone's motion at the middle of its block."""
+        # A block is stamped with its first sample; the bearing is that of its middle
+        then = self._reckoning.find_nearest(step.stamp_ns + self._block_ns // 2)
+        axes, amplitudes = to_diodes(step.last_valid('light/peaks'))
+        lamp, interval = to_lamp(step.last_valid('light/estimate')), self._block_ns * 1e-9
+        return build_sight(lamp, axes, amplitudes, then, interval, self._scale)

@@ -4,10 +4,13 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Final, TypeVar
 
-from lta_bridge.crazyflie.settings import CrazyflieBridgeSettings
+from lta_bridge.parameters import (
+    check_playback,
+    CrazyflieBridgeSettings,
+    PlayerSettings,
+    RecorderSettings,
+)
 from lta_bridge.playback.recording import open_recording
-from lta_bridge.playback.settings import check_playback, PlayerSettings
-from lta_bridge.recorder_settings import RecorderSettings
 from lta_bridge.teensy.port import require_port
 from lta_bridge.teleop.steering import check_time_mode
 from lta_bridge.teleop.sticks import require_gamepad

@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Mapping
 
 from lta_bridge.crazyflie.safety import LEAVE
-from lta_bridge.crazyflie.settings import CrazyflieBridgeSettings
+from lta_bridge.parameters import CrazyflieBridgeSettings
 from lta_config.constants import AIR_DENSITY
 from lta_config.errors import BadInput
 from lta_config.files import validate_content

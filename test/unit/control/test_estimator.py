@@ -14,7 +14,7 @@ from lta_control.estimator import (
     has_height,
     MotionEstimate,
 )
-from lta_control.nodes.estimator import describe_calibration
+from lta_control.flight_report import describe_calibration
 from lta_control.odometry.airspeed import AirspeedEstimate, HullDragModel
 from lta_control.per_rotor import NO_ROTORS, pad_to_slots
 from lta_control.vehicle_parameters import build_estimator_model
@@ -99,14 +99,14 @@ CARRIED = STILL._replace(rates=(0.2, 0.0, 0.5), force=(1.5, 0.0, 9.7), pressure=
 def test_who_is_carried_learns_once_it_stands():
     """Turned and tilted in the hand first; that became its biases for good."""
     state = run(MotionEstimate(), CARRIED, 300)
-    assert describe_calibration(state, BODY)[1].startswith(
+    assert describe_calibration(state, BODY).message.startswith(
         'calibrating the IMU biases: keep the drone still'
     )
     still = STILL._replace(range=0.05, pressure=101_000.0)
     assert not run(state, still, 199).ready
     state = run(state, still, 200)
     assert state.biases == rested().biases
-    assert describe_calibration(state, BODY) == (HealthLevel.OK, 'biases are known')
+    assert describe_calibration(state, BODY).message == 'biases are known'
     assert run(state, still, 1000).rates == pytest.approx((0.0, 0.0, 0.0), abs=1e-15)
 
 
@@ -126,7 +126,7 @@ def test_who_sways_in_a_draught_learns_in_one_rest():
         wave = math.sin(2.0 * math.pi * 0.75 * k * DT)
         rates, force = (0.01, -0.02 + 0.087 * wave, 0.03), (0.1 + 0.3 * wave, -0.2, G + 0.3)
         state = run(state, EstimatorInputs(rates, force, 0.05, 101_000.0, OFF), 1)
-    assert describe_calibration(state, BODY)[0] is HealthLevel.OK
+    assert describe_calibration(state, BODY).level is HealthLevel.OK
     assert state.biases.rates == pytest.approx(STILL.rates, abs=MOST_RATE)
 
 
@@ -136,8 +136,8 @@ def test_a_tilt_is_waited_with_and_told():
     assert not state.ready
     state = run(state, tilt, 1)
     assert state.ready
-    assert describe_calibration(state, BODY)[0] is HealthLevel.WARN
-    assert 'uncertain' in describe_calibration(state, BODY)[1]
+    assert describe_calibration(state, BODY).level is HealthLevel.WARN
+    assert 'uncertain' in describe_calibration(state, BODY).message
 
 
 TURNED = STILL._replace(pressure=101_000.0, rates=(0.01, -0.02, 0.1))
@@ -147,16 +147,15 @@ def test_an_even_turn_is_never_a_bias():
     """5.7 deg/s for 10 s were taken, and the drone turned in its own eyes ever after."""
     state = run(MotionEstimate(), TURNED, 1000)
     assert not state.ready
-    level, sentence = describe_calibration(state, BODY)
-    assert level is HealthLevel.ERROR
-    assert (
-        'the drone turns at 5.7 deg/s, more than the largest possible bias of 3 deg/s;' in sentence
-    )
+    fact = describe_calibration(state, BODY)
+    assert fact.level is HealthLevel.ERROR
+    sentence = 'the drone turns at 5.7 deg/s, more than the largest possible bias of 3 deg/s;'
+    assert sentence in fact.message
     assert not run(state, TURNED, 5000).ready
     still = STILL._replace(range=0.05, pressure=101_000.0)
     state = run(state, still, 200)
     assert state.biases == rested().biases
-    assert describe_calibration(state, BODY) == (HealthLevel.OK, 'biases are known')
+    assert describe_calibration(state, BODY).message == 'biases are known'
 
 
 def test_a_bias_that_the_vehicle_file_tells_is_learned_at_once():
@@ -168,7 +167,7 @@ def test_a_bias_that_the_vehicle_file_tells_is_learned_at_once():
         state = estimator_step(SETTINGS, bad, state, read, DT)
     assert state.ready
     assert state.biases.rates == pytest.approx((0.0, 0.0, 0.13), abs=1e-15)
-    assert describe_calibration(state, bad) == (HealthLevel.OK, 'biases are known')
+    assert describe_calibration(state, bad).message == 'biases are known'
     assert is_turning(SensorBiases(), bad.rate_bias)
 
 

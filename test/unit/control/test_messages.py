@@ -9,22 +9,19 @@ from lta_control.cascade import Setpoint
 from lta_control.estimator import air_relative_velocity, MotionEstimate
 from lta_control.flight_step import has_overturned
 from lta_control.messages import (
-    from_airspeed,
     from_duties,
-    from_estimate,
     from_setpoint,
     to_air_motions,
     to_air_velocity,
     to_attitude,
     to_cascade_measurement,
     to_diodes,
-    to_distance,
-    to_duties,
     to_setpoint,
     update_reserve_report,
 )
 from lta_control.odometry.airspeed import AirspeedEstimate
 from lta_control.odometry.ground_state import GroundMotion
+from lta_control.odometry.messages import from_airspeed, from_estimate, to_distance, to_duties
 from lta_control.per_rotor import NO_ROTORS, pad_to_slots
 from lta_control.reserve import (
     decide_permission,

@@ -32,7 +32,7 @@ from lta_bridge.crazyflie.links import create_link
 from lta_bridge.crazyflie.log_table import check_log_table, LOG_BLOCKS
 from lta_bridge.crazyflie.messages import CrazyfliePowerModel
 from lta_bridge.crazyflie.safety import LEAVE, SafetyRequest, SafetyStage
-from lta_bridge.crazyflie.settings import CrazyflieBridgeSettings
+from lta_bridge.parameters import CrazyflieBridgeSettings
 from lta_config.errors import BadInput
 from lta_config.schema.crazyflie_file import find_crazyflie, hash_airframe
 from lta_graph.health import HealthLevel

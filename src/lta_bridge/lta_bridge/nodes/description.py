@@ -7,10 +7,10 @@ odom -> base_link on /tf; with the parameter `pose` this node does it for a grap
 estimator. The simulator or a tracker publishes map -> odom; without both, `map` does.
 """
 
-from typing import Literal, Unpack
+from typing import Unpack
 
 from lta_bridge.description.messages import iterate_descriptions
-from lta_config.settings import setting, Settings
+from lta_bridge.parameters import DescriptionSettings
 from lta_graph.health import HealthLevel
 from lta_graph.ros.contained_node import NodeOptions
 from lta_graph.ros.message_validation import find_message_type
@@ -24,19 +24,6 @@ from lta_model.vehicle import load_vehicle
 from nav_msgs.msg import Odometry
 
 AT_ORIGIN = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)  # place [m] and attitude of a start, x y z w
-
-
-class DescriptionSettings(Settings):
-    """Parameters of the description node: the vehicle, its scene, and its pose."""
-
-    vehicle: str = setting('gtmab', fixed=True)
-    """Vehicle name or file."""
-    pose: Literal['', 'odom', 'ground_truth/odom'] = setting('', fixed=True)
-    """Topic with the pose of base_link to publish on /tf, if no estimator of LTA does."""
-    map: bool = setting(False, fixed=True)
-    """Whether map is where odom begins, as neither simulator nor tracker says where it is."""
-    scene: str = setting('', fixed=True)
-    """Scenario, name or file, whose room is drawn; none by default."""
 
 
 class DescriptionNode(GraphNode):

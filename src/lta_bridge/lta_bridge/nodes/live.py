@@ -13,10 +13,9 @@ from typing import Final, Unpack
 
 from lta_bridge.bag.schemas import generate_definition
 from lta_bridge.live.feed import TopicThrottle
-from lta_bridge.live.origin_gate import LIVE_PORT, LOCAL
 from lta_bridge.live.server import LiveServer
 from lta_bridge.log_time_assigner import read_stamp
-from lta_config.settings import setting, Settings
+from lta_bridge.parameters import LiveSettings
 from lta_config.topics import robot_topic, Topic
 from lta_graph.health import HealthLevel
 from lta_graph.ros.contained_node import NodeOptions
@@ -29,15 +28,6 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 import foxglove
 
 EVENT_DEPTH: Final = 100  # queue depth of aperiodic topics: each message may be from another node
-
-
-class LiveSettings(Settings):
-    """Parameters of the live node."""
-
-    host: str = setting(LOCAL, fixed=True)
-    """Address to listen on; 0.0.0.0 also accepts other computers."""
-    port: int = setting(LIVE_PORT, low=1, high=65535, fixed=True)
-    """TCP port of the live view."""
 
 
 def is_sent_once(topic: Topic) -> bool:

@@ -15,10 +15,10 @@ import time
 from typing import Any, Unpack
 
 from geometry_msgs.msg import PoseStamped
+from lta_bridge.parameters import PilotSettings
 from lta_bridge.teleop.steering import check_time_mode
 from lta_bridge.teleop.stick_plan import limit_climb, plan_pieces, StickHold
 from lta_bridge.teleop.sticks import from_sticks, GamepadLayout, JOY, Sticks
-from lta_config.settings import setting, Settings
 from lta_control.messages import to_tracked
 from lta_control.odometry.tracked_motion import TrackedMotion
 from lta_graph.health import HealthLevel
@@ -43,23 +43,6 @@ LANDING_PATIENCE = 10.0  # the same for a landing, which a drone that stands ref
 HANDOVER_PATIENCE = 10.0  # wall s in which teleop takes the sticks, or hands them back
 GOAL_PAUSE = 1.0  # wall s between two requests for a goal that was refused
 PILOT_ACTIONS = {'take_off': TakeOff, 'go_to_pose': GoToPose, 'land': Land}
-
-
-class PilotSettings(Settings):
-    """What is flown, and where."""
-
-    seconds: float = setting(60.0, 's', 1.0, 600.0, fixed=True)
-    """Time in which sticks move."""
-    room: float = setting(6.0, 'm', 1.0, 100.0, fixed=True)
-    """Way across the place that the drone needs: sticks rest where it could coast further."""
-    x: float = setting(0.0, 'm', -1000.0, 1000.0, fixed=True)
-    """Place in the map, along x."""
-    y: float = setting(0.0, 'm', -1000.0, 1000.0, fixed=True)
-    """Place in the map, along y."""
-    height: float = setting(1.2, 'm', 0.1, 100.0, fixed=True)
-    """Height of the hull centre at the place, above the floor."""
-    seed: int = setting(1, low=0, high=2**31 - 1, fixed=True)
-    """Random seed of the sticks."""
 
 
 # The steps of a flight; they return why it cannot go on, or ''

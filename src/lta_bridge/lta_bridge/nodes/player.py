@@ -16,6 +16,7 @@ import time
 from typing import Unpack
 
 from lta_bridge.bag.metadata import build_offered_qos, OfferedQos
+from lta_bridge.parameters import check_playback, FOREVER, PlayerSettings
 from lta_bridge.playback.answer_bag import AnswerBag
 from lta_bridge.playback.answer_times import (
     compute_answer_times,
@@ -26,7 +27,6 @@ from lta_bridge.playback.answer_times import (
 from lta_bridge.playback.message_iterator import MessageIterator
 from lta_bridge.playback.node_selection import CLOCK_TOPIC, select_nodes
 from lta_bridge.playback.recording import open_recording
-from lta_bridge.playback.settings import check_playback, FOREVER, PlayerSettings
 from lta_config.errors import BadInput
 from lta_config.limits import limit_memory
 from lta_graph.health import HealthLevel

@@ -21,10 +21,10 @@ from lta_bridge.bag.writer import BagWriter
 from lta_bridge.crazyflie.safety import LEAVE
 from lta_bridge.intake import MessageIntake
 from lta_bridge.messages import to_offered_qos
+from lta_bridge.parameters import RecorderSettings, RobotOrigin
 from lta_bridge.playback.answer_bag import build_replay_origin
 from lta_bridge.playback.recording import open_recording
 from lta_bridge.provenance import merge_provenance
-from lta_bridge.recorder_settings import RecorderSettings, RobotOrigin
 from lta_config.errors import BadInput
 from lta_config.limits import limit_memory
 from lta_config.settings import setting, Settings

@@ -9,12 +9,12 @@ import time
 from typing import Unpack
 
 from builtin_interfaces.msg import Time
+from lta_bridge.parameters import TeensyBridgeSettings
 from lta_bridge.teensy.light_board import LightBlock, LightBoard, LightPeaks
 from lta_bridge.teensy.reader import BoardReader, describe_health, LIGHT_BOARD_TASK
 from lta_config.errors import BadInput
 from lta_config.schema.crazyflie_file import hash_diodes
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_config.settings import setting, Settings
 from lta_graph.health import HealthLevel
 from lta_graph.ros.contained_node import NodeOptions
 from lta_graph.ros.device import DeviceNode
@@ -25,37 +25,11 @@ from lta_model.messages import build_light_block_message
 from lta_vlc.demodulation import Peaks
 from lta_vlc.diodes import build_diode_array
 from lta_vlc.direction import LampFinder
-from lta_vlc.lamp import LampPrior
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks
-from lta_vlc.settings import DemodulationSettings
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from std_msgs.msg import Header
 
 PORT_RETRY_PERIOD = 0.2  # s between two attempts to open a missing port
-
-
-class TeensyBridgeSettings(Settings):
-    """Parameters of the light board bridge."""
-
-    vehicle: str = setting('gtmab', fixed=True)
-    """Vehicle name or file."""
-    port: str = setting('/dev/ttyACM0', fixed=True)
-    """
-    Serial port of the light board, or udp://HOST:PORT to listen on; append ?from=ADDRESS to accept
-    only that sender.
-    """
-    peaks: bool = setting(False, fixed=True)
-    """
-    Whether the light board itself detects the frequency peaks; then no demodulator is needed.
-    """
-    threshold: float = setting(DemodulationSettings().threshold, '1', 1.0, 1000.0)
-    """Smallest signal-to-noise ratio at which a photodiode is used (only with peaks:=true)."""
-    prior: LampPrior = setting(LampPrior())
-    """Assumed position of the lamp until it is first seen (only with peaks:=true)."""
-    patience: float = setting(0.0, 's', 0.0, 600.0, fixed=True)
-    """How long the node waits for the serial port to appear before it fails."""
-    autostart: bool = setting(True, fixed=True)
-    """Whether the node configures and activates itself at the start."""
 
 
 class TeensyBridge(DeviceNode):

@@ -11,6 +11,7 @@ import time
 from typing import Unpack
 
 from geometry_msgs.msg import TwistStamped
+from lta_bridge.parameters import TeleopSettings
 from lta_bridge.teleop.messages import (
     JoyDevice,
     SetpointFollowers,
@@ -21,21 +22,18 @@ from lta_bridge.teleop.steering import (
     check_time_mode,
     HeadingAltitude,
     step_state,
-    TeleopRates,
     TeleopStage,
     TeleopState,
 )
 from lta_bridge.teleop.sticks import (
     CMD_VEL,
     Gamepad,
-    GamepadLayout,
     HELP,
     JOY,
     KEYBOARD,
     Keyboard,
     StickDevice,
 )
-from lta_config.settings import setting, Settings
 from lta_control.messages import from_setpoint
 from lta_graph.health import HealthLevel
 from lta_graph.ros.contained_node import NodeOptions
@@ -61,20 +59,6 @@ STEERS = {
     TeleopStage.NAVIGATOR: (HealthLevel.OK, 'the navigator steers'),
     TeleopStage.PERSON: (HealthLevel.OK, 'the operator steers'),
 }
-
-
-class TeleopSettings(Settings):
-    """Parameters of the teleop node: device, axes, buttons and rates."""
-
-    device: str = setting('joy', fixed=True)
-    """
-    Input device: keyboard (of this terminal), a gamepad such as /dev/input/js0, joy (Joy
-    messages), or cmd_vel (TwistStamped messages of a program).
-    """
-    rates: TeleopRates = setting(TeleopRates())
-    """Speed and rates commanded at full deflection of the sticks."""
-    layout: GamepadLayout = setting(GamepadLayout())
-    """Numbers of the axes and buttons of the gamepad."""
 
 
 class Teleop(GraphNode):

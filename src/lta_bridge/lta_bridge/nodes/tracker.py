@@ -7,8 +7,9 @@ capture of Crazyswarm2), or as a frame on /tf. With the estimate on `odom`, the 
 drone it also publishes `ground_truth/odom`, for evaluation and viewers.
 """
 
-from typing import Any, Literal, Unpack
+from typing import Any, Unpack
 
+from lta_bridge.parameters import TrackerSettings
 from lta_bridge.tracking.messages import (
     find_pose_type,
     from_odometry,
@@ -19,7 +20,6 @@ from lta_bridge.tracking.messages import (
 from lta_bridge.tracking.pose import build_level_pose, MapCorrection, TrackerPose
 from lta_bridge.tracking.tracked_drone import TrackedDrone
 from lta_config.errors import BadInput
-from lta_config.settings import setting, Settings
 from lta_graph.ros.contained_node import NodeOptions
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
@@ -32,34 +32,6 @@ from tf2_msgs.msg import TFMessage
 
 # Many publishers share /tf, so a shallow queue would lose the tracker's messages
 DEPTH = 100  # queue depth of /tf, as in tf2
-Planted = tuple[float, float, float, float]
-
-
-class TrackerSettings(Settings):
-    """Parameters of the tracker node: the tracked topic or frame, and the frames' poses."""
-
-    pose: str = setting('tracker/pose', fixed=True)
-    """Topic with the poses of the motion-capture tracker."""
-    type: Literal['pose', 'odometry', 'named_poses'] = setting('pose', fixed=True)
-    """
-    Type of that topic: PoseStamped, Odometry, or NamedPoseArray of
-    motion_capture_tracking_interfaces.
-    """
-    body_name: str = setting('lta1', fixed=True)
-    """Name of the drone in a NamedPoseArray."""
-    truth: bool = setting(True, fixed=True)
-    """Whether to publish ground_truth/odom; not beside a simulator, which does."""
-    frame: str = setting('', fixed=True)
-    """
-    Frame on /tf to take the pose from, relative to its parent frame; empty to use the topic of the
-    parameter pose.
-    """
-    origin: Planted = setting((0.0, 0.0, 0.0, 0.0), fixed=True)
-    """Pose of the tracker's frame (z up) in the map: x, y, z in m, yaw in rad."""
-    body: Planted = setting((0.0, 0.0, 0.0, 0.0), fixed=True)
-    """Pose of the hull centre in the frame of the tracked body: x, y, z in m, yaw in rad."""
-    delay: float = setting(0.0, 's', 0.0, 1.0, fixed=True)
-    """Smallest delay between the measurement of a pose and the arrival of its message."""
 
 
 class TrackerNode(GraphNode):

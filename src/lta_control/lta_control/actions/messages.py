@@ -1,11 +1,14 @@
-"""Convert the goals, the feedback and the results of actions to and from commanded tasks."""
+"""Serve the actions of a commanded flight: convert their goals, feedback and results."""
 
+from functools import partial
 from typing import Any, Final
 
 from lta_config.errors import BadInput
 from lta_control.actions.tasks import FlightTask, TaskKind, TaskOutcome
 from lta_control.commanded_flight import CommandedFlight
 from lta_control.place_hold import Place, Route
+from lta_graph.ros.contained_node import ContainedNode
+from lta_graph.ros.goal_server import GoalServer
 from lta_msgs.action import FollowPath, GoToLamp, GoToPose, Land, TakeOff
 
 ACTION_TYPES: Final = {
@@ -16,6 +19,23 @@ ACTION_TYPES: Final = {
     TaskKind.LAND: Land,
 }
 PLACE_FRAMES: Final = ('map', '')  # frames of a place to fly to
+
+
+def serve_tasks(node: ContainedNode, flight: CommandedFlight) -> list[GoalServer[FlightTask]]:
+    """Offer the actions of a flight; see `GoalServer`."""
+    return [
+        GoalServer(
+            node,
+            action,
+            kind.value,
+            partial(find_goal_obstacle, flight),
+            lambda goal: flight.request(*to_task(goal)),
+            flight.cancel,
+            partial(from_task_result, flight),
+            partial(from_task_progress, kind, flight),
+        )
+        for kind, action in ACTION_TYPES.items()
+    ]
 
 
 def find_goal_obstacle(flight: CommandedFlight, goal: Any) -> str:  # noqa: ANN401 - of an action

@@ -55,9 +55,11 @@ def load_onboard_law(
     """
     Return a control law and its constants for a vehicle.
 
-    `gains` are those of the cascade; other laws fly by those of the vehicle's file. Raise
-    `BadInput` if there is no such law, it needs a tracker, or it cannot fly the vehicle.
+    An empty `name` stands for the law in the vehicle's file. `gains` are those of the cascade;
+    other laws fly by those of that file. Raise `BadInput` if there is no such law, it needs a
+    tracker, or it cannot fly the vehicle.
     """
+    name = name or vehicle_law_name(vehicle)
     law = find_control_law(name)
     if law.is_tracked:
         raise BadInput(

@@ -10,27 +10,20 @@ import math
 from typing import Unpack
 
 from geometry_msgs.msg import TwistWithCovarianceStamped
-from lta_config.settings import setting, Settings
+from lta_control import flight_report
 from lta_control.allocation import create_working_array
 from lta_control.cascade import CascadeGains
-from lta_control.flight_report import (
-    describe_airspeed,
-    describe_commanders,
-    describe_motors,
-    describe_stop,
-)
 from lta_control.flight_step import (
     control_motors,
     FlightRules,
     FlightState,
     is_stopped,
     PilotMemory,
-    TILT_LIMIT,
 )
-from lta_control.gains_file import load_gains
-from lta_control.laws import load_onboard_law, vehicle_law_name
+from lta_control.laws import load_onboard_law
 from lta_control.messages import from_duties, to_control_inputs
 from lta_control.odometry.airspeed import step_duration
+from lta_control.parameters import ControllerSettings
 from lta_graph.health import HealthLevel
 from lta_graph.inbox import InboxStep
 from lta_graph.ros.command_mux import CommandMux
@@ -46,27 +39,6 @@ from std_srvs.srv import SetBool, Trigger
 AIRSPEED_AGE_NS = 250_000_000  # ns; an airspeed further from the odometry is not used
 
 
-class ControllerSettings(Settings):
-    """The vehicle, the gains and the time limits of stale setpoints."""
-
-    vehicle: str = setting('gtmab', fixed=True)
-    """Vehicle name or file."""
-    law: str = setting('', fixed=True)
-    """Name of the control law. Empty: the law named in the vehicle file."""
-    scenario: str = setting('', fixed=True)
-    """Scenario name or file, whose test signals are added to the duties."""
-    armed: bool = setting(False, fixed=True)
-    """Whether the motors are armed when the node starts."""
-    hold_after: float = setting(0.5, 's', 0.05, 60.0)
-    """Age of a setpoint at which the drone holds."""
-    land_after: float = setting(3.0, 's', 0.05, 600.0)
-    """Age of a setpoint at which the drone lands."""
-    tilt_limit: float = setting(TILT_LIMIT, 'rad', 0.1, 3.2)
-    """Tilt at which the motors stop."""
-    gains: CascadeGains = setting(load_gains('gtmab'))
-    """Gains of the cascade law; other laws load their own gains."""
-
-
 class Controller(GraphNode):
     """Publish duties for each estimate."""
 
@@ -78,8 +50,7 @@ class Controller(GraphNode):
         self._names, self._reversible = vehicle.rotor_names, vehicle.reversible
         self._standing_height, self._scratch = vehicle.hull_height_on_floor, create_working_array()
         self._course = load_course(settings.scenario)
-        name = settings.law or vehicle_law_name(vehicle)
-        self._law, self._constants = load_onboard_law(name, vehicle, settings.gains)
+        self._law, self._constants = load_onboard_law(settings.law, vehicle, settings.gains)
         self._memory = PilotMemory(law=self._law.start)
         self._apply_settings(settings)
         self._armed = settings.armed
@@ -119,7 +90,7 @@ class Controller(GraphNode):
         self._last_ns, state = step.stamp_ns, self._memory.watch.state
         self._armed = self._armed and not is_stopped(state)
         steers = 'a person' if self._helm.held else 'the setpoint'
-        self.health.set_fact(describe_motors(state, inputs, self._rules, steers))
+        self.health.set_fact(flight_report.describe_motors(state, inputs, self._rules, steers))
         duties = self._add_test_signals(self._memory.law.command.duties, step.stamp_ns)
         self._motors.publish(from_duties(odom.header.stamp, self._names, duties))
 
@@ -131,7 +102,7 @@ class Controller(GraphNode):
         lost = latest is not None and not near
         if lost is not self._airspeed_lost:
             self._airspeed_lost = lost
-            self.health.set_fact(describe_airspeed(lost))
+            self.health.set_fact(flight_report.describe_airspeed(lost))
         return latest if near else None
 
     def _add_test_signals(self, duties: tuple[float, ...], now_ns: int) -> tuple[float, ...]:
@@ -145,7 +116,7 @@ class Controller(GraphNode):
     def _on_arm(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         count, watch = self._helm.count_commanders(), self._memory.watch
         rivals = f'{count} nodes send setpoints: stop all but one' if count > 1 else ''
-        refusal = (describe_stop(watch.state) or rivals) if request.data else ''
+        refusal = (flight_report.describe_stop(watch.state) or rivals) if request.data else ''
         response.success, response.message = not refusal, refusal
         if not refusal:
             # Arming starts with empty integrals
@@ -159,7 +130,7 @@ class Controller(GraphNode):
     ) -> Trigger.Response:
         watch = self._memory.watch._replace(state=FlightState.EMERGENCY_STOP)
         self._memory, self._armed = PilotMemory(watch, self._law.start), False
-        response.success, response.message = True, describe_stop(watch.state)
+        response.success, response.message = True, flight_report.describe_stop(watch.state)
         self.health.report('motors', HealthLevel.ERROR, response.message)
         return response
 
@@ -168,7 +139,7 @@ class Controller(GraphNode):
         # Until it is armed anew: a motor must not start because one of them ends
         self._contested = self._armed and (self._contested or self._helm.count_commanders() > 1)
         if self._contested or 'commanders' in self.health:
-            self.health.set_fact(describe_commanders(self._contested))
+            self.health.set_fact(flight_report.describe_commanders(self._contested))
         super().publish_health()
 
 

@@ -4,22 +4,12 @@ Estimator node: estimate the motion from the drone's own sensors and commands.
 Each estimate is published twice: on `odom`, and as the transform odom -> base_link on /tf.
 """
 
-import math
 from typing import Unpack
 
-from lta_config.settings import setting
-from lta_control.bias_calibration import is_tilted, is_turning, largest_deviation, MOST_RATE
-from lta_control.estimator import EstimatorModel, EstimatorSettings, MotionEstimate
+from lta_control.estimator import MotionEstimate
+from lta_control.flight_report import describe_calibration
 from lta_control.flight_step import estimate_motion
-from lta_control.messages import (
-    from_airspeed,
-    from_estimate,
-    is_valid_command,
-    to_duties,
-    to_inputs,
-    to_sighting,
-    to_tracked,
-)
+from lta_control.messages import to_tracked
 from lta_control.odometry.airspeed import step_duration
 from lta_control.odometry.ground_motion import (
     build_odom_motion,
@@ -27,7 +17,16 @@ from lta_control.odometry.ground_motion import (
     read_modelled_motion,
 )
 from lta_control.odometry.ground_state import GroundMotion
+from lta_control.odometry.messages import (
+    from_airspeed,
+    from_estimate,
+    is_valid_command,
+    to_duties,
+    to_inputs,
+    to_sighting,
+)
 from lta_control.odometry.tracked_motion import TrackedMotion, TrackedPath
+from lta_control.parameters import EstimatorParameters
 from lta_control.sighting import LampSighting
 from lta_control.vehicle_parameters import build_estimator_model
 from lta_graph.health import HealthLevel
@@ -41,13 +40,6 @@ from lta_graph.ros.transforms import from_odometry
 from lta_model.vehicle import load_vehicle
 from lta_msgs.msg import LampPeaks
 from nav_msgs.msg import Odometry
-
-
-class EstimatorParameters(EstimatorSettings):
-    """Settings of the filters, and the vehicle."""
-
-    vehicle: str = setting('gtmab', fixed=True)
-    """Vehicle name or file."""
 
 
 class Estimator(GraphNode):
@@ -121,7 +113,7 @@ class Estimator(GraphNode):
         self._odom.publish(odom)
         self._tf.publish(from_odometry(odom))
         if learning:
-            self.health.report('estimate', *describe_calibration(self._estimate, self._body))
+            self.health.set_fact(describe_calibration(self._estimate, self._body))
 
     def _on_tracked(self, message: Odometry) -> None:
         self._tracked = to_tracked(message)
@@ -141,28 +133,6 @@ class Estimator(GraphNode):
             return None
         middle_ns = from_stamp(lamp.header.stamp) + self._half_block_ns
         return to_sighting(lamp, self._peaks, (step.stamp_ns - middle_ns) * 1e-9)
-
-
-def describe_calibration(
-    estimate: MotionEstimate, body: EstimatorModel
-) -> tuple[HealthLevel, str]:
-    """Return the state of the bias calibration, as level and sentence."""
-    if not estimate.ready and is_turning(estimate.biases, body.rate_bias):
-        off = math.degrees(largest_deviation(estimate.biases.rates, body.rate_bias))
-        return HealthLevel.ERROR, (
-            f'cannot calibrate the gyroscope bias: the drone turns at {off:.1f} deg/s, '
-            f'more than the largest possible bias of {math.degrees(MOST_RATE):.0f} deg/s; '
-            'keep the drone still, or if it is still, enter its bias in the vehicle file '
-            '(effects.gyro_bias)'
-        )
-    if not estimate.ready:
-        return HealthLevel.WARN, 'calibrating the IMU biases: keep the drone still and level'
-    if not is_tilted(estimate.biases, body.force_bias):
-        return HealthLevel.OK, 'biases are known'
-    return HealthLevel.WARN, (
-        'the IMU biases are uncertain, because the drone was tilted during the '
-        'calibration; restart the estimator with the drone still and level'
-    )
 
 
 def main(args: list[str] | None = None) -> None:

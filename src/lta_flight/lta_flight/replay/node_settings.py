@@ -11,10 +11,10 @@ from lta_graph.ros.parameters import iterate_fields, nest_names
 from pydantic import ValidationError
 
 NODES = {  # module and model of each node's parameters, imported late because of rclpy
-    'estimator': ('lta_control.nodes.estimator', 'EstimatorParameters'),
-    'controller': ('lta_control.nodes.controller', 'ControllerSettings'),
+    'estimator': ('lta_control.parameters', 'EstimatorParameters'),
+    'controller': ('lta_control.parameters', 'ControllerSettings'),
     'demodulator': ('lta_vlc.nodes.demodulator', 'DemodulatorParameters'),
-    'navigator': ('lta_control.nodes.navigator', 'NavigatorParameters'),
+    'navigator': ('lta_control.parameters', 'NavigatorParameters'),
     'energy_monitor': ('lta_energy.nodes.energy_monitor', 'EnergyMonitorParameters'),
 }
 

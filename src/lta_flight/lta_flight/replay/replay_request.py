@@ -5,13 +5,13 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, final
 
+from lta_bridge.parameters import FOREVER
 from lta_bridge.playback.node_selection import (
     list_replayable_roles,
     list_supporting_roles,
     NodeSelection,
     select_nodes,
 )
-from lta_bridge.playback.settings import FOREVER
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.files import find_file
 from lta_config.topics import load_topic_table

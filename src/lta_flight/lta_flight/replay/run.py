@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import final
 
 from lta_bridge.bag.writer import prepare_empty_folder
-from lta_bridge.playback.settings import FOREVER
+from lta_bridge.parameters import FOREVER
 from lta_config.errors import BadInput
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.recorded_flight import open_flight, RecordedFlight
