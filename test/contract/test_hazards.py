@@ -168,8 +168,9 @@ BARRIERS = {
     ),
     'two navigators before arming': Barrier(
         f'{CONTROL}/nodes/controller.py',
-        'refusal = (describe_stop(watch.state) or rivals) if request.data',
-        'refusal = describe_stop(watch.state) if request.data', 'test/integration/test_nodes.py',
+        'refusal = (flight_report.describe_stop(watch.state) or rivals) if request.data',
+        'refusal = flight_report.describe_stop(watch.state) if request.data',
+        'test/integration/test_nodes.py',
     ),
     'two navigators in flight': Barrier(
         f'{CONTROL}/nodes/controller.py',

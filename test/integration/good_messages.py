@@ -3,15 +3,14 @@
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from lta_bridge.crazyflie.messages import RANGE_SETTINGS
 from lta_control.cascade import Setpoint
 from lta_control.estimator import MotionEstimate
 from lta_control.messages import from_duties, from_setpoint
 from lta_control.odometry.ground_state import GroundSettings, start_ground_motion
 from lta_control.odometry.messages import from_airspeed, from_estimate
+from lta_graph.ros import vehicle_messages as messages
 from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.stamps import to_stamp
-from lta_model import messages
 from lta_model.sensors.imu import error_bounds, ImuSettings
 from lta_vlc.demodulation import Peaks
 from lta_vlc.lamp import LampEstimate
@@ -48,7 +47,7 @@ def good(name: str, stamp_ns: int) -> Any:
     header = Header(stamp=stamp, frame_id=TABLE[name].frame)
     made = {
         'imu': lambda: messages.build_imu_message(stamp, (0.0, 0.0, 9.81), (0.0, 0.0, 0.0), NOISE),
-        'range': lambda: messages.build_range_message(stamp, 1.0, RANGE_SETTINGS),
+        'range': lambda: messages.build_range_message(stamp, 1.0, (0.04, 4.0), 27.0),
         'pressure': lambda: messages.build_pressure_message(stamp, 101325.0, 1.0),
         'photodiodes': lambda: messages.build_light_block_message(stamp, BLOCK),
         'illuminance': lambda: messages.build_illuminance_message(stamp, 300.0),

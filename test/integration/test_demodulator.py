@@ -7,7 +7,7 @@ from lta_config.files import share_folder
 from lta_config.topics import load_topic_table
 from lta_graph.health import HealthFact, HealthLevel
 from lta_graph.ros.stamps import from_stamp, to_stamp
-from lta_model.messages import build_light_block_message
+from lta_graph.ros.vehicle_messages import build_light_block_message
 import numpy as np
 import pytest
 from sensor_msgs.msg import Image

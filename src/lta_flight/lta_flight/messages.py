@@ -17,9 +17,9 @@ from lta_energy.monitoring.meters import PowerSystem
 from lta_energy.monitoring.report import report_energy
 from lta_flight.closed_loop import ClosedLoop, EnergyObservation, LightObservation
 from lta_graph.quality import select_quality
+from lta_graph.ros import vehicle_messages as messages
 from lta_graph.ros.stamps import to_stamp
 from lta_graph.ros.transforms import from_odometry, from_start
-from lta_model import messages
 from lta_sim.readings import SensorReadings
 from lta_vlc.diodes import build_diode_array
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks
@@ -92,8 +92,10 @@ class LoopRecorder:
         """Write the messages of the simulator for the estimator."""
         world, stamp = self._loop.world, to_stamp(readings.stamp_ns)
         for taken_ns, distance in readings.ranges:
+            sensor = world.range_settings
+            limits = sensor.minimum, sensor.maximum
             message = messages.build_range_message(
-                to_stamp(taken_ns), distance, world.range_settings
+                to_stamp(taken_ns), distance, limits, sensor.field_of_view
             )
             self._write_message('range', message)
         if readings.pressure is not None:

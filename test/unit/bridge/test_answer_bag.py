@@ -6,7 +6,7 @@ from pathlib import Path
 import struct
 from types import SimpleNamespace
 
-from lta_bridge.bag import build_offered_qos, storage
+from lta_bridge.bag import storage
 from lta_bridge.playback import answer_bag
 from lta_bridge.playback.answer_bag import AnswerBag
 from lta_bridge.playback.node_selection import NodeSelection
@@ -26,8 +26,7 @@ def duties(stamp):
 
 
 def answers(folder):
-    offered = [build_offered_qos('reliable', 'volatile', 10)]
-    return AnswerBag(folder, RECORDING, CAST, TABLE, 'lta1', lambda _: offered)
+    return AnswerBag(folder, RECORDING, CAST, TABLE, 'lta1', lockstep=True)
 
 
 @pytest.fixture

@@ -16,7 +16,7 @@ from lta_config.topics import load_topic_table
 from lta_emulation.teensy.emulated_board import COMPONENT, EmulatedBoard, SYSTEM
 from lta_graph.health import HealthFact, HealthLevel
 from lta_graph.ros.stamps import to_stamp
-from lta_model.messages import build_light_block_message
+from lta_graph.ros.vehicle_messages import build_light_block_message
 from lta_vlc.diodes import build_diode_array
 from lta_vlc.direction import LampFinder
 from lta_vlc.lamp import LampPrior

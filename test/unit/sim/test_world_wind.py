@@ -3,7 +3,7 @@
 import math
 
 from lta_config.constants import STANDARD_GRAVITY
-from lta_model import messages
+from lta_graph.ros import vehicle_messages as messages
 from lta_model.effects import initial_memory
 from lta_model.effects.air import stationary_memory
 from lta_model.state import RIGID

@@ -21,7 +21,7 @@ from lta_graph.ros.device import DeviceNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
 from lta_graph.ros.stamps import to_stamp
-from lta_model.messages import build_light_block_message
+from lta_graph.ros.vehicle_messages import build_light_block_message
 from lta_vlc.demodulation import Peaks
 from lta_vlc.diodes import build_diode_array
 from lta_vlc.direction import LampFinder

@@ -20,9 +20,8 @@ from lta_bridge.teleop.messages import (
 )
 from lta_bridge.teleop.steering import (
     check_time_mode,
-    HeadingAltitude,
+    describe_steering,
     step_state,
-    TeleopStage,
     TeleopState,
 )
 from lta_bridge.teleop.sticks import (
@@ -35,7 +34,6 @@ from lta_bridge.teleop.sticks import (
     StickDevice,
 )
 from lta_control.messages import from_setpoint
-from lta_graph.health import HealthLevel
 from lta_graph.ros.contained_node import NodeOptions
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
@@ -51,14 +49,6 @@ TELEOP_PERIOD = 0.02  # s
 TAPS = 50  # queue depth of Joy messages: the newest alone would hide a short press of a button
 ESTIMATE_LIFE = 0.3  # s; an older estimate is not used
 STOPPING = ('emergency_stop', 'crazyflie_bridge/emergency_stop')  # services that can stop motors
-STEERS = {
-    TeleopStage.UNKNOWN: (
-        HealthLevel.WARN,
-        'no controller has reported whether it follows the operator or the navigator',
-    ),
-    TeleopStage.NAVIGATOR: (HealthLevel.OK, 'the navigator steers'),
-    TeleopStage.PERSON: (HealthLevel.OK, 'the operator steers'),
-}
 
 
 class Teleop(GraphNode):
@@ -68,10 +58,8 @@ class Teleop(GraphNode):
         super().__init__('teleop', **options)
         check_time_mode(lockstep=self.lockstep)
         self._held = self.create_output('teleop/held')
-        self._pose, self._velocity = (
-            self.create_output('teleop/pose'),
-            self.create_output('teleop/velocity'),
-        )
+        self._pose = self.create_output('teleop/pose')
+        self._velocity = self.create_output('teleop/velocity')
         self._settings = NodeParameters(self, TeleopSettings)
         self._stops = {name: self.create_client(Trigger, name) for name in STOPPING}
         self._answered: set[str] = set()
@@ -80,11 +68,8 @@ class Teleop(GraphNode):
         self._odom_at = -ESTIMATE_LIFE
         # Sticks are read on the wall clock: a person acts in real time
         self._state, self._ticked = TeleopState(), time.monotonic()
-        for name, callback in (
-            ('odom', self._on_odom),
-            ('/diagnostics', self._flyers.add_diagnostics),
-        ):
-            self.subscribe_topic(name, callback)
+        self.subscribe_topic('odom', self._on_odom)
+        self.subscribe_topic('/diagnostics', self._flyers.add_diagnostics)
         self._device = self._create_device(self._settings.value)
         self.create_timer(TELEOP_PERIOD, self._tick, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
@@ -118,27 +103,15 @@ class Teleop(GraphNode):
     def _on_odom(self, odom: Odometry) -> None:
         self._odom, self._odom_at = odom, time.monotonic()
 
-    def _newest_estimate(self, now: float) -> HeadingAltitude | None:
-        if self._odom is None or now - self._odom_at > ESTIMATE_LIFE:
-            return None
-        return to_heading_altitude(self._odom)
-
     def _tick(self) -> None:
         now = time.monotonic()
-        sticks, felt = self._device.read_sticks(now), self._newest_estimate(now)
-        before = self._state.stage
-        dt, self._ticked = now - self._ticked, now
-        rates = self._settings.value.rates
-        self._state, order = step_state(
-            # A long pause must not become one large step of the setpoint
-            self._state,
-            now,
-            min(dt, ESTIMATE_LIFE),
-            sticks,
-            felt,
-            rates,
-            self._flyers.is_operator_steering,
-        )
+        # A long pause must not become one large step of the setpoint
+        dt, self._ticked = min(now - self._ticked, ESTIMATE_LIFE), now
+        sticks, rates = self._device.read_sticks(now), self._settings.value.rates
+        odom = self._odom if now - self._odom_at <= ESTIMATE_LIFE else None
+        felt = None if odom is None else to_heading_altitude(odom)
+        before, follows = self._state.stage, self._flyers.is_operator_steering
+        self._state, order = step_state(self._state, now, dt, sticks, felt, rates, follows)
         if order.setpoint is not None and self._odom is not None:
             # A setpoint answers the newest estimate: its age is counted from that one's stamp.
             pose, velocity = from_setpoint(self._odom.header.stamp, order.setpoint)
@@ -150,7 +123,8 @@ class Teleop(GraphNode):
             self._request_stop()
         if self._state.stage is not before:
             self.get_logger().info(f'control of the drone: {self._state.stage.value}')
-        self._report_steering(sticks is not None, felt is not None)
+        stage, alive, placed = self._state.stage, sticks is not None, felt is not None
+        self.health.set_fact(describe_steering(stage, alive, placed, self._answered))
 
     def _request_stop(self) -> None:
         """Call the emergency-stop services that are available."""
@@ -158,25 +132,6 @@ class Teleop(GraphNode):
             if client.service_is_ready():
                 answer = client.call_async(Trigger.Request())
                 answer.add_done_callback(lambda _, name=name: self._answered.add(name))
-
-    def _report_steering(self, alive: bool, placed: bool) -> None:
-        stage = self._state.stage
-        if stage is TeleopStage.STOPPED:
-            receivers = ', '.join(sorted(self._answered)) or 'no node yet'
-            text = f'emergency stop requested; confirmed by {receivers}'
-            self.health.report('helm', HealthLevel.ERROR, text)
-        elif not alive or not placed:
-            silent = (
-                'no input from the gamepad or keyboard'
-                if not alive
-                else 'no state estimate received'
-            )
-            steers = stage is TeleopStage.PERSON
-            text = f'{silent}: the drone hovers, then lands' if steers else silent
-            self.health.report('helm', HealthLevel.ERROR if steers else HealthLevel.WARN, text)
-        else:
-            level, text = STEERS[stage]
-            self.health.report('helm', level, text)
 
     def close(self) -> None:
         """Close the device; control is not handed back, so a drone under control lands."""

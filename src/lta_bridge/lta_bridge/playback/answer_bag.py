@@ -4,13 +4,13 @@ Write the nodes' answers of a replay to a bag, each logged at its due time.
 A storage fault ends the bag but not the replay; the player reports it when it closes.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from pathlib import Path
 import time
 from typing import final
 
 from lta_bridge.bag.background_writer import FLUSH_PERIOD
-from lta_bridge.bag.metadata import OfferedQos
+from lta_bridge.bag.metadata import build_offered_qos
 from lta_bridge.bag.storage import StorageFault
 from lta_bridge.bag.writer import BagWriter
 from lta_bridge.log_time_assigner import read_stamp
@@ -19,6 +19,7 @@ from lta_bridge.playback.recording import RobotBagRecording
 from lta_bridge.provenance import describe_environment
 from lta_config.errors import BadInput
 from lta_config.topics import robot_topic, TopicTable
+from lta_graph.quality import select_quality
 
 REPLAY_OF, REPLAYED = 'replay_of', 'replayed_nodes'  # keys of the origin
 # Keys copied from the recording
@@ -54,8 +55,8 @@ class AnswerBag:
 
     Parameters
     ----------
-    path : Path
-        Folder of the bag; it must be empty or not exist yet.
+    path : Path or None
+        Folder of the bag; it must be empty or not exist yet. None writes no bag.
     recording : Recording
         The played recording, whose origin is stored in the bag.
     selection : NodeSelection
@@ -64,8 +65,8 @@ class AnswerBag:
         Types and latencies.
     robot : str
         Namespace of the nodes.
-    offered : callable
-        Returns the offered QoS profiles of a topic.
+    lockstep : bool
+        Whether they run in lockstep, for their QoS profiles.
 
     Attributes
     ----------
@@ -81,12 +82,12 @@ class AnswerBag:
 
     def __init__(
         self,
-        path: Path,
+        path: Path | None,
         recording: RobotBagRecording,
         selection: NodeSelection,
         table: TopicTable,
         robot: str,
-        offered: Callable[[str], Sequence[OfferedQos]],
+        lockstep: bool,
     ) -> None:
         self._table = table
         self._names: Mapping[str, str] = {
@@ -94,10 +95,15 @@ class AnswerBag:
         }
         self.fault = ''
         self._flushed = time.monotonic()
+        self._writer: BagWriter | None = None
+        if path is None:
+            return
         try:
             self._writer = BagWriter(path, build_answers_origin(recording, selection.nodes))
             for name, full in self._names.items():
-                self._writer.add_topic(full, table[name].type, offered(name))
+                depth, reliability, durability = select_quality(table[name], lockstep)
+                offered = [build_offered_qos(reliability, durability, depth)]
+                self._writer.add_topic(full, table[name].type, offered)
         except StorageFault as fault:
             raise BadInput(str(fault)) from None
 
@@ -107,24 +113,27 @@ class AnswerBag:
 
         `due_ns` is its due time if known, `now_ns` the bag's present time for unstamped messages.
         """
-        when = due_ns
+        if self._writer is None:
+            return
+        when, writer = due_ns, self._writer
         if when is None:
             row = self._table[name]
             stamp = read_stamp(data) if row.stamped else None
             # As a recorder does, so that both bags can be compared
             when = now_ns if stamp is None else stamp + row.latency_ns
-        self._try_step(lambda: self._writer.write(self._names[name], data, when))
+        self._try_step(lambda: writer.write(self._names[name], data, when))
 
     def flush(self) -> None:
         """Flush the bag, if that is due."""
-        if time.monotonic() - self._flushed >= FLUSH_PERIOD:
+        if self._writer is not None and time.monotonic() - self._flushed >= FLUSH_PERIOD:
             self._try_step(self._writer.flush)
             self._flushed = time.monotonic()
 
     def close(self) -> None:
         """Finish the bag."""
         # Even after a fault: closing makes the messages so far readable
-        self._try_step(self._writer.close, always=True)
+        if self._writer is not None:
+            self._try_step(self._writer.close, always=True)
 
     def _try_step(self, step: Callable[[], None], *, always: bool = False) -> None:
         """Run a step unless the disk has failed; keep the first fault."""

@@ -64,6 +64,19 @@ def compute_answer_times(
     return due_times
 
 
+def compute_schedule(
+    messages: Iterable[RecordedMessage], table: TopicTable, selection: NodeSelection
+) -> tuple[dict[str, list[int]], dict[str, list[int]]]:
+    """Return the due times of the nodes' inputs and of their answers, by topic. [ns]"""
+    read = {name for node in selection.nodes for name in table.read_by(node)}
+    # The trigger determines when a node answers, so its times are needed too
+    topics = read | {table.trigger_topic(node) for node in selection.nodes}
+    played = compute_due_times((item for item in messages if item.topic in topics), table)
+    answers = compute_answer_times(played, table, selection)
+    inputs = {name: times.due for name, times in (played | answers).items() if name in read}
+    return inputs, {name: times.due for name, times in answers.items()}
+
+
 NEVER_NS = 2**63 - 1  # ns
 
 

@@ -1,10 +1,17 @@
-"""Iterate over the messages of a section of a recording."""
+"""Play a section of a recording: its messages in order, each when it is due."""
 
 from collections.abc import Collection, Iterator
-from typing import final
+import time
+from typing import Final, final
 
+from lta_bridge.playback.answer_times import NEVER_NS, PendingAnswers
 from lta_bridge.playback.recording import RecordedMessage, RobotBagRecording
 from lta_config.errors import BadInput
+
+LARGEST_LAG_NS: Final = 1_000_000_000  # largest lag of a node in lockstep; queues hold 20 s
+MESSAGES_PER_TICK: Final = 2000  # messages per tick at most, so that services are answered
+# Wall seconds to wait for answers after the last message in real time
+LAST_ANSWER_TIME: Final = 0.5
 
 
 @final
@@ -82,3 +89,99 @@ class MessageIterator:
             raise IndexError('there are no more messages to play')
         self._next = next(self._messages, None)
         return item
+
+
+@final
+class Playback:
+    """
+    Progress of a replay.
+
+    Parameters
+    ----------
+    section : MessageIterator
+        What is played.
+    pending : PendingAnswers
+        What the nodes answer.
+    rate : float or None
+        Seconds of the bag per wall second; None plays as fast as the nodes answer, in lockstep.
+
+    Attributes
+    ----------
+    now_ns : int
+        Time of the newest message. [ns]
+    has_begun : bool
+        Whether `begin` was called; no message is due before.
+    ended : str
+        'played' or 'unanswered'; empty before the end.
+
+    """
+
+    def __init__(
+        self, section: MessageIterator, pending: PendingAnswers, rate: float | None
+    ) -> None:
+        self._section, self.pending, self._rate = section, pending, rate
+        self.now_ns, self.has_begun, self.ended = section.begin_ns, False, ''
+        self._messages = 0
+        self._began = self._news = 0.0
+
+    def begin(self) -> None:
+        """Start the clock."""
+        self._began, self.has_begun = time.monotonic(), True
+        self._news = self._began
+
+    def receive_answer(self, topic: str) -> int | None:
+        """Count an answer, and return its due time; None if none was pending. [ns]"""
+        self._news = time.monotonic()
+        return self.pending.register_answer(topic)
+
+    def iterate_due(self) -> Iterator[RecordedMessage]:
+        """Yield the messages that are due now, and notice the end."""
+        if not self.has_begun or self.ended:
+            return
+        # Neither ahead of the playback clock nor too far ahead of an unanswered input
+        until = min(self._playback_time_ns(), self.pending.latest_play_time(LARGEST_LAG_NS))
+        for _ in range(MESSAGES_PER_TICK):
+            due = self._section.next_ns
+            if due is None or due > until:
+                break
+            item = self._section.pop_message()
+            # The recording may contain reordered messages, but /clock must not go back
+            self.now_ns = max(self.now_ns, item.time_ns)
+            self._messages += 1
+            yield item
+            self._news = self._news if self._rate is None else time.monotonic()
+        # In real time the number of answers is unknown: wait until they cease
+        late = self._rate is not None and time.monotonic() - self._news < LAST_ANSWER_TIME
+        if self._section.next_ns is None and not self.pending.total_pending and not late:
+            self.ended = 'played'
+
+    def end_unanswered(self, patience: float) -> None:
+        """End a replay in lockstep if an answer is overdue by so many wall seconds."""
+        waits = self.has_begun and not self.ended and self._rate is None
+        if waits and time.monotonic() - self._news >= patience:
+            self.ended = 'unanswered'
+
+    def bag_time_ns(self) -> int:
+        """Return the time of the bag now. [ns]"""
+        return self.now_ns if self._rate is None else max(self.now_ns, self._playback_time_ns())
+
+    def _playback_time_ns(self) -> int:
+        """Return the time of the bag up to which to play, apart from the answers. [ns]"""
+        if self._rate is None:
+            return NEVER_NS
+        passed = time.monotonic() - self._began if self.has_begun else 0.0
+        return self._section.begin_ns + round(self._rate * 1e9 * passed)
+
+    def summarize(self, running: bool) -> dict[str, str]:
+        """Return the progress in figures; `running` is False where the player stops."""
+        elapsed = (self.now_ns - self._section.begin_ns) * 1e-9
+        wall = time.monotonic() - self._began if self._began else 0.0
+        return {
+            'outcome': self.ended or ('playing' if running else 'stopped'),
+            'time_s': f'{elapsed:.3f}',
+            'messages': str(self._messages),
+            'answers': str(sum(self.pending.come.values())),
+            'owed': str(self.pending.total),
+            'unanswered': str(self.pending.total_pending),
+            'pace': f'{elapsed / wall:.2f}' if wall else '0.00',
+        }

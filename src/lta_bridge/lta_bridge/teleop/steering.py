@@ -8,6 +8,7 @@ nodes that follow the setpoints. An emergency stop is final, and repeated becaus
 confirmed.
 """
 
+from collections.abc import Collection
 from enum import StrEnum
 import math
 from typing import Final, NamedTuple
@@ -16,6 +17,7 @@ from lta_bridge.teleop.sticks import Sticks
 from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
 from lta_control.cascade import Setpoint, wrap_angle
+from lta_graph.health import HealthFact, HealthLevel
 
 STOP_REQUESTS: Final = 10  # emergency stops sent in direct succession
 NEXT_STEP_PAUSE: Final = 0.5  # s between further ones
@@ -146,3 +148,38 @@ def _lead_target(
     above = target.altitude + rates.climb * sticks.climb * dt - estimate.altitude
     heading = wrap_angle(estimate.heading + max(-LEAD_TURN, min(LEAD_TURN, ahead)))
     return HeadingAltitude(heading, estimate.altitude + max(-LEAD_CLIMB, min(LEAD_CLIMB, above)))
+
+
+def describe_steering(
+    stage: TeleopStage, alive: bool, placed: bool, answered: Collection[str]
+) -> HealthFact:
+    """
+    Return who steers, and what is missing.
+
+    Parameters
+    ----------
+    stage : TeleopStage
+        Who steers.
+    alive, placed : bool
+        Whether the sticks can be read, and whether the estimate is known.
+    answered : collection of str
+        Services that have confirmed an emergency stop.
+
+    """
+    steers = stage is TeleopStage.PERSON
+    if stage is TeleopStage.STOPPED:
+        receivers = ', '.join(sorted(answered)) or 'no node yet'
+        level, text = HealthLevel.ERROR, f'emergency stop requested; confirmed by {receivers}'
+    elif not alive or not placed:
+        level = HealthLevel.ERROR if steers else HealthLevel.WARN
+        text = 'no state estimate received'
+        if not alive:
+            text = 'no input from the gamepad or keyboard'
+        if steers:
+            text += ': the drone hovers, then lands'
+    elif stage is TeleopStage.UNKNOWN:
+        level = HealthLevel.WARN
+        text = 'no controller has reported whether it follows the operator or the navigator'
+    else:
+        level, text = HealthLevel.OK, f'the {"operator" if steers else "navigator"} steers'
+    return HealthFact('helm', level, text)

@@ -23,6 +23,7 @@ from lta_config.topics import is_selected
 from lta_graph.health import HealthLevel
 from lta_graph.inbox import InboxStep
 from lta_graph.reach import describe_reach
+from lta_graph.ros import vehicle_messages as messages
 from lta_graph.ros.contained_node import NodeOptions
 from lta_graph.ros.node import GraphNode, LONG_ACKNOWLEDGE_TIME
 from lta_graph.ros.parameters import NodeParameters
@@ -31,7 +32,6 @@ from lta_graph.ros.process import run_node
 from lta_graph.ros.stamps import from_stamp, to_stamp
 from lta_graph.ros.startup import wait_until_complete, wait_until_settled
 from lta_graph.ros.transforms import from_start
-from lta_model import messages
 from lta_model.scenario import load_scenario, offset_start
 from lta_model.vehicle import load_vehicle
 from lta_sim.readings import FlightOutcome, SensorReadings
@@ -294,8 +294,10 @@ class Simulator(GraphNode):
         """Publish range, pressure and IMU, the last of which the estimator answers."""
         out = self._outputs
         for taken_ns, distance in readings.ranges:
+            sensor = self._world.range_settings
+            limits = sensor.minimum, sensor.maximum
             message = messages.build_range_message(
-                to_stamp(taken_ns), distance, self._world.range_settings
+                to_stamp(taken_ns), distance, limits, sensor.field_of_view
             )
             out['range'].publish(message)
         if readings.pressure is not None:

@@ -4,7 +4,6 @@ import math
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lta_bridge.crazyflie import messages
 from lta_bridge.crazyflie.bridge_core import BridgeCore, CrazyflieCommand, PositionEstimate, UNTOLD
 from lta_bridge.crazyflie.device_clock import parse_ping_time
 from lta_bridge.crazyflie.duties_packet import unpack_duties
@@ -17,12 +16,10 @@ from lta_bridge.crazyflie.log_table import (
     LOG_BLOCKS,
     STAMPED,
 )
-from lta_bridge.crazyflie.messages import CrazyfliePowerModel
-from lta_bridge.crazyflie.readings import AirReading, ImuReading, PowerReading
+from lta_bridge.crazyflie.messages import CrazyfliePowerModel, from_reading
 from lta_bridge.crazyflie.safety import LOST_POSITION, LOW_VOLTAGE_TIME, SafetyStage
 from lta_bridge.crazyflie.safety import SafetyRequest as AskedBy
 from lta_bridge.crazyflie.supervisor_word import SupervisorBit
-from lta_graph.ros.stamps import to_stamp
 from lta_model.vehicle import load_vehicle
 import pytest
 from rclpy.serialization import serialize_message
@@ -65,7 +62,7 @@ class Flight:
         for block, values in good.items():
             self.told(block, values)
         for packet in spoilt:
-            published(self.told(*packet))
+            published(self.told(*packet), self.bridge)
         self.bridge.accept_command(CrazyflieCommand(self.now, duties=(0.1, 0.2, 0.3, 0.4)))
         self.bridge.tick(1e-9 * self.now, self.now, True, True, asked)
 
@@ -80,18 +77,9 @@ class Flight:
         return [duty for packet in packets for duty in packet.duties]
 
 
-def published(told):
+def published(told, bridge):
     """Make the messages of a reading, as the node does, down to their bytes."""
-    stamp, made = to_stamp(told.stamp_ns), ()
-    match told.reading:
-        case ImuReading() as motion:
-            made = (messages.to_imu(stamp, motion, None),)
-        case AirReading() as air:
-            made = messages.to_range_pressure(stamp, air)
-        case PowerReading() as power if power.voltage > 0.0:
-            current = CONSUMPTION.cell_current((1.0,) * 4, power.voltage)
-            made = (messages.to_battery(stamp, power.voltage, current),)
-    for message in made:
+    for message in from_reading(told, bridge, CONSUMPTION).values():
         assert serialize_message(message)
 
 

@@ -1,14 +1,13 @@
-"""Build the ROS messages that the vehicle publishes, and read its command."""
+"""Build the messages that a vehicle publishes, simulated or real, from numbers."""
 
 import array
 from collections.abc import Sequence
+import math
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Vector3Stamped
 from lta_config.topics import load_topic_table
 from lta_graph.blank_message import create_message
-from lta_model.sensors.range import RangeSettings
-from lta_model.state import POSITION, QUATERNION, RATES, VELOCITY
 from lta_msgs.msg import LightBlock
 from nav_msgs.msg import Odometry
 import numpy as np
@@ -45,13 +44,19 @@ def build_imu_message(
     return message
 
 
-def build_range_message(stamp: Time, distance: float, settings: RangeSettings) -> Range:
-    """Return a downward distance [m]; +Inf is no return (REP-117)."""
+def build_range_message(
+    stamp: Time, distance: float, limits: tuple[float, float], field_of_view: float
+) -> Range:
+    """
+    Return a downward distance [m]; +Inf is no return (REP-117).
+
+    `limits`: shortest and longest distance [m]. `field_of_view`: full angle [deg].
+    """
     message = create_message(Range)
     message.header = _build_header(stamp, 'range')
     message.radiation_type = Range.INFRARED
-    message.field_of_view = np.deg2rad(settings.field_of_view)
-    message.min_range, message.max_range = settings.minimum, settings.maximum
+    message.field_of_view = math.radians(field_of_view)
+    message.min_range, message.max_range = limits
     message.range = distance
     return message
 
@@ -99,16 +104,17 @@ def build_battery_state(
 
 
 def build_odometry(stamp: Time, motion: Sequence[float]) -> Odometry:
-    """Return pose in `map` and twist in the body frame; 13 numbers as `lta_model.state`. [SI]"""
+    """
+    Return pose in `map` and twist in the body frame.
+
+    `motion` has 13 numbers: position [m], quaternion x y z w, velocity [m/s] and rates [rad/s].
+    """
     message = create_message(Odometry)
     message.header = _build_header(stamp, 'ground_truth/odom')
     message.child_frame_id = 'base_link'
     pose, twist = message.pose.pose, message.twist.twist
     p, q, v, w = pose.position, pose.orientation, twist.linear, twist.angular
-    p.x, p.y, p.z = motion[POSITION]
-    q.x, q.y, q.z, q.w = motion[QUATERNION]
-    v.x, v.y, v.z = motion[VELOCITY]
-    w.x, w.y, w.z = motion[RATES]
+    p.x, p.y, p.z, q.x, q.y, q.z, q.w, v.x, v.y, v.z, w.x, w.y, w.z = motion
     return message
 
 
