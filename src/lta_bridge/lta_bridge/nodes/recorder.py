@@ -6,7 +6,7 @@ slow disk does not fill the middleware's queues. When the disk is nearly full, t
 while its index still fits, and the process ends with an error message and status 2.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
@@ -14,13 +14,11 @@ import time
 from typing import Any, Unpack
 
 from lta_bridge.bag.background_writer import BackgroundWriter
-from lta_bridge.bag.metadata import has_mixed_durability, OfferedQos
-from lta_bridge.bag.schemas import is_jazzy_type
 from lta_bridge.bag.storage import StorageFault
 from lta_bridge.bag.writer import BagWriter
 from lta_bridge.crazyflie.safety import LEAVE
 from lta_bridge.intake import MessageIntake
-from lta_bridge.messages import to_offered_qos
+from lta_bridge.messages import RecordedTopics
 from lta_bridge.parameters import RecorderSettings, RobotOrigin
 from lta_bridge.playback.answer_bag import build_replay_origin
 from lta_bridge.playback.recording import open_recording
@@ -35,13 +33,10 @@ from lta_graph.ros.contained_node import NodeOptions
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
-from lta_graph.ros.qos import select_profile
-from lta_graph.ros.raw_subscriptions import GENEROUS_PROFILE, load_message_class, RawSubscriptions
 from lta_graph.ros.replay_due import subscribe_due_times
 from pydantic import create_model
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
-from rclpy.qos import QoSProfile
 
 LOOK_PERIOD = 0.4  # wall seconds between two checks of the graph and of losses
 DISK_PERIOD = 0.1  # wall seconds between two checks of the disk
@@ -76,10 +71,6 @@ class Recorder(GraphNode):
         robots = self._robots = settings.robots.split() or [self.get_namespace().strip('/')]
         topics = select_topics(settings.topics, robots, self.table)
         self._fault = ''
-        self._types: dict[str, str] = {}
-        self._announced: set[str] = set()
-        self._offers: dict[str, list[OfferedQos]] = {}
-        self._left_out: dict[str, str] = {}
         with ExitStack() as unfinished:
             with hold_interrupts():  # Ctrl-C must not leave a bag half created
                 try:
@@ -96,14 +87,7 @@ class Recorder(GraphNode):
                     self, self.table, partial(self._intake.set_due_times, robots[0])
                 )
             everything = settings.topics.split() == [ALL_TOPICS]
-            self._taps = RawSubscriptions(
-                self, self._build_tap_receiver, self._accepts_topic if everything else None
-            )
-            for name, type_name in topics.items():
-                if load_message_class(type_name) is None:  # tf2_msgs has to be compiled
-                    self._left_out[name] = type_name
-                else:
-                    self._taps.subscribe(name, type_name, self._expected_profile(name))
+            self._topics = RecordedTopics(self, topics, everything, self._intake, self._writer)
             # Graph time may stop or run faster, but disk and graph follow the wall clock
             steady = Clock(clock_type=ClockType.STEADY_TIME)
             self.create_timer(LOOK_PERIOD, self._report_recording, clock=steady)
@@ -132,75 +116,12 @@ class Recorder(GraphNode):
         """Create the bag."""
         return BackgroundWriter(BagWriter(path, origin), int(self._settings.queue_size * MB))
 
-    def _expected_profile(self, name: str) -> QoSProfile:
-        """Return the expected QoS profile of a topic."""
-        topic = self.table.topics.get(self._intake.find_owner(name)[1])
-        return select_profile(topic, self.lockstep) if topic else GENEROUS_PROFILE
-
-    def _accepts_topic(self, name: str, type_name: str) -> bool:
-        """Return whether to record a discovered topic; note those of unknown types."""
-        if not self._intake.covers_topic(name):
-            return False
-        is_decodable = is_jazzy_type(type_name) and load_message_class(type_name) is not None
-        if not is_decodable:
-            self._left_out[name] = type_name or 'several types'
-        return is_decodable
-
-    def _build_tap_receiver(self, name: str, type_name: str) -> Callable[[bytes], None]:
-        """Return the callback for the messages of a topic."""
-        self._types[name] = type_name
-        announced, take = (
-            self._announced,
-            self._intake.create_topic_callback(name),
-        )
-
-        def receive_message(data: bytes) -> None:
-            if name not in announced:
-                self._update_topic_qos(name)
-            take(data)
-
-        return receive_message
-
-    def _update_topic_qos(self, name: str) -> None:
-        """Pass the QoS profiles of a topic's present and former publishers to the bag."""
-        offered, expected = self._taps[name].list_offered_profiles(), self._expected_profile(name)
-        earlier = self._offers.setdefault(name, [])
-        fresh = [
-            each for each in to_offered_qos(offered, expected) if offered and each not in earlier
-        ]
-        earlier += fresh
-        if name not in self._announced:
-            self._announced.add(name)
-            offers = list(earlier) or to_offered_qos([], expected)
-            self._writer.add_topic(name, self._types[name], offers)
-        elif fresh:
-            self._writer.update_qos(name, list(earlier))
-
     def _report_recording(self) -> None:
         """Check the graph and the writer, and report the state of the recording."""
-        for name in self._taps.poll_changes():
-            if self._taps[name].publishers:
-                self._update_topic_qos(name)
-        if mixed := [
-            name for name, profiles in self._offers.items() if has_mixed_durability(profiles)
-        ]:
-            self.health.report(
-                'latched',
-                HealthLevel.WARN,
-                f'messages of {", ".join(mixed)} from before the start of the recorder are '
-                'missing, because some publishers do not have transient-local durability; '
-                'start the recorder first',
-            )
-        if self._left_out:
-            self.health.report(
-                'left out',
-                HealthLevel.WARN,
-                'some topics are not recorded, because their message types are not part of ROS 2 '
-                "Jazzy's common interfaces",
-                **self._left_out,
-            )
+        for fact in self._topics.poll():
+            self.health.set_fact(fact)
         if not self._fault:
-            level, words, figures = self._intake.summarize_recording(self._taps.lost_counts)
+            level, words, figures = self._intake.summarize_recording(self._topics.lost_counts)
             self.health.report('recording', level, words, **figures)
 
     def _report_disk(self) -> None:
@@ -251,10 +172,7 @@ class Recorder(GraphNode):
     def close(self) -> None:
         """Finish the bag; raise if the recording ended early."""
         self._intake.write_early_messages()
-        for name in self._taps:
-            # List topics without messages in the bag too
-            if name not in self._announced:
-                self._update_topic_qos(name)
+        self._topics.announce_silent()
         try:
             self._writer.close()
         except StorageFault as fault:
