@@ -12,8 +12,11 @@ from lta_control.odometry.ground_motion import (
     read_modelled_motion,
 )
 from lta_control.odometry.ground_state import (
+    BEARING,
+    BRIGHTNESS,
     GroundMotion,
     GroundSettings,
+    LOG_DISTANCE,
     rotate_covariance,
     start_ground_motion,
 )
@@ -167,6 +170,25 @@ def simulate_wind(wind, seconds=20.0, seed=0, gust=0.0):
             SETTINGS, HULL, state, ModelledMotion(True, 0.0, 0.0, *modelled), sighting, DT
         )
     return state, place, speed
+
+
+def test_a_correction_by_a_lamp_comes_little_by_little():
+    """The drone ran into a jump of `odom` of 0.26 m near the lamp."""
+    state = simulate_wind(np.array([0.0, 0.4]), seconds=6.0)[0]
+    motion = ModelledMotion(True, 0.0, 0.0, 0.0, 0.0)
+    away = math.exp(state.mean[LOG_DISTANCE])
+    expected = math.exp(state.mean[BRIGHTNESS]) / away**2
+    aside = LampSighting(state.mean[BEARING] + 0.15, 0.02, 4.0, 0.75, expected, 150.0, 0.0)
+    after = ground_step(SETTINGS, HULL, state, motion, aside, DT)
+    unseen = ground_step(SETTINGS, HULL, state, motion, None, DT)
+    assert after.position == pytest.approx(unseen.position, abs=1e-12)
+    assert math.hypot(*after.pending) > 0.03
+    widened = after.rows[0, 0] + after.pending[0] ** 2
+    assert after.position_covariance[0] == pytest.approx(widened)
+    for _ in range(round(2.0 / DT)):
+        after = ground_step(SETTINGS, HULL, after, motion, None, DT)
+    # Exponential, with 0.7 s: after 2 s, 6 % are left
+    assert after.position == pytest.approx(after.mean[:2], abs=0.06 * 0.26)
 
 
 @pytest.mark.parametrize('wind', [(0.0, 0.0), (-0.4, 0.0), (0.0, 0.4), (0.2, -0.2)])

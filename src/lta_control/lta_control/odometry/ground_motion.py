@@ -42,6 +42,7 @@ NEAR_GROUND = 0.03  # m above the height on the floor, up to which the drone may
 STILL_RATE = 0.03  # rad/s, 15 times the noise; wind that could move it makes it sway faster
 STILL_CLIMB = 0.05  # m/s
 STILL_DUTY = 0.01  # with which no motor moves a drone
+CORRECTION_TIME = 0.7  # s in which the pending correction of the position falls to a third
 TRACKER_SIGMA = 0.01  # m: of a tracked position, with the error of its time
 
 
@@ -94,7 +95,9 @@ def build_odom_motion(
     """Return the motion to which tracked poses are related."""
     yaw = yaw_from_quaternion(estimate.attitude)
     rate, velocity = estimate.rates[2], ground.velocity
-    return OdomMotion(stamp_ns, ground.position, yaw, rate, velocity, ground.airspeed)
+    # Of the filter, which the tracker corrects
+    place = ground.mean[X], ground.mean[Y]
+    return OdomMotion(stamp_ns, place, yaw, rate, velocity, ground.airspeed)
 
 
 def ground_velocity(estimate: 'MotionEstimate', ground: GroundMotion) -> Vector:
@@ -137,6 +140,7 @@ def ground_step(
     cos, sin = math.cos(yaw), math.sin(yaw)
     air = cos * surge - sin * sway, sin * surge + cos * sway
     mean, moved = state.mean, state.moved
+    keep = CORRECTION_TIME / (CORRECTION_TIME + dt)
     way = dt * (air[0] + mean[DRIFT_X]), dt * (air[1] + mean[DRIFT_Y])
     # The frame begins where the drone stands when the estimate is ready
     place = (mean[X] + way[0], mean[Y] + way[1]) if ready else (0.0, 0.0)
@@ -146,6 +150,7 @@ def ground_step(
         moved=(moved[0] + way[0], moved[1] + way[1]),
         elapsed=state.elapsed + dt,
         on_ground=on_ground,
+        pending=(keep * state.pending[0], keep * state.pending[1]),
     )
     if not ready:
         sighting = None
@@ -161,9 +166,11 @@ def ground_step(
             if tracked is not None and ready:
                 after = correct_place(after, tracked, TRACKER_SIGMA)
             if sighting is not None:
+                x, y = after.position
                 after = correct_motion(
                     settings, after, sighting, bearing, state.doubted + state.elapsed
                 )
+                after = after._replace(pending=(after.mean[X] - x, after.mean[Y] - y))
     except (OverflowError, ZeroDivisionError, ValueError):
         # Sightings that contradict each other: the drone flies on without
         return restart_ground_motion(settings, state)

@@ -54,16 +54,19 @@ class GroundMotion(NamedTuple):
     restarts: int = 0  # how often the filter began again, because its state could not be computed
     on_ground: bool = False  # as in `ModelledMotion`, since the last prediction
     innovation: float = 0.0  # running mean of the normalised innovations of bearings
+    # Correction by sightings that the position does not have yet [m, odom]
+    pending: tuple[float, float] = (0.0, 0.0)
 
     @property
     def position(self) -> tuple[float, float]:
-        """Position. [m, odom]"""
-        return self.mean[X], self.mean[Y]
+        """Position, into which corrections come little by little, so that it never jumps."""
+        return self.mean[X] - self.pending[0], self.mean[Y] - self.pending[1]
 
     @property
     def position_covariance(self) -> Covariance:
-        """Covariance of the position. [m2, odom]"""
-        return self.rows[X, X], self.rows[X, Y], self.rows[Y, Y]
+        """Covariance of the position; what is pending counts as error. [m2, odom]"""
+        (x, y), r = self.pending, self.rows
+        return r[X, X] + x * x, r[X, Y] + x * y, r[Y, Y] + y * y
 
     @property
     def velocity(self) -> tuple[float, float]:
@@ -135,7 +138,8 @@ def place_origin(state: GroundMotion) -> GroundMotion:
     rows = state.rows.copy()
     rows[:DRIFT_X] = rows[:, :DRIFT_X] = 0.0
     rows[X, X] = rows[Y, Y] = START_DEVIATION * START_DEVIATION
-    return state._replace(mean=(0.0, 0.0, *state.mean[DRIFT_X:]), rows=rows)
+    mean = (0.0, 0.0, *state.mean[DRIFT_X:])
+    return state._replace(mean=mean, rows=rows, pending=(0.0, 0.0))
 
 
 def slip_variance(rows: Matrix, drift: int, wind: int) -> float:
