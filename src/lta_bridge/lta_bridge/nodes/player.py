@@ -80,28 +80,17 @@ class Player(GraphNode):
         yield from wait_until_complete(self, self._list_missing_nodes, self._settings.patience)
         self._playback.begin()
         self.begun = True
-        self._report_missing_topics()
+        self.health.set_fact(self._selection.describe_recording(self.table, self._recording))
         self._publish_due()
         yield from super().run()
         if self._playback.ended == 'unanswered':
-            late = ', '.join(
-                f'{n} from {self.find_publishing_role(n)}'
-                for n in self._playback.pending.list_oldest_topics()
-            )
+            missing = self._playback.pending.list_oldest_topics()
+            late = ', '.join(f'{n} from {self.find_publishing_role(n)}' for n in missing)
             sys.stderr.write(
                 'Playback stopped, because these messages of the nodes did not arrive within '
                 f'{self._settings.patience:g} s: {late}.\n'
             )
             sys.exit(1)
-
-    def _report_missing_topics(self) -> None:
-        """Report topics that the recording lacks."""
-        absent = self._selection.find_missing_topics(self.table, self._recording.topics)
-        words = [*self._recording.strange]
-        if absent:
-            words.append(f'the recording lacks topics that the nodes need: {", ".join(absent)}')
-        level = HealthLevel.WARN if words else HealthLevel.OK
-        self.health.report('recording', level, '; '.join(words) or 'all topics found')
 
     def _list_missing_nodes(self) -> list[str]:
         """Return the nodes that are not connected yet."""
