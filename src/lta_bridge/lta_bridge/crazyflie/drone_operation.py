@@ -1,32 +1,49 @@
 """
-Operate a Crazyflie as a person asks: connect, arm, stop, land and disarm.
+Operate a Crazyflie as a person asks: connect, arm, stop, land, disarm, and describe its health.
 
 `bridge_core` decides in each tick what is sent. An operation lasts until the drone has confirmed
 it, so it keeps the ticks going meanwhile.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
 import time
 from typing import Final, final
 
 from lta_bridge.crazyflie.bridge_core import BridgeCore, StampedReading, TICK_RATE
-from lta_bridge.crazyflie.connection_manager import ConnectionManager
+from lta_bridge.crazyflie.buoyancy import BuoyancyMonitor
+from lta_bridge.crazyflie.connection_manager import CONNECTING, ConnectionManager
 from lta_bridge.crazyflie.drone_lock import DroneLock, is_port_closed
-from lta_bridge.crazyflie.health_diagnostics import describe_connection, describe_health
 from lta_bridge.crazyflie.link import LinkLost, MalformedPacket, Ping
 from lta_bridge.crazyflie.links import create_link
-from lta_bridge.crazyflie.log_table import check_log_table, LOG_BLOCKS
-from lta_bridge.crazyflie.safety import LEAVE, SafetyInputs, SafetyRequest, SafetyStage
+from lta_bridge.crazyflie.log_table import LOG_BLOCKS
+from lta_bridge.crazyflie.safety import (
+    DELIBERATE,
+    LEAVE,
+    SafetyInputs,
+    SafetyRequest,
+    SafetyStage,
+    SILENT_LINK,
+)
+from lta_bridge.crazyflie.supervisor_word import explain_fault
 from lta_bridge.parameters import CrazyflieBridgeSettings
 from lta_config.errors import BadInput
 from lta_config.schema.crazyflie_file import find_crazyflie, hash_airframe
-from lta_graph.health import HealthFact
+from lta_graph.health import HealthFact, HealthLevel
 from lta_model.vehicle import Vehicle
 
 ALOFT: Final = (SafetyStage.READY, SafetyStage.FLYING, SafetyStage.LANDING)
 DISARM_CONFIRM_TIME: Final = 1.0  # s of LEAVE for the drone to confirm disarming
 DEAD: Final = 2.0  # s of silence before reconnecting: log blocks may be gone (firmware #428)
+
+RISING = (
+    'the drone rises without thrust, so it is lighter than air and will not land: hold the '
+    'tether, and add ballast'
+)
+HELD_DOWN = (
+    'the drone does not sink although it is pushed down, so it is lighter than air and will rise '
+    'when its motors stop: hold the tether before you disarm it, and add ballast'
+)
 
 
 @final
@@ -64,7 +81,6 @@ class DroneOperation:
         run_tick: Callable[[], None],
         serve: Callable[[], None],
     ) -> None:
-        check_log_table(LOG_BLOCKS)
         self._settings, self._vehicle = settings, vehicle
         self._clock, self._run_tick, self._serve = clock, run_tick, serve
         self._link = create_link(settings.uri, LOG_BLOCKS, clock)
@@ -204,9 +220,68 @@ class DroneOperation:
 
     def describe(self) -> list[HealthFact]:
         """Return the health of the link and the drone."""
-        why, attempts = describe_connection(self._manager)
+        manager = self._manager
+        why, attempts = (manager.why, manager.attempts) if manager else ('not configured', 0)
         inputs = self._collect_inputs()
         return list(describe_health(self.bridge, why, attempts, self._link.protocol, inputs))
 
     def _collect_inputs(self) -> SafetyInputs:
         return self.bridge.collect_safety_inputs(self._clock(), self.is_linked, self.active)
+
+
+def describe_health(
+    bridge: BridgeCore, why: str, attempts: int, protocol: int, inputs: SafetyInputs
+) -> Iterator[HealthFact]:
+    """Yield the health of link, safety, packets and commands; `why` explains a missing link."""
+    yield _describe_link(bridge, why, attempts, protocol, inputs)
+    yield _describe_safety(bridge, inputs)
+    yield bridge.malformed.build_fact('packets', 'all can be read')
+    yield bridge.unasked.build_fact('commands', 'all can be flown')
+
+
+def describe_buoyancy(buoyancy: BuoyancyMonitor) -> str:
+    """Return the error of a drone that is lighter than air; empty if it is not."""
+    return RISING if buoyancy.rises else HELD_DOWN if buoyancy.is_held_down else ''
+
+
+def _describe_link(
+    bridge: BridgeCore, why: str, attempts: int, protocol: int, inputs: SafetyInputs
+) -> HealthFact:
+    figures = {
+        'protocol': protocol,
+        'silence_s': f'{inputs.silence:.3f}',
+        'latency_s': f'{bridge.trips.latency:.4f}',
+        'one_way_s': f'{1e-9 * bridge.trips.one_way_ns:.4f}',
+        'drift_ppm': f'{1e6 * bridge.clock.drift:.1f}',
+        'clock_restarts': bridge.clock.line.restarts,
+        'packets': bridge.packets,
+        'attempts': attempts,
+    }
+    alive = inputs.linked and inputs.silence < SILENT_LINK
+    silent = f'no packets for {inputs.silence:.1f} s' if inputs.linked else why
+    # A start is no fault yet
+    missing = HealthLevel.WARN if silent == CONNECTING else HealthLevel.ERROR
+    level, message = (HealthLevel.OK, 'connected') if alive else (missing, silent)
+    return HealthFact('link', level, message, {key: str(value) for key, value in figures.items()})
+
+
+def _describe_safety(bridge: BridgeCore, inputs: SafetyInputs) -> HealthFact:
+    state = bridge.state
+    duties = () if bridge.motors is None else bridge.motors.duties
+    figures = {
+        'word': str(inputs.word),
+        'command': bridge.command,
+        'voltage': f'{inputs.voltage:.2f}',
+        'motors': ' '.join(f'{duty:.2f}' for duty in duties),
+    }
+    level = HealthLevel.OK
+    if state.stage is SafetyStage.STOPPED or explain_fault(inputs.word):
+        level = HealthLevel.ERROR
+    elif state.stage is SafetyStage.LANDING and state.why not in DELIBERATE:
+        level = HealthLevel.WARN
+    message = f'{state.stage.value}: {state.why}' if state.why else state.stage.value
+    if sensor := bridge.find_stuck_sensor():
+        level, message = HealthLevel.ERROR, f'{message}; the {sensor} repeats its reading'
+    if warning := describe_buoyancy(bridge.buoyancy):
+        level, message = HealthLevel.ERROR, f'{message}; {warning}'
+    return HealthFact('safety', level, message, figures)

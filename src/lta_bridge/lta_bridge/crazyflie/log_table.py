@@ -10,13 +10,7 @@ are too short.
 from collections.abc import Mapping
 from typing import Final, NamedTuple
 
-from lta_config.errors import BadInput
-
 TYPE_BYTES: Final = {'float': 4, 'uint8_t': 1, 'uint16_t': 2, 'int8_t': 1, 'uint32_t': 4}
-MOST_BYTES: Final = 26
-MOST_BLOCKS: Final = 16
-MOST_VARIABLES: Final = 128
-SHORTEST_MS, LONGEST_MS, STEP_MS = 10, 2540, 10
 
 
 class LogBlock(NamedTuple):
@@ -54,32 +48,6 @@ LOG_BLOCKS: Final = (
     ),
     LogBlock('power', 100, _map_to_type('float', 'pm.vbat') | _map_to_type('int8_t', 'pm.state')),
 )
-
-
-def check_log_table(blocks: tuple[LogBlock, ...]) -> None:
-    """
-    Check a table against the limits of the firmware.
-
-    Raise `BadInput` if a block is too large, its period is invalid, or there are too many.
-    """
-    for block in blocks:
-        size = sum(TYPE_BYTES[kind] for kind in block.variables.values())
-        if size > MOST_BYTES:
-            raise BadInput(
-                f'Log block {block.name} has {size} bytes, above the limit of {MOST_BYTES} '
-                'bytes per packet; split the block in two.'
-            )
-        if block.period_ms % STEP_MS or not SHORTEST_MS <= block.period_ms <= LONGEST_MS:
-            raise BadInput(
-                f'Log block {block.name} has a period of {block.period_ms} ms; choose a multiple '
-                f'of {STEP_MS} ms from {SHORTEST_MS} ms to {LONGEST_MS} ms.'
-            )
-    count = sum(len(block.variables) for block in blocks)
-    if len(blocks) > MOST_BLOCKS or count > MOST_VARIABLES:
-        raise BadInput(
-            f'There are {len(blocks)} log blocks with {count} variables, but a Crazyflie has at '
-            f'most {MOST_BLOCKS} blocks and {MOST_VARIABLES} variables; leave some out.'
-        )
 
 
 LARGEST_PAYLOAD: Final = 30  # bytes, largest payload of CRTP

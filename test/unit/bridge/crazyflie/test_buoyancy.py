@@ -4,8 +4,8 @@ import math
 
 from lta_bridge.crazyflie.bridge_core import PositionEstimate
 from lta_bridge.crazyflie.buoyancy import BuoyancyMonitor
+from lta_bridge.crazyflie.drone_operation import describe_health
 from lta_bridge.crazyflie.duties_packet import unpack_duties
-from lta_bridge.crazyflie.health_diagnostics import describe_health
 from lta_bridge.crazyflie.safety import SafetyRequest
 from lta_graph.health import HealthLevel
 import pytest

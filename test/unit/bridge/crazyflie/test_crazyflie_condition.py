@@ -2,7 +2,7 @@
 
 from lta_bridge.crazyflie import readings
 from lta_bridge.crazyflie.bridge_core import BridgeCore
-from lta_bridge.crazyflie.health_diagnostics import describe_health
+from lta_bridge.crazyflie.drone_operation import describe_health
 from lta_bridge.crazyflie.safety import SafetyInputs, SafetyStage, SafetyState
 from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 from lta_config.schema.crazyflie_file import load_crazyflie

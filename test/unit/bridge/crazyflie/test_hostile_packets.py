@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from lta_bridge.crazyflie.bridge_core import BridgeCore, CrazyflieCommand, PositionEstimate, UNTOLD
 from lta_bridge.crazyflie.device_clock import parse_ping_time
+from lta_bridge.crazyflie.drone_operation import describe_health
 from lta_bridge.crazyflie.duties_packet import unpack_duties
-from lta_bridge.crazyflie.health_diagnostics import describe_health
 from lta_bridge.crazyflie.link import LogPacket
 from lta_bridge.crazyflie.log_table import (
     block_size,
