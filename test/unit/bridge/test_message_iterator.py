@@ -1,11 +1,14 @@
 """What is played from a bag: whose topics, in which order, and which section."""
 
 from itertools import pairwise
+from types import SimpleNamespace
 
 from lta_bridge.bag.metadata import build_offered_qos
 from lta_bridge.bag.schemas import load_jazzy_types
 from lta_bridge.bag.writer import BagWriter
-from lta_bridge.playback.message_iterator import MessageIterator
+from lta_bridge.playback import message_iterator
+from lta_bridge.playback.answer_times import PendingAnswers
+from lta_bridge.playback.message_iterator import LAST_ANSWER_TIME, MessageIterator, Playback
 from lta_bridge.playback.recording import open_recording
 from lta_config.errors import BadInput
 from lta_config.limits import limit_memory
@@ -83,6 +86,55 @@ def test_a_section_begins_and_ends_by_the_bag_s_clock(tmp_path):
         reel(path, start=9.0)
     with pytest.raises(BadInput, match='1 s after the first message, before its start at 2'):
         reel(path, start=2.0, end=1.0)
+
+
+@pytest.fixture
+def wall(monkeypatch):
+    """Return a clock that a test sets. [s]"""
+    clock = SimpleNamespace(now=100.0)
+    fake = SimpleNamespace(monotonic=lambda: clock.now)
+    monkeypatch.setattr(message_iterator, 'time', fake)
+    return clock
+
+
+def test_in_real_time_messages_come_at_their_rate_and_the_end_waits_for_answers(tmp_path, wall):
+    section = reel(bag(tmp_path / 'bag', regular()))
+    playback = Playback(section, PendingAnswers({'odom': ()}), 2.0)
+    assert not list(playback.iterate_due())  # not begun
+    playback.begin()
+    wall.now += 0.1  # 0.2 s of the bag: 11 pressures and 3 of light
+    assert len(list(playback.iterate_due())) == 14
+    assert playback.bag_time_ns() == section.begin_ns + 200 * MS
+    wall.now += 10.0
+    assert len(list(playback.iterate_due())) == 16
+    assert playback.ended == ''
+    wall.now += 0.9 * LAST_ANSWER_TIME
+    assert playback.receive_answer('odom') is None
+    wall.now += 0.9 * LAST_ANSWER_TIME
+    assert (list(playback.iterate_due()), playback.ended) == ([], '')
+    wall.now += 0.2 * LAST_ANSWER_TIME
+    assert (list(playback.iterate_due()), playback.ended) == ([], 'played')
+    figures = playback.summarize(running=False)
+    assert (figures['outcome'], figures['messages'], figures['answers']) == ('played', '30', '1')
+
+
+def test_in_lockstep_an_answer_that_is_overdue_ends_the_replay(tmp_path, wall):
+    section = reel(bag(tmp_path / 'bag', regular()))
+    playback = Playback(section, PendingAnswers({'odom': [section.begin_ns]}), None)
+    playback.end_unanswered(1.0)
+    assert playback.ended == ''  # not begun
+    playback.begin()
+    assert len(list(playback.iterate_due())) == 30  # all within the largest lag
+    wall.now += 0.9
+    playback.end_unanswered(1.0)
+    assert (playback.ended, playback.summarize(running=True)['unanswered']) == ('', '1')
+    assert playback.receive_answer('odom') == section.begin_ns
+    wall.now += 0.9
+    playback.end_unanswered(1.0)
+    assert playback.ended == ''
+    wall.now += 0.1
+    playback.end_unanswered(1.0)
+    assert playback.ended == 'unanswered'
 
 
 def test_a_bag_of_others_without_namespace_and_on_another_clock_is_played_by_its_stamps(tmp_path):
