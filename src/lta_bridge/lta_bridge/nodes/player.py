@@ -113,7 +113,7 @@ class Player(GraphNode):
 
     def list_missing_inputs(self) -> list[str]:
         """Return the answers that the player waits for."""
-        if not self.lockstep or not self.begun or self._playback.ended:
+        if not self.lockstep or not self._playback.is_running:
             return []
         return self._playback.pending.list_oldest_topics()
 
@@ -138,7 +138,7 @@ class Player(GraphNode):
 
     def _publish_due(self) -> None:
         """Publish the messages and the bag's time that are due now."""
-        if not self.begun or self._playback.ended:
+        if not self._playback.is_running:
             return
         for item in self._playback.iterate_due():
             self._outputs[item.topic].publish(item.data)

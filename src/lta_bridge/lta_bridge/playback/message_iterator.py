@@ -129,6 +129,11 @@ class Playback:
         self._began, self.has_begun = time.monotonic(), True
         self._news = self._began
 
+    @property
+    def is_running(self) -> bool:
+        """Whether it has begun and not ended."""
+        return self.has_begun and not self.ended
+
     def receive_answer(self, topic: str) -> int | None:
         """Count an answer, and return its due time; None if none was pending. [ns]"""
         self._news = time.monotonic()
@@ -136,7 +141,7 @@ class Playback:
 
     def iterate_due(self) -> Iterator[RecordedMessage]:
         """Yield the messages that are due now, and notice the end."""
-        if not self.has_begun or self.ended:
+        if not self.is_running:
             return
         # Neither ahead of the playback clock nor too far ahead of an unanswered input
         until = min(self._playback_time_ns(), self.pending.latest_play_time(LARGEST_LAG_NS))
@@ -157,8 +162,9 @@ class Playback:
 
     def end_unanswered(self, patience: float) -> None:
         """End a replay in lockstep if an answer is overdue by so many wall seconds."""
-        waits = self.has_begun and not self.ended and self._rate is None
-        if waits and time.monotonic() - self._news >= patience:
+        if not self.is_running or self._rate is not None:
+            return
+        if time.monotonic() - self._news >= patience:
             self.ended = 'unanswered'
 
     def bag_time_ns(self) -> int:
