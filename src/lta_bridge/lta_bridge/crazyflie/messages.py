@@ -165,7 +165,7 @@ class CommandReader:
             node.subscribe_topic(name, callback)
         self.helm = CommandMux(node, self._accept_setpoint)
 
-    def find_wanted_height(self) -> float:
+    def find_target_height(self) -> float:
         """Return the height of the newest setpoint; infinite without one. [m]"""
         pose, _ = self.helm.select_setpoint(self._pose, self._velocity)
         return math.inf if pose is None else float(pose.pose.position.z)

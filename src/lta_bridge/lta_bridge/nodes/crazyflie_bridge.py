@@ -143,7 +143,7 @@ class CrazyflieBridge(DeviceNode):
             self._bridge.accept_command(to_duties_command(newest, self._names, stamp))
 
     def _tick(self) -> None:
-        self._bridge.wanted_height = self._commands.find_wanted_height()
+        self._bridge.wanted_height = self._commands.find_target_height()
         if self._drone.tick():
             self.update_health()  # a landing may be over before the next look
         arm = self._drone.needs_controller
