@@ -1,4 +1,4 @@
-"""Several drones from one launch: each the graph of one, one recorder, one who tells the time."""
+"""Several drones from one launch: each the graph of one, with one simulator and one recorder."""
 
 from pathlib import Path
 
@@ -8,10 +8,10 @@ from lta_flight.preflight import check_plan
 from lta_graph.launches import FLEET, FLY
 from lta_graph.ros.node import GraphSettings
 from lta_graph.ros.parameters import iterate_fields
+from lta_sim.simulator_settings import DroneSettings, SimulatorSettings
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-ROBOTS = ('lta1', 'lta2')
 
 
 def nodes(launch, **given):
@@ -20,33 +20,32 @@ def nodes(launch, **given):
     return {plan.label(process): dict(process.parameters) for process in plan.processes}
 
 
-def test_each_drone_is_the_graph_of_one_but_for_recorder_clock_and_peers():
+def test_each_drone_is_the_graph_of_one_but_for_simulator_and_recorder():
     fleet = nodes(FLEET, seed='7', offset_y='0.5', time='lockstep')
-    assert len(fleet) == 2 * 7 + 1
+    assert len(fleet) == 2 * 6 + 2
     for robot, seed, offset in (('lta1', '7', '0.5'), ('lta2', '8', '-1.0')):
         own = {'robot': robot, 'seed': seed, 'offset_y': offset, 'frame_prefix': f'{robot}/'}
         alone = nodes(FLY, time='lockstep', **own)
-        del alone['recorder']
+        simulated = alone.pop('simulator')
+        del alone['recorder'], simulated['frame_prefix']
         for name, expected in alone.items():
-            found = fleet[f'{robot}/{name}']
-            if name == 'simulator':
-                other = ROBOTS[1 - ROBOTS.index(robot)]
-                assert (found.pop('clock'), found.pop('peers')) == (robot == 'lta1', other)
-                assert (expected.pop('clock'), expected.pop('peers')) == (True, '')
-            assert found == expected, (robot, name)
+            assert fleet[f'{robot}/{name}'] == expected, (robot, name)
+        found = fleet['simulator']
+        for name, expected in simulated.items():
+            assert found.get(f'{robot}.{name}', found.get(name)) == expected, (robot, name)
 
 
 def test_ten_drones_have_a_place_and_a_seed_each_in_the_room():
     plan = FLEET.build_plan({'n': '10', 'offset_x': '0.25'})
     check_plan(plan)
-    found = [each.parameters for each in plan.processes if each.name == 'simulator']
-    assert len(plan.processes) == 10 * 7 + 1
-    assert [each['seed'] for each in found] == list(range(1, 11))
+    assert len(plan.processes) == 10 * 6 + 2
+    (found,) = [each.parameters for each in plan.processes if each.name == 'simulator']
+    robots = [f'lta{k + 1}' for k in range(10)]
+    assert found['robots'].split() == robots
+    assert [found[f'{each}.seed'] for each in robots] == list(range(1, 11))
     across = [0.0, -1.5, 1.5, -3.0, 3.0]
-    assert [each['offset_y'] for each in found] == across * 2
-    assert [each['offset_x'] for each in found] == [0.25] * 5 + [1.75] * 5
-    assert [each['clock'] for each in found] == [True] + [False] * 9
-    assert found[4]['peers'] == 'lta1 lta2 lta3 lta4 lta6 lta7 lta8 lta9 lta10'
+    assert [found[f'{each}.offset_y'] for each in robots] == across * 2
+    assert [found[f'{each}.offset_x'] for each in robots] == [0.25] * 5 + [1.75] * 5
 
 
 @pytest.mark.parametrize('count', ['0', '11', 'two'])
@@ -58,7 +57,7 @@ def test_other_numbers_of_drones_are_refused(count):
 def test_vehicles_and_strategies_take_turns():
     plan = FLEET.build_plan({'n': '3', 'vehicle': 'gtmab,skye', 'gains': 'gtmab,skye'})
     found = {plan.label(each): each for each in plan.processes}
-    vehicles = [found[f'lta{k}/simulator'].parameters['vehicle'] for k in (1, 2, 3)]
+    vehicles = [found['simulator'].parameters[f'lta{k}.vehicle'] for k in (1, 2, 3)]
     assert vehicles == ['gtmab', 'skye', 'gtmab']
     assert found['lta2/controller'].parameter_file.endswith('control/skye.yaml')
     assert found['lta3/controller'].parameter_file.endswith('control/gtmab.yaml')
@@ -66,13 +65,17 @@ def test_vehicles_and_strategies_take_turns():
     assert found['recorder'].parameters['lta3.vehicle'] == 'gtmab'
 
 
-def test_the_recorder_is_told_all_of_both_and_knows_every_word():
-    own = {
-        key
-        for key, _, _ in [*iterate_fields(RecorderSettings()), *iterate_fields(GraphSettings())]
-    }
-    each = {key for key, _, _ in iterate_fields(RobotOrigin())}
-    given = nodes(FLEET, robot='a', vehicle='gtmab,2026-11-20')['recorder']
+@pytest.mark.parametrize(
+    ('node', 'settings', 'model'),
+    [
+        ('recorder', RecorderSettings, RobotOrigin),
+        ('simulator', SimulatorSettings, DroneSettings),
+    ],
+)
+def test_who_serves_both_is_told_all_of_both_and_knows_every_word(node, settings, model):
+    own = {key for key, _, _ in [*iterate_fields(settings()), *iterate_fields(GraphSettings())]}
+    each = {key for key, _, _ in iterate_fields(model())}
+    given = nodes(FLEET, robot='a', vehicle='gtmab,2026-11-20')[node]
     assert given['robots'] == 'a1 a2'
     assert given['a2.vehicle'] == '2026-11-20'
     assert {f'{robot}.{key}' for robot in ('a1', 'a2') for key in each} <= set(given)
@@ -80,7 +83,7 @@ def test_the_recorder_is_told_all_of_both_and_knows_every_word():
     for robot in ('a1', 'a2'):
         told = {key: given[f'{robot}.{key}'] for key in each}
         assert {key: type(value) for key, value in told.items()} == {
-            key: type(value) for key, _, value in iterate_fields(RobotOrigin())
+            key: type(value) for key, _, value in iterate_fields(model())
         }
 
 
@@ -92,14 +95,11 @@ def test_each_has_a_live_view_of_its_own_where_one_is_asked_for():
     assert found['lta2/live'] == {**alone, 'frame_prefix': 'lta2/', 'port': 9001}
 
 
-def test_the_end_of_either_simulator_ends_the_launch_for_each_waits_for_the_other():
+def test_the_end_of_the_simulator_ends_the_launch():
     plan = FLEET.build_plan({})
     assert {item.name for item in plan.processes if not item.on_exit_shutdown} == {'description'}
     ending = [item for item in plan.processes if item.planned]
-    assert [(item.namespace, item.name) for item in ending] == [
-        ('/lta1', 'simulator'),
-        ('/lta2', 'simulator'),
-    ]
+    assert [(item.namespace, item.name) for item in ending] == [('/', 'simulator')]
 
 
 def test_the_first_is_the_flight_that_people_know_and_all_are_checked_beforehand():

@@ -238,7 +238,7 @@ BEGUN_WITH = {
     'crazyflie_bridge': {
         'allow_other_commanders', 'blind', 'watchdog', 'patience', 'autostart',
     },
-    'simulator': {'seed', 'offset_x', 'offset_y', 'record', 'clock', 'commanded'},
+    'simulator': {'seed', 'offset_x', 'offset_y', 'record', 'commanded'},
     'player': {'rate', 'start', 'end', 'patience', 'record'},
     'estimator': {'rest_time'},
     'controller': {'armed'},

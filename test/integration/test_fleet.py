@@ -37,9 +37,10 @@ def read_frames(path, topic, prefix):
 
 
 def verdicts(text):
-    """Return what each simulator said last, by robot."""
-    lines = [line for line in text.splitlines() if 'simulator] {' in line]
-    return {line[1:].partition('/')[0]: json.loads(line.partition('] ')[2]) for line in lines}
+    """Return what the simulator said last of each flight, by robot."""
+    lines = [line for line in text.splitlines() if line.startswith('[simulator] {')]
+    states = [json.loads(line.partition('] ')[2]) for line in lines]
+    return {state['robot']: state for state in states}
 
 
 @pytest.fixture

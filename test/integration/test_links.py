@@ -5,12 +5,11 @@ from collections.abc import Iterator
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import Vector3Stamped
 from lta_config.topics import load_topic_table
-from lta_graph.ros.node import LINKS_TASK
+from lta_graph.ros.node import GraphNode, LINKS_TASK
 from lta_graph.ros.startup import ReaderLinks
 import pytest
 from rclpy.context import Context
 from rclpy.executors import Executor, SingleThreadedExecutor
-from rclpy.node import Node
 from waiting import wait_until
 
 TOPICS = [name for name, row in load_topic_table().topics.items() if row.period_ns]
@@ -18,11 +17,11 @@ ROLES = load_topic_table().roles
 
 
 @pytest.fixture
-def node() -> Iterator[Node]:
+def node() -> Iterator[GraphNode]:
     """Return a node of lta1 that stands for all its nodes."""
     context = Context()
     context.init()
-    node = Node('links', namespace='lta1', context=context)
+    node = GraphNode('links', namespace='lta1', context=context)
     yield node
     node.destroy_node()
     context.try_shutdown()
@@ -52,7 +51,7 @@ def test_a_topic_is_loose_until_its_writer_has_found_every_reader_of_the_graph(n
     rest = [name for name in TOPICS if name not in ('imu', 'wind')]
     executor = SingleThreadedExecutor(context=node.context)
     executor.add_node(node)
-    with ReaderLinks(node, load_topic_table()) as links:
+    with ReaderLinks(node) as links:
         await_loose(links, {}, TOPICS, executor)
         wait_until(out.get_subscription_count, 'a reader of /diagnostics')
         out.publish(told('lta2', wind=0))  # another drone's

@@ -143,7 +143,7 @@ class Trial:
     def duties(self) -> list[float]:
         """Return all duties that the node gave out, and those that it flies."""
         given = [duty for message in self.said.get('motors', ()) for duty in message.duty]
-        flown = self.node._duties if isinstance(self.node, Simulator) else ()
+        flown = self.node.drones[''].duties if isinstance(self.node, Simulator) else ()
         return [*given, *flown]
 
 

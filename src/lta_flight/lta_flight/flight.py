@@ -199,7 +199,8 @@ def describe_line(line: str) -> str:
     if status is None or not {'sentence', 'time_s', 'distance_m'} <= status.keys():
         return line
     place = f'{status["distance_m"]} m from the lamp'
-    return f'{status["sentence"]} after {status["time_s"]} s, {place}'
+    robot = f'{status["robot"]} ' if 'robot' in status else ''
+    return f'{robot}{status["sentence"]} after {status["time_s"]} s, {place}'
 
 
 def collect_result(

@@ -83,7 +83,9 @@ def list_bags(plan: LaunchPlan) -> list[Path]:
 def list_simulated_robots(plan: LaunchPlan) -> list[str]:
     """Return the robots that a plan simulates or replays."""
     return [
-        process.namespace.strip('/')
+        robot
         for process in plan.processes
         if (process.package, process.executable) in TELLERS
+        for robot in str(process.parameters.get('robots', '')).split()
+        or [process.namespace.strip('/')]
     ]

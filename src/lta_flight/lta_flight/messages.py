@@ -1,6 +1,6 @@
 """Convert a flight in one process to the messages of the graph."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from lta_bridge.bag.metadata import build_offered_qos
@@ -10,21 +10,19 @@ from lta_bridge.description.messages import iterate_descriptions
 from lta_bridge.log_time_assigner import LogTimeAssigner
 from lta_config.topics import robot_topic, TopicTable
 from lta_control.cascade import Setpoint
-from lta_control.messages import from_duties, from_setpoint
-from lta_control.odometry.messages import from_airspeed, from_estimate
+from lta_control.messages import from_airspeed, from_duties, from_estimate, from_setpoint
 from lta_energy.messages import from_charge, from_energy_balance, from_reserve
 from lta_energy.monitoring.meters import PowerSystem
 from lta_energy.monitoring.report import report_energy
 from lta_flight.closed_loop import ClosedLoop, EnergyObservation, LightObservation
 from lta_graph.quality import select_quality
-from lta_graph.ros import vehicle_messages as messages
 from lta_graph.ros.stamps import to_stamp
 from lta_graph.ros.transforms import from_odometry, from_start
-from lta_sim.readings import SensorReadings
+from lta_msgs.msg import LightBlock
+from lta_sim.messages import iterate_motion, iterate_rest
 from lta_vlc.diodes import build_diode_array
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks
-from sensor_msgs.msg import BatteryState
-from std_msgs.msg import Float64, Header
+from std_msgs.msg import Float64
 
 Write = Callable[[str, Any], None]
 
@@ -64,58 +62,32 @@ class LoopRecorder:
         """Write the messages of the newest step; call it before the simulation advances."""
         loop, readings = self._loop, self._loop.readings
         stamp, estimate = to_stamp(readings.stamp_ns), loop.estimate
-        self._write_motion(readings)
+        for name, message in iterate_motion(loop.world, readings):
+            self._write_message(name, message)
+        rest = dict(iterate_rest(loop.world, readings))
         self._write_message('airspeed', from_airspeed(stamp, estimate, loop.ground))
         odom = from_estimate(stamp, estimate, loop.ground)
         self._write_message('odom', odom)
         self._write_message('/tf', from_odometry(odom))
         self._write_message('motors', from_duties(stamp, self._rotors, loop.duties))
-        if readings.truth is not None:
-            self._write_message(
-                'ground_truth/odom', messages.build_odometry(stamp, readings.truth)
-            )
-        if (
-            readings.block is not None
-            and loop.light is not None
-            and loop.next_setpoint is not None
-        ):
-            self._write_light(readings.block, loop.light, loop.next_setpoint)
-        if loop.energy is not None:
-            self._write_energy(readings, loop.energy)
+        if 'ground_truth/odom' in rest:
+            self._write_message('ground_truth/odom', rest['ground_truth/odom'])
+        block = rest.get('photodiodes')
+        if block is not None and loop.light is not None and loop.next_setpoint is not None:
+            self._write_light(block, loop.light, loop.next_setpoint)
+        if 'battery' in rest and loop.energy is not None:
+            self._write_energy(rest, loop.energy)
 
     def _write_message(self, name: str, message: Any) -> None:  # noqa: ANN401 - of any type
         if name in self._names:
             data = encode_message(message, self._table[name].type)
             self._writer.write(self._names[name], data, self._books.assign_log_time(name, data))
 
-    def _write_motion(self, readings: SensorReadings) -> None:
-        """Write the messages of the simulator for the estimator."""
-        world, stamp = self._loop.world, to_stamp(readings.stamp_ns)
-        for taken_ns, distance in readings.ranges:
-            sensor = world.range_settings
-            limits = sensor.minimum, sensor.maximum
-            message = messages.build_range_message(
-                to_stamp(taken_ns), distance, limits, sensor.field_of_view
-            )
-            self._write_message('range', message)
-        if readings.pressure is not None:
-            noise = world.pressure_settings.noise
-            self._write_message(
-                'pressure', messages.build_pressure_message(stamp, readings.pressure, noise)
-            )
-        noises = world.imu_errors.noise
-        self._write_message(
-            'imu', messages.build_imu_message(stamp, readings.force, readings.rates, noises)
-        )
-
-    def _write_light(
-        self, block: tuple[int, Any], light: LightObservation, setpoint: Setpoint
-    ) -> None:
+    def _write_light(self, block: LightBlock, light: LightObservation, setpoint: Setpoint) -> None:
         """Write a light block and the outputs of demodulator and navigator."""
         # All answers to a block carry its stamp
-        stamp = to_stamp(block[0])
-        self._write_message('photodiodes', messages.build_light_block_message(stamp, block[1]))
-        header = Header(stamp=stamp, frame_id=self._table['photodiodes'].frame)
+        header, stamp = block.header, block.header.stamp
+        self._write_message('photodiodes', block)
         self._write_message('light/bearing', from_bearing(header, light.bearing))
         self._write_message('light/peaks', from_peaks(header, light.hearing.peaks, self._axes))
         self._write_message('light/estimate', from_lamp(header, light.lamp))
@@ -124,19 +96,11 @@ class LoopRecorder:
         self._write_message('setpoint/velocity', velocity)
         self._write_message('light/beacon', Float64(data=self._loop.beacon))
 
-    def _write_energy(self, readings: SensorReadings, energy: EnergyObservation) -> None:
+    def _write_energy(self, rest: Mapping[str, Any], energy: EnergyObservation) -> None:
         """Write the readings of the meters and the output of the energy monitor."""
-        # Meters are read less often than the loop steps
-        if readings.illuminance is None or readings.battery is None or readings.panel is None:
-            return
-        loop, stamp = self._loop, to_stamp(readings.stamp_ns)
-        measured: BatteryState = messages.build_battery_state(stamp, *readings.battery, 'battery')
-        self._write_message('wind', messages.build_wind_message(stamp, loop.world.wind))
-        self._write_message(
-            'illuminance', messages.build_illuminance_message(stamp, readings.illuminance)
-        )
-        self._write_message('panel', messages.build_battery_state(stamp, *readings.panel, 'panel'))
-        self._write_message('battery', measured)
+        loop, measured = self._loop, rest['battery']
+        for name in ('wind', 'illuminance', 'panel', 'battery'):
+            self._write_message(name, rest[name])
         reading, estimate = energy.reading, energy.estimate
         # The monitor uses the message, whose fields have 32 bits
         measured.voltage, measured.current = reading.voltage, reading.current

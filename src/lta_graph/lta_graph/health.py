@@ -209,8 +209,8 @@ def find_stalling_roles(facts: Iterable[HealthFact]) -> list[str]:
             # An absolute suspect (`/lta2/vehicle`) names its robot; a relative one belongs to the
             # same robot
             suspects |= {item[1:] if item[0] == '/' else robot + slash + item for item in roles}
-    # A suspect that waits as well is only a link of the chain
-    return sorted(suspects - waiting)
+    # A suspect that waits as well is only a link of the chain; a role without a robot serves all
+    return sorted(role for role in suspects - waiting if role.rpartition('/')[2] not in waiting)
 
 
 def find_role(node: str) -> str:

@@ -125,6 +125,8 @@ class Inbox:
     ----------
     turns : MessageSchedule or None
         Due messages in lockstep.
+    gaps : dict
+        Lost messages of each topic in lockstep.
 
     """
 
@@ -139,7 +141,7 @@ class Inbox:
     ) -> None:
         self.turns: MessageSchedule | None = None if replayed else GridSchedule(table)
         self._table = table
-        self._trigger = trigger
+        self.trigger = trigger
         self._latency_ns = table[trigger].latency_ns
         self._lockstep = lockstep
         # How many steps each input lags behind the trigger by design, from the table
@@ -171,7 +173,7 @@ class Inbox:
         if self._lockstep:
             self._count_gap(topic, stamp_ns)
         self._queues[topic].append((message, valid))
-        if topic == self._trigger:
+        if topic == self.trigger:
             self._trigger_stamps.append(stamp_ns)
 
     def _count_gap(self, topic: str, stamp_ns: int) -> None:
@@ -208,8 +210,8 @@ class Inbox:
         if self._list_missing(due):
             return None
         stamp = self._trigger_stamps.popleft()
-        taken = {self._trigger: [self._queues[self._trigger].popleft()]}
-        self._taken[self._trigger] += 1
+        taken = {self.trigger: [self._queues[self.trigger].popleft()]}
+        self._taken[self.trigger] += 1
         for name in self._others:
             queue = self._queues[name]
             # In a recording whose time runs backwards, fewer are due than were taken already

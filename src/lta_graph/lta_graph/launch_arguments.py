@@ -190,13 +190,8 @@ class FlyArguments(DroneArguments, PacedArguments):
     """Whether to publish robot_description, /tf_static and the scene for RViz."""
     frame_prefix: str = setting('')
     """Prefix of all frames but map, such as lta1/, for several drones."""
-    # For launches of several drones
-    recorder: bool = setting(True)
-    """Whether a recorder of its own records this drone."""
-    clock: bool = setting(True)
-    """Whether this drone's simulator publishes /clock; exactly one simulator must."""
-    peers: str = setting('')
-    """Namespaces of the drones to stay synchronised with, separated by spaces."""
+    fleet: bool = setting(False)
+    """Whether the drone is one of several, whose launch starts one simulator and one recorder."""
 
     @property
     def is_simulated(self) -> bool:

@@ -30,6 +30,8 @@ FLEET_ROW = (0, -1, 1, -2, 2)
 LAUNCH_SUFFIX = '.launch.py'
 # Arguments that each drone of a fleet has for itself
 PER_DRONE = ('robot', 'vehicle', 'gains', 'strategy', 'seed', 'offset_x', 'offset_y', 'live_port')
+# Parameters of a simulator or recorder that stand for one drone
+DRONE_PARAMETERS = {*PER_DRONE, 'scenario', 'commanded'}
 
 
 @final
@@ -72,24 +74,25 @@ class NodeEntry:
         )
 
 
+SIMULATOR_ENTRY = NodeEntry(
+    'lta_sim',
+    'simulator',
+    lambda a: a.is_simulated and not a.fleet,
+    'time frame_prefix vehicle scenario strategy seed offset_x offset_y commanded wait_for record '
+    'topics',
+    planned=True,
+)
 RECORDER_ENTRY = NodeEntry(
     'lta_bridge',
     'recorder',
-    lambda a: a.record and a.recorder,
+    lambda a: a.record and not a.fleet,
     'use_sim_time time source replay bag topics queue_size vehicle '
     'scenario strategy commanded seed offset_x offset_y',
     lambda a: {'gains': a.gains_file},
     sigterm_timeout=LANDING_GRACE,
 )
 DRONE_NODES = (
-    NodeEntry(
-        'lta_sim',
-        'simulator',
-        lambda a: a.is_simulated,
-        'time frame_prefix vehicle scenario strategy seed offset_x offset_y commanded wait_for '
-        'record topics clock peers',
-        planned=True,
-    ),
+    SIMULATOR_ENTRY,
     NodeEntry(
         'lta_bridge',
         'player',
@@ -251,13 +254,12 @@ def list_emulated(arguments: EmulatedArguments) -> list[LaunchProcess]:
 
 def list_fleet(arguments: FleetArguments) -> list[LaunchProcess]:
     """
-    Return the graphs of several drones in one scene, and their one recorder.
+    Return the graphs of several drones in one scene, their one simulator and one recorder.
 
-    It is the graph of `fly` once in each namespace, with one /clock. The drones do not feel each
-    other: they do not touch, stir each other's air or stand in each other's light. So each flies
-    exactly as it would alone, in lockstep to the last bit of its topics. They are kept within
-    0.1 s of each other in time, and the first one's simulator tells /clock for all. Whose flight
-    is over stands still until those of the others are; then the launch ends.
+    It is the graph of `fly` once in each namespace. The drones do not feel each other: they do not
+    touch, stir each other's air or stand in each other's light. So each flies exactly as it would
+    alone, in lockstep to the last bit of its topics. Whose flight is over stands still until those
+    of the others are; then the launch ends.
     """
     robots = [f'{arguments.robot}{k + 1}' for k in range(arguments.n)]
     drones = [
@@ -271,15 +273,14 @@ def list_fleet(arguments: FleetArguments) -> list[LaunchProcess]:
             offset_x=arguments.offset_x + arguments.spacing * (k // 5),
             offset_y=arguments.offset_y + arguments.spacing * FLEET_ROW[k % 5],
             live_port=arguments.live_port + k,
-            recorder=False,
-            clock=k == 0,
-            peers=' '.join(robots[:k] + robots[k + 1 :]),
+            fleet=True,
             frame_prefix=f'{robot}/',
         )
         for k, robot in enumerate(robots)
     ]
-    processes = [process for drone in drones for process in list_drone(drone)]
-    return [*processes, build_recorder(drones)] if arguments.record else processes
+    nodes = [process for drone in drones for process in list_drone(drone)]
+    common = [SIMULATOR_ENTRY, *([RECORDER_ENTRY] if arguments.record else [])]
+    return [*nodes, *(build_common_process(entry, drones) for entry in common)]
 
 
 def select_in_turn(values: str, k: int) -> str:
@@ -288,15 +289,15 @@ def select_in_turn(values: str, k: int) -> str:
     return words[k % len(words)]
 
 
-def build_recorder(drones: list[FlyArguments]) -> LaunchProcess:
-    """Return the recorder of several drones, which gets the origin of each."""
-    origin = {*PER_DRONE, 'scenario', 'commanded'}
-    process = RECORDER_ENTRY.build_process(drones[0])
-    parameters = {name: value for name, value in process.parameters.items() if name not in origin}
+def build_common_process(entry: NodeEntry, drones: list[FlyArguments]) -> LaunchProcess:
+    """Return a node of several drones, whose parameters for one begin with its name."""
+    process = entry.build_process(drones[0])
+    own = {*DRONE_PARAMETERS, 'frame_prefix'}
+    parameters = {name: value for name, value in process.parameters.items() if name not in own}
     parameters['robots'] = ' '.join(drone.robot for drone in drones)
     for drone in drones:
-        for name, value in RECORDER_ENTRY.build_process(drone).parameters.items():
-            if name in origin:
+        for name, value in entry.build_process(drone).parameters.items():
+            if name in DRONE_PARAMETERS:
                 parameters[f'{drone.robot}.{name}'] = value
     return replace(process, namespace='/', parameters=parameters)
 

@@ -1,15 +1,16 @@
 """Settings of the simulator node."""
 
+from lta_config.errors import unknown_name_error
 from lta_config.settings import setting, Settings
+from lta_config.topics import TopicTable
 from lta_model.scenario import LARGEST_OFFSET
 
 WAIT_FOR_DEFAULT = 'default'  # value of `wait_for`
-# Another: a node that publishes once, so that nobody waits for more
-WAIT_FOR_DESCRIPTION = 'description'
+DESCRIPTION = 'description'  # another: a role that reads nothing of the simulator's
 
 
-class SimulatorSettings(Settings):
-    """Parameters of the simulator node."""
+class DroneSettings(Settings):
+    """One drone and its flight."""
 
     vehicle: str = setting('gtmab', fixed=True)
     """Vehicle name or file."""
@@ -30,6 +31,16 @@ class SimulatorSettings(Settings):
     Whether the flight is commanded by actions: then neither a reached lamp nor the time limit of
     the scenario ends it.
     """
+
+
+class SimulatorSettings(DroneSettings):
+    """Parameters of the simulator node."""
+
+    robots: str = setting('', fixed=True)
+    """
+    Namespaces of the drones, separated by spaces; empty for one, in that of the simulator. With
+    several, parameters such as lta2.seed are those of each drone.
+    """
     wait_for: str = setting(WAIT_FOR_DEFAULT, fixed=True)
     """
     Nodes to wait for before the flight starts, by their roles in the topic table and separated by
@@ -41,7 +52,14 @@ class SimulatorSettings(Settings):
     """Whether the simulator waits for a recorder before it starts the flight."""
     topics: str = setting('', fixed=True)
     """Topics that the recorder records; must equal the setting of the recorder."""
-    clock: bool = setting(True, fixed=True)
-    """Whether to publish /clock. With several drones, exactly one simulator must."""
-    peers: str = setting('', fixed=True)
-    """Namespaces of the other drones to synchronise with, separated by spaces."""
+
+    def list_awaited_roles(self, table: TopicTable, *, lockstep: bool) -> set[str]:
+        """Return the roles to wait for; raise `BadInput` for an unknown one."""
+        names = set(self.wait_for.split())
+        roles = [WAIT_FOR_DEFAULT, DESCRIPTION, *table.roles]
+        for name in sorted(names.difference(roles)):
+            raise unknown_name_error('role in wait_for', name, roles)
+        if WAIT_FOR_DEFAULT in names and lockstep:
+            outputs = table.published_by('vehicle')
+            names.update(role for name in outputs for role in table[name].subscribers)
+        return names - {WAIT_FOR_DEFAULT}

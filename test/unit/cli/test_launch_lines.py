@@ -21,6 +21,13 @@ def test_a_person_gets_words_and_a_program_the_line(monkeypatch, capsys, termina
     assert capsys.readouterr().out == f'[lta1/simulator] {text}\n'
 
 
+def test_of_several_drones_a_person_is_told_whose_flight_it_was(monkeypatch, capsys):
+    monkeypatch.setattr(sys.stdout, 'isatty', lambda: True)
+    print_node_line('simulator', LINE.replace('{', '{"robot": "lta2", '))
+    text = 'lta2 reached its goal after 1 s, 2 m from the lamp'
+    assert capsys.readouterr().out == f'[simulator] {text}\n'
+
+
 @pytest.mark.parametrize(
     ('outcomes', 'status'),
     [

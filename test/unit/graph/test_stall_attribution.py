@@ -14,12 +14,11 @@ def test_one_robot_by_hand():
     assert find_stalling_roles([waiting('simulator', '')]) == []
 
 
-def test_a_robot_that_waits_for_another_blames_neither_itself_nor_the_other_s_simulator():
-    """The estimator of lta2 hangs; its simulator waits for duties, and all of lta1 for it."""
+def test_a_robot_that_waits_for_another_blames_neither_itself_nor_the_simulator():
+    """The estimator of lta2 hangs; the simulator waits for duties, and all of lta1 for it."""
     facts = [
         waiting('lta2/controller', 'estimator'),
-        waiting('lta2/simulator', 'controller'),
-        waiting('lta1/simulator', '/lta2/vehicle'),
+        waiting('simulator', '/lta2/controller'),
         waiting('lta1/estimator', 'vehicle'),
         waiting('lta1/controller', 'estimator'),
     ]

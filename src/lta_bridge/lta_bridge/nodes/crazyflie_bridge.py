@@ -64,7 +64,7 @@ class CrazyflieBridge(DeviceNode):
             ['motors', 'energy/reserve'], trigger='motors', on_step=self._on_motors
         )
         self._commands = CommandReader(self, self._bridge, settings.allow_other_commanders)
-        self._links = ReaderLinks(self, self.table)
+        self._links = ReaderLinks(self)
         # Ticks follow the wall clock, even if graph time stops.
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(1.0 / TICK_RATE, self._tick, clock=steady)

@@ -27,7 +27,6 @@ from lta_graph.health import HealthLevel
 from lta_graph.ros.contained_node import NodeOptions
 from lta_graph.ros.node import GraphNode, LONG_ACKNOWLEDGE_TIME
 from lta_graph.ros.parameters import NodeParameters
-from lta_graph.ros.peer_listener import OVER_VALUE
 from lta_graph.ros.process import run_node
 from lta_graph.ros.replay_due import from_due
 from lta_graph.ros.stamps import to_stamp
@@ -156,9 +155,8 @@ class Player(GraphNode):
     def _monitor_inputs(self) -> None:
         """Report the progress of the replay."""
         figures = self._playback.summarize(self.running)
-        over = {OVER_VALUE: self._playback.ended == 'played'}
         text = f'playing at {figures["time_s"]} s'
-        self.health.report('playback', HealthLevel.OK, text, **figures, **over)
+        self.health.report('playback', HealthLevel.OK, text, **figures)
         super()._monitor_inputs()
 
     def close(self) -> None:

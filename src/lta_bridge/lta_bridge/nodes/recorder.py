@@ -11,7 +11,7 @@ from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
 import time
-from typing import Any, Unpack
+from typing import Unpack
 
 from lta_bridge.bag.background_writer import BackgroundWriter
 from lta_bridge.bag.storage import StorageFault
@@ -25,16 +25,14 @@ from lta_bridge.playback.recording import open_recording
 from lta_bridge.provenance import merge_provenance
 from lta_config.errors import BadInput
 from lta_config.limits import limit_memory
-from lta_config.settings import setting, Settings
-from lta_config.topics import ALL_TOPICS, is_name, select_topics
+from lta_config.topics import ALL_TOPICS, select_topics
 from lta_graph.health import HealthLevel
 from lta_graph.interrupts import hold_interrupts
 from lta_graph.ros.contained_node import NodeOptions
 from lta_graph.ros.node import GraphNode
-from lta_graph.ros.parameters import NodeParameters
+from lta_graph.ros.parameters import declare_robots, NodeParameters
 from lta_graph.ros.process import run_node
 from lta_graph.ros.replay_due import subscribe_due_times
-from pydantic import create_model
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 
@@ -46,19 +44,6 @@ DISK = 'disk'  # diagnostics task for a slow disk
 # Wall seconds of one write that count as slow; a fault must be reported within 1 s
 SLOW_WRITE = 0.3
 MB = 1_000_000
-
-
-def declare_origins(node: GraphNode, robots: list[str]) -> dict[str, RobotOrigin]:
-    """Declare and return the origin of each robot, its parameters named `lta2.seed`."""
-    for name in robots:
-        if not is_name(name) or robots.count(name) > 1:
-            raise BadInput(
-                f"The recorder's parameter robots is '{' '.join(robots)}', but '{name}' is not a "
-                'valid namespace or is given twice; give different namespaces.'
-            )
-    fields: Any = {name: (RobotOrigin, setting(RobotOrigin())) for name in robots}
-    origins = NodeParameters(node, create_model('Origins', __base__=Settings, **fields)).value
-    return {name: getattr(origins, name) for name in robots}
 
 
 class Recorder(GraphNode):
@@ -98,10 +83,9 @@ class Recorder(GraphNode):
     def _collect_origin(self) -> dict[str, str]:
         """Return the origin of the data: the launch, or the replayed bag."""
         settings, lockstep = self._settings, self.lockstep
-        robots = settings.robots.split()
         each = {
             name: item.to_provenance(lockstep=lockstep)
-            for name, item in declare_origins(self, robots).items()
+            for name, item in declare_robots(self, settings.robots, RobotOrigin).items()
         }
         origin = merge_provenance(each) if each else settings.to_provenance(lockstep=lockstep)
         if settings.replay and self.get_parameter('source').value == 'replay':

@@ -7,6 +7,7 @@ topics. `on_step` gets all inputs of one step (see `lta_graph.inbox`). Health is
 logged.
 """
 
+from collections import defaultdict
 from collections.abc import Callable, Iterator
 from functools import partial
 import time
@@ -14,7 +15,7 @@ from typing import Any, cast, Literal, Unpack
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from lta_config.settings import setting, Settings
-from lta_config.topics import load_topic_table
+from lta_config.topics import load_topic_table, Topic
 from lta_graph.health import Health, HealthLevel, HealthLog
 from lta_graph.inbox import Inbox, InboxStep
 from lta_graph.ros.contained_node import ContainedNode, NodeOptions
@@ -93,12 +94,16 @@ class GraphNode(ContainedNode):
         self.hurried = False  # a second stop signal came during the shutdown
         self.begun = False  # whether a first message was sent or received
         self.health = Health()
-        self._log = HealthLog()
+        robot = self.get_namespace().strip('/')
+        # By robot: the prefix of its topics, and its health, as a node may serve several
+        self.prefixes = {robot: ''}
+        self._healths = {robot: self.health}
+        self._logs: defaultdict[str, HealthLog] = defaultdict(HealthLog)
         self.health.report('state', HealthLevel.OK, 'starting')
         # In lockstep the inbox checks the stamps
         self.soundness = MessageValidator(stamps=not self.lockstep)
         self.undecodable = self.soundness.unsound
-        self._inbox: Inbox | None = None
+        self._inboxes: dict[str, Inbox] = {}  # by prefix
         self._inputs: dict[str, Subscription] = {}
         self._writers: dict[str, Publisher] = {}
         self._conflict = PublisherConflict(self, self._writers)
@@ -108,18 +113,36 @@ class GraphNode(ContainedNode):
         self._input_expected_by: float | None = time.monotonic() + NO_INPUT_TIME
         self._diagnostics = self.create_output('/diagnostics')
         # The ROS clock may jump or stand still; health needs wall time that only grows
-        steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self.create_timer(WATCH_PERIOD, self._monitor_inputs, clock=steady)
+        self.steady_clock = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(WATCH_PERIOD, self._monitor_inputs, clock=self.steady_clock)
+
+    def add_robot(self, robot: str) -> Health:
+        """Return the health of another robot that the node serves; '' for its own."""
+        if not robot:
+            return self.health
+        self.prefixes[robot] = f'{robot}/'
+        return self._healths.setdefault(robot, Health())
+
+    def split_prefix(self, name: str) -> tuple[str, str]:
+        """Return the prefix of a topic's robot, '' for the node's own, and its bare name."""
+        if name in self.table.topics:
+            return '', name
+        robot, _, own = name.strip('/').partition('/')
+        return f'{robot}/', own
+
+    def find_row(self, name: str) -> Topic:
+        """Return the row of a topic, which may have the prefix of a robot."""
+        return self.table[self.split_prefix(name)[1]]
 
     def create_output(self, name: str) -> Publisher:
         """
-        Return a publisher on a topic of the table.
+        Return a publisher on a topic of the table, which may have the prefix of a robot.
 
         Create the outputs before anything else. In real time a message is lost until its reader
         has matched, and a flight begins when the last node listens. Discovery then runs while
         files load.
         """
-        topic = self.table[name]
+        topic = self.find_row(name)
         quality = select_profile(topic, self.lockstep)
         with reject_bad_overrides(self.get_name()):
             publisher = cast(
@@ -132,7 +155,7 @@ class GraphNode(ContainedNode):
                     qos_overriding_options=self._overrides,
                 ),
             )
-        publisher.frame_prefix = self.frame_prefix
+        publisher.frame_prefix = self.frame_prefix + self.split_prefix(name)[0]
         self._writers[name] = publisher
         return publisher
 
@@ -145,22 +168,25 @@ class GraphNode(ContainedNode):
         return {name: item.get_subscription_count() for name, item in self._writers.items()}
 
     def subscribe_inputs(
-        self, topics: list[str], trigger: str, on_step: Callable[[InboxStep], None]
+        self,
+        topics: list[str],
+        trigger: str,
+        on_step: Callable[[InboxStep], None],
+        prefix: str = '',
     ) -> None:
         """
         Subscribe to topics and call `on_step` for each message of the trigger.
 
-        `topics`: relative names, including the trigger. `trigger`: the topic whose messages start
-        a step. `on_step`: gets an `InboxStep` with ROS messages.
+        `topics`: names in the table, including the trigger. `trigger`: the topic whose messages
+        start a step. `on_step`: gets an `InboxStep` with ROS messages. `prefix`: of the robot
+        whose topics they are; each robot has steps of its own.
         """
-        inbox = self._inbox = Inbox(
+        inbox = self._inboxes[prefix] = Inbox(
             self.table, self.role, topics, trigger, self.lockstep, self.replayed
         )
         for name in topics:
-            stamped = self.table[name].stamped
-            receive = self._build_input_receiver(inbox, name, stamped, on_step)
-            self._inputs[name] = self._subscribe(name, receive)
-        self._trigger = trigger
+            receive = self._build_input_receiver(inbox, prefix, name, on_step)
+            self._inputs[prefix + name] = self._subscribe(prefix + name, receive)
         if self.replayed:
             then = partial(self._run_complete_steps, inbox, on_step)
             self._inbox_schedule = subscribe_inbox_schedule(self, self.table, inbox, then)
@@ -172,7 +198,7 @@ class GraphNode(ContainedNode):
     def _subscribe(
         self, name: str, callback: Callable[[Any], None], *, raw: bool = False
     ) -> Subscription:
-        row = self.table[name]
+        row = self.find_row(name)
         with reject_bad_overrides(self.get_name()):
             return self.create_subscription(
                 find_message_type(row),
@@ -184,13 +210,15 @@ class GraphNode(ContainedNode):
             )
 
     def _build_input_receiver(
-        self, inbox: Inbox, name: str, stamped: bool, on_step: Callable[[InboxStep], None]
+        self, inbox: Inbox, prefix: str, name: str, on_step: Callable[[InboxStep], None]
     ) -> Callable[[Any], None]:
+        row, topic = self.table[name], prefix + name
+
         def receive_message(message: Any) -> None:  # noqa: ANN401 - whatever the topic carries
-            self._received_at[name] = time.monotonic()
+            self._received_at[topic] = time.monotonic()
             self.begun = True
-            stamp_ns = from_stamp(message.header.stamp) if stamped else 0
-            valid = self.soundness.validate(self.table[name], name, message)
+            stamp_ns = from_stamp(message.header.stamp) if row.stamped else 0
+            valid = self.soundness.validate(row, topic, message)
             inbox.put(name, stamp_ns, message, valid)
             self._run_complete_steps(inbox, on_step)
 
@@ -216,25 +244,27 @@ class GraphNode(ContainedNode):
         """Return the inputs that this node waits for; a subclass may add its own."""
         if self.lockstep:
             # Before the first message the graph is still starting
-            if self._inbox is None or not self.begun:
+            if not self.begun:
                 return []
-            if self._inbox.turns is None:
+            if any(inbox.turns is None for inbox in self._inboxes.values()):
                 return [DUE]
-            return self._inbox.list_missing_topics() or [self._trigger]
+            return [
+                prefix + name
+                for prefix, inbox in self._inboxes.items()
+                for name in inbox.list_missing_topics() or [inbox.trigger]
+            ]
         # In real time an input is missing if it is overdue by more than REPORTED_WAIT
         now = time.monotonic()
         return [
             name
             for name, received in self._received_at.items()
-            if now - received > REPORTED_WAIT + 1e-9 * self.table[name].period_ns
+            if now - received > REPORTED_WAIT + 1e-9 * self.find_row(name).period_ns
         ]
 
     def find_publishing_role(self, name: str) -> str:
-        """Return the role that publishes a topic; absolute (`/lta2/vehicle`) if the name is."""
-        if name in self.table.topics:
-            return self.table[name].source
-        robot, _, relative = name.strip('/').partition('/')
-        return f'/{robot}/{self.table[relative].source}'
+        """Return the role that publishes a topic; `/lta2/vehicle` with the prefix of a robot."""
+        prefix, own = self.split_prefix(name)
+        return f'/{prefix}{self.table[own].source}' if prefix else self.table[own].source
 
     def _monitor_inputs(self) -> None:
         """Report inputs that are missing for too long, and publish health when due."""
@@ -256,8 +286,12 @@ class GraphNode(ContainedNode):
             )
         elif self._received_at:
             self.health.report('inputs', HealthLevel.OK, 'all inputs arrive')
-        gaps = self._inbox.gaps if self._inbox else {}
-        lost = {name: gap for name, gap in gaps.items() if gap}
+        lost = {
+            prefix + name: gap
+            for prefix, inbox in self._inboxes.items()
+            for name, gap in inbox.gaps.items()
+            if gap
+        }
         if lost:
             self.health.report(
                 'losses',
@@ -269,7 +303,7 @@ class GraphNode(ContainedNode):
             self.health.set_fact(unsound.build_fact(MESSAGES))
         self._warn_missing_inputs(now)
         self.update_health()
-        if self.health.changed or now - self._reported >= REPORT_PERIOD:
+        if self._has_news() or now - self._reported >= REPORT_PERIOD:
             # Asking the middleware takes longer than all the rest
             self.health.report(
                 LINKS_TASK,
@@ -292,7 +326,7 @@ class GraphNode(ContainedNode):
             if name not in self._received_at and not self.count_publishers(name)
         ]
         if absent:
-            sources = sorted({self.table[name].source for name in absent})
+            sources = sorted({self.find_publishing_role(name) for name in absent})
             self.get_logger().warning(
                 f'waiting for messages on {", ".join(sorted(absent))} from {", ".join(sources)}; '
                 'start the missing nodes'
@@ -301,37 +335,42 @@ class GraphNode(ContainedNode):
     def update_health(self) -> None:
         """Report what a node looks up, every `WATCH_PERIOD`; a subclass may override this."""
 
+    def _has_news(self) -> bool:
+        return any(health.changed for health in self._healths.values())
+
     def publish_health(self) -> None:
         """Publish all facts immediately, and log what has changed."""
         self._reported = time.monotonic()
-        self._log_health()
-        self.health.changed = False
         array = DiagnosticArray()
         array.header.stamp = to_stamp(self.graph_time_ns())
-        array.status = [
-            DiagnosticStatus(
-                # The level is a `byte`, which rclpy represents as a bytes object of length 1
-                level=bytes([fact.level]),
-                # With the robot's name, as others tell robots apart by this alone
-                name=f'{self.get_fully_qualified_name().strip("/")}: {fact.task}',
-                message=fact.message,
-                hardware_id=self.get_namespace().strip('/'),
-                values=[KeyValue(key=key, value=value) for key, value in fact.values.items()],
-            )
-            for fact in self.health.facts
-        ]
+        for robot, health in self._healths.items():
+            self._log_health(robot, health)
+            health.changed = False
+            # With the robot's name, as others tell robots apart by this alone
+            node = f'{robot}/{self.get_name()}'.strip('/')
+            array.status += [
+                DiagnosticStatus(
+                    # The level is a `byte`, which rclpy represents as a bytes object of length 1
+                    level=bytes([fact.level]),
+                    name=f'{node}: {fact.task}',
+                    message=fact.message,
+                    hardware_id=robot,
+                    values=[KeyValue(key=key, value=value) for key, value in fact.values.items()],
+                )
+                for fact in health.facts
+            ]
         self._diagnostics.publish(array)
 
-    def _log_health(self) -> None:
-        logger = self.get_logger()
-        for level, text in self._log.update(self.health.take_news(), self._reported):
+    def _log_health(self, robot: str, health: Health) -> None:
+        logger, prefix = self.get_logger(), self.prefixes[robot]
+        for level, text in self._logs[robot].update(health.take_news(), self._reported):
             # rclpy accepts one severity from each line of code
             if level == HealthLevel.OK:
-                logger.info(text)
+                logger.info(prefix + text)
             elif level == HealthLevel.WARN:
-                logger.warning(text)
+                logger.warning(prefix + text)
             else:
-                logger.error(text)
+                logger.error(prefix + text)
 
     def run(self) -> Iterator[None]:
         """
@@ -345,7 +384,7 @@ class GraphNode(ContainedNode):
 
     def close(self) -> None:
         """Report the last changes, and wait for acknowledgements; on every exit but SIGKILL."""
-        if self.health.changed:
+        if self._has_news():
             self.publish_health()
         deadline = time.monotonic() + self.farewell
         for publisher in self.publishers:

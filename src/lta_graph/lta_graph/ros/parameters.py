@@ -11,7 +11,9 @@ from typing import Any, Generic, TypeVar
 
 from lta_config.errors import BadInput
 from lta_config.files import format_error
-from pydantic import BaseModel, ValidationError
+from lta_config.settings import setting, Settings
+from lta_config.topics import is_name
+from pydantic import BaseModel, create_model, ValidationError
 from pydantic.fields import FieldInfo
 from rcl_interfaces.msg import (
     FloatingPointRange,
@@ -139,3 +141,22 @@ class NodeParameters(Generic[Model]):
         self.value = self._build_model({})
         if self._changed is not None:
             self._changed(self.value)
+
+
+def declare_robots(node: Node, names: str, model: type[Model]) -> dict[str, Model]:
+    """
+    Declare and return the settings of each robot, in parameters such as `lta2.seed`.
+
+    `names`: namespaces, separated by spaces. `model`: the settings of one robot. Raise `BadInput`
+    if a name is not valid or is given twice.
+    """
+    robots = names.split()
+    for name in robots:
+        if not is_name(name) or robots.count(name) > 1:
+            raise BadInput(
+                f"The parameter robots of {node.get_name()} is '{names}', but '{name}' is not a "
+                'valid namespace or is given twice; give different namespaces.'
+            )
+    fields: Any = {name: (model, setting(model())) for name in robots}
+    values = NodeParameters(node, create_model('Robots', __base__=Settings, **fields)).value
+    return {name: getattr(values, name) for name in robots}

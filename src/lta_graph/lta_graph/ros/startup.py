@@ -14,32 +14,36 @@ from typing import final, Self
 
 from diagnostic_msgs.msg import DiagnosticArray
 from lta_config.errors import BadInput
-from lta_config.topics import TopicTable
+from lta_config.topics import is_selected
 from lta_graph.health import HealthLevel
 from lta_graph.reach import RANGE_VARIABLE
 from lta_graph.ros.node import GraphNode, LINKS_TASK
-from rclpy.node import Node
+from rclpy.publisher import Publisher
 
 COUNT_DIGITS = 10  # a reported count must have fewer; more is not a count of readers
+RECORDER = 'recorder'  # name of the node
+DESCRIPTION = 'description'  # role of a node that publishes once, so that nobody waits for more
 DIAGNOSTICS_DEPTH = 100  # messages of all nodes together that may wait until the next poll
 
 
 @final
 class ReaderLinks:
     """
-    Collect the numbers of matched readers that a drone's nodes report.
+    Collect the numbers of matched readers that the nodes of its robots report to a node.
 
-    Use it as `with ReaderLinks(node, table) as links: ...`; the subscription is destroyed on exit.
-
-    `node`: the listening node; its namespace is that of the drone. `table`: gives the periodic
-    topics.
+    Use it as `with ReaderLinks(node) as links: ...`; the subscription is destroyed on exit. Topics
+    have the prefixes that the node gives them.
     """
 
-    def __init__(self, node: Node, table: TopicTable) -> None:
+    def __init__(self, node: GraphNode) -> None:
         self._node = node
-        self._robot = node.get_namespace().strip('/')
-        self._table = table
-        self._topics = [name for name, row in table.topics.items() if row.period_ns]
+        rows = node.table.topics.items()
+        self._topics = [
+            prefix + name
+            for prefix in node.prefixes.values()
+            for name, row in rows
+            if row.period_ns
+        ]
         self._matched: dict[str, int] = {}
         self._subscription = node.create_subscription(
             DiagnosticArray, '/diagnostics', self._on_diagnostics, DIAGNOSTICS_DEPTH
@@ -55,11 +59,14 @@ class ReaderLinks:
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for status in message.status:
-            if status.hardware_id == self._robot and status.name.endswith(f': {LINKS_TASK}'):
+            prefix = self._node.prefixes.get(status.hardware_id)
+            if prefix is not None and status.name.endswith(f': {LINKS_TASK}'):
                 counts = {item.key: item.value for item in status.values}
                 # Any node may publish on /diagnostics, so take only plausible counts
                 self._matched |= {
-                    k: int(v) for k, v in counts.items() if v.isdecimal() and len(v) < COUNT_DIGITS
+                    prefix + name: int(count)
+                    for name, count in counts.items()
+                    if count.isdecimal() and len(count) < COUNT_DIGITS
                 }
 
     def find_unready_topics(self, own: Mapping[str, int], awaited: Collection[str]) -> list[str]:
@@ -74,7 +81,7 @@ class ReaderLinks:
         silent = {
             name
             for name in self._topics
-            if name not in reported and self._table[name].source in awaited
+            if name not in reported and self._node.find_row(name).source in awaited
         }
         return [name for name in self._topics if name in silent or name in short]
 
@@ -93,6 +100,25 @@ class ReaderLinks:
 
 
 SETTLED_TIME = 1.0  # wall seconds without a new endpoint after which a real-time flight begins
+
+
+def wait_for_graph(
+    node: GraphNode,
+    outputs: Mapping[str, Publisher],
+    roles: Collection[str],
+    recorded: str | None,
+    patience: float,
+) -> Iterator[None]:
+    """
+    Wait until the nodes that a flight needs are there, and in real time all endpoints matched.
+
+    The arguments are those of `list_missing_nodes` and `wait_until_complete`.
+    """
+    yield from wait_until_complete(
+        node, lambda: list_missing_nodes(node, outputs, roles, recorded), patience
+    )
+    if not node.lockstep:
+        yield from wait_until_settled(node, roles, patience)
 
 
 def wait_until_complete(
@@ -134,7 +160,7 @@ def wait_until_settled(
     deadline = time.monotonic() + patience
     # Endpoints of a drone that still starts keep appearing; a stable number means all are there
     seen, since = count_endpoints(node), time.monotonic()
-    with ReaderLinks(node, node.table) as links:
+    with ReaderLinks(node) as links:
         while node.running and time.monotonic() - since < SETTLED_TIME:
             yield
             loose = links.find_unready_topics(node.count_readers(), awaited)
@@ -153,4 +179,36 @@ def wait_until_settled(
 
 def count_endpoints(node: GraphNode) -> list[tuple[int, int]]:
     """Return the numbers of publishers and subscribers of each topic in the table."""
-    return [(node.count_publishers(n), node.count_subscribers(n)) for n in node.table.topics]
+    names = [prefix + name for prefix in node.prefixes.values() for name in node.table.topics]
+    return [(node.count_publishers(name), node.count_subscribers(name)) for name in names]
+
+
+def list_missing_nodes(
+    node: GraphNode,
+    outputs: Mapping[str, Publisher],
+    roles: Collection[str],
+    recorded: str | None = None,
+) -> list[str]:
+    """
+    Return the nodes that do not read a node's outputs yet, as roles with the prefixes of robots.
+
+    `outputs`: the publishers by topic. `roles`: those to wait for; 'description' is there once it
+    publishes. `recorded`: the setting `topics` of a recorder to wait for as well, if there is one.
+    """
+    missing: set[str] = set()
+    robots = {prefix: robot for robot, prefix in node.prefixes.items()}
+    for name, publisher in outputs.items():
+        prefix, own = node.split_prefix(name)
+        row = node.table[own]
+        readers = {prefix + role for role in row.subscribers if role in roles}
+        if publisher.get_subscription_count() < len(readers):
+            missing |= readers
+        if recorded is not None and is_selected(recorded, robots[prefix], own, row):
+            there = node.get_subscriptions_info_by_topic(publisher.topic_name)
+            missing |= {RECORDER} - {reader.node_name for reader in there}
+        if DESCRIPTION in roles and not all(
+            node.count_publishers(topic if topic.startswith('/') else prefix + topic)
+            for topic in node.table.published_by(DESCRIPTION)
+        ):
+            missing.add(prefix + DESCRIPTION)
+    return sorted(missing)

@@ -57,16 +57,19 @@ def build_transform(
     return message
 
 
-def from_start(pose: Sequence[float]) -> TFMessage:
+def from_start(pose: Sequence[float], prefix: str = '') -> TFMessage:
     """
     Return where the odometry of a drone begins in the map: on the floor below its start.
 
     `pose`: place [m] and attitude (x y z w) of a level drone at its start, sequence of 7 floats.
+    `prefix`: of the drone's frames.
     """
     x, y, _, *turn = pose
     # The estimate counts height from the floor, distance and heading from the start. A fixed frame
     # holds at all times, so its stamp is zero.
-    return TFMessage(transforms=[build_transform(Time(), (MAP_FRAME, ODOM), (x, y, 0.0), turn)])
+    return TFMessage(
+        transforms=[build_transform(Time(), (MAP_FRAME, prefix + ODOM), (x, y, 0.0), turn)]
+    )
 
 
 def from_odometry(odom: Odometry) -> TFMessage:

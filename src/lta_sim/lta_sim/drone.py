@@ -1,0 +1,136 @@
+"""One drone of the simulator: its world, the command that it obeys, and its state for others."""
+
+import operator
+import time
+from typing import final
+
+from lta_config.topics import TopicTable
+from lta_graph.health import Health, HealthLevel
+from lta_model.scenario import load_scenario, offset_start
+from lta_model.vehicle import load_vehicle
+from lta_sim.pacer import Pacer
+from lta_sim.readings import FlightOutcome, SensorReadings
+from lta_sim.simulator_settings import DroneSettings
+from lta_sim.world import World
+
+STALE_NS = 300_000_000  # commands older or newer than this stop the motors, as on the real vehicle
+REPORTED_CHARACTERS = 100  # characters of a refused command that are reported
+
+
+@final
+class SimulatedDrone:
+    """
+    A `World` that obeys motor commands and reports on its flight.
+
+    Attributes
+    ----------
+    world : World
+        The drone in its scene.
+    readings : SensorReadings
+        Those of the present step.
+    is_answered : bool
+        Whether the command for the present step has come.
+
+    """
+
+    def __init__(self, settings: DroneSettings, table: TopicTable, health: Health) -> None:
+        offset = settings.offset_x, settings.offset_y
+        scenario = offset_start(load_scenario(settings.scenario), *offset)
+        vehicle = load_vehicle(settings.vehicle, scenario.air.density)
+        self.world = World(vehicle, scenario, table, settings.seed, settings.strategy)
+        if settings.commanded:
+            self.world.fly_without_end()
+        self.readings = SensorReadings(self.world.stamp_ns)
+        self.is_answered = False
+        self._table = table
+        self._health = health
+        self._rotors = vehicle.rotor_names
+        self._lowest = [-1.0 if reversible else 0.0 for reversible in vehicle.reversible]
+        self._duties = [0.0] * len(self._rotors)
+        self._commanded_ns = 0
+        self._refused = False
+        self._fed = True
+        self._finished: float | None = None
+
+    @property
+    def duties(self) -> list[float]:
+        """The duties that it obeys, by rotor."""
+        return self._duties
+
+    @property
+    def is_over(self) -> bool:
+        """Whether to stop: one control step after a light block, when all have answered."""
+        over = self.world.outcome is not FlightOutcome.FLYING
+        return over and self._table.is_settled(self.world.stamp_ns)
+
+    def finish(self) -> None:
+        """End the flight; the drone stands still from now on."""
+        self._finished = time.monotonic()
+
+    def take_command(self, names: list[str], duties: list[float], stamp_ns: int) -> None:
+        """Obey a motor command, or stop the motors on an invalid one."""
+        # A future stamp would stay fresh for too long
+        if stamp_ns <= self.world.stamp_ns + STALE_NS:
+            self._commanded_ns = stamp_ns
+        fits = names == self._rotors and len(duties) == len(self._rotors)
+        # NaN is refused as well: it compares false
+        if fits and all(map(operator.le, self._lowest, duties)) and max(duties) <= 1.0:
+            self._duties = duties
+            if self._refused:
+                self._refused = False
+                self._health.report('command', HealthLevel.OK, 'accepted')
+            return
+        # An invalid command must not leave the last one active
+        self._duties = [0.0] * len(self._rotors)
+        self._refused = True
+        self._health.report(
+            'command',
+            HealthLevel.ERROR,
+            f'invalid motor command with the duties {repr(duties)[:REPORTED_CHARACTERS]} for the '
+            f'rotors {repr(names)[:REPORTED_CHARACTERS]}, so the motors are off; send duties for '
+            f'the rotors {self._rotors}, from {self._lowest} to 1',
+        )
+
+    def stop_without_command(self) -> None:
+        """Stop the motors if the last command is old, as on the real vehicle."""
+        if self.world.stamp_ns - self._commanded_ns > STALE_NS:
+            self._duties = [0.0] * len(self._duties)
+
+    def advance(self) -> None:
+        """Fly one control period, and report a failure of the supply and its end."""
+        self.is_answered = False
+        self.world.advance(self._duties)
+        if self._fed == self.world.supply.is_fed:
+            return
+        self._fed = not self._fed
+        if self._fed:
+            self._health.report(
+                'supply',
+                HealthLevel.OK,
+                'the solar panel has charged the battery: the power supply is on again',
+            )
+        else:
+            self._health.report(
+                'supply',
+                HealthLevel.ERROR,
+                'brown-out: the battery is empty or its voltage fell below the cut-off; '
+                'the motors are off until light has charged it',
+            )
+
+    def report_flight(self, pacer: Pacer) -> dict[str, str]:
+        """Report and return the state of the flight, which a pacer has kept to the wall clock."""
+        world = self.world
+        wall = (self._finished or time.monotonic()) - pacer.began if pacer.began else 0.0
+        # Simulated seconds per wall second
+        pace = world.elapsed / wall if wall else 0.0
+        state = {
+            'outcome': world.outcome.name.lower(),
+            'sentence': str(world.outcome),
+            'time_s': f'{world.elapsed:.2f}',
+            'distance_m': f'{world.goal_distance:.3f}',
+            'pace': f'{pace:.2f}',
+            'lost_s': f'{pacer.lost:.2f}',
+        }
+        text = f'{state["sentence"]}, {state["distance_m"]} m from the lamp'
+        self._health.report('flight', HealthLevel.OK, text, **state)
+        return state
