@@ -120,6 +120,8 @@ class GraphNode(ContainedNode):
         """Return the health of another robot that the node serves; '' for its own."""
         if not robot:
             return self.health
+        # Then it has no topics of a robot of its own
+        self.prefixes.pop(self.get_namespace().strip('/'), None)
         self.prefixes[robot] = f'{robot}/'
         return self._healths.setdefault(robot, Health())
 
@@ -362,7 +364,7 @@ class GraphNode(ContainedNode):
         self._diagnostics.publish(array)
 
     def _log_health(self, robot: str, health: Health) -> None:
-        logger, prefix = self.get_logger(), self.prefixes[robot]
+        logger, prefix = self.get_logger(), '' if health is self.health else f'{robot}/'
         for level, text in self._logs[robot].update(health.take_news(), self._reported):
             # rclpy accepts one severity from each line of code
             if level == HealthLevel.OK:

@@ -203,12 +203,12 @@ def list_missing_nodes(
         readers = {prefix + role for role in row.subscribers if role in roles}
         if publisher.get_subscription_count() < len(readers):
             missing |= readers
-        if recorded is not None and is_selected(recorded, robots[prefix], own, row):
+        if recorded is not None and is_selected(recorded, robots.get(prefix, ''), own, row):
             there = node.get_subscriptions_info_by_topic(publisher.topic_name)
             missing |= {RECORDER} - {reader.node_name for reader in there}
-        if DESCRIPTION in roles and not all(
-            node.count_publishers(topic if topic.startswith('/') else prefix + topic)
-            for topic in node.table.published_by(DESCRIPTION)
-        ):
+    for prefix in robots if DESCRIPTION in roles else ():
+        names = node.table.published_by(DESCRIPTION)
+        topics = [name if name.startswith('/') else prefix + name for name in names]
+        if not all(map(node.count_publishers, topics)):
             missing.add(prefix + DESCRIPTION)
     return sorted(missing)
