@@ -26,6 +26,17 @@ DESCRIPTION = 'description'  # role of a node that publishes once, so that nobod
 DIAGNOSTICS_DEPTH = 100  # messages of all nodes together that may wait until the next poll
 
 
+def list_topics(node: GraphNode) -> list[str]:
+    """Return the topics of a node's robots, with their prefixes; absolute ones once."""
+    return list(
+        dict.fromkeys(
+            name if name.startswith('/') else prefix + name
+            for prefix in node.prefixes.values()
+            for name in node.table.topics
+        )
+    )
+
+
 @final
 class ReaderLinks:
     """
@@ -37,13 +48,7 @@ class ReaderLinks:
 
     def __init__(self, node: GraphNode) -> None:
         self._node = node
-        rows = node.table.topics.items()
-        self._topics = [
-            prefix + name
-            for prefix in node.prefixes.values()
-            for name, row in rows
-            if row.period_ns
-        ]
+        self._topics = [name for name in list_topics(node) if node.find_row(name).period_ns]
         self._matched: dict[str, int] = {}
         self._subscription = node.create_subscription(
             DiagnosticArray, '/diagnostics', self._on_diagnostics, DIAGNOSTICS_DEPTH
@@ -64,7 +69,7 @@ class ReaderLinks:
                 counts = {item.key: item.value for item in status.values}
                 # Any node may publish on /diagnostics, so take only plausible counts
                 self._matched |= {
-                    prefix + name: int(count)
+                    name if name.startswith('/') else prefix + name: int(count)
                     for name, count in counts.items()
                     if count.isdecimal() and len(count) < COUNT_DIGITS
                 }
@@ -179,8 +184,7 @@ def wait_until_settled(
 
 def count_endpoints(node: GraphNode) -> list[tuple[int, int]]:
     """Return the numbers of publishers and subscribers of each topic in the table."""
-    names = [prefix + name for prefix in node.prefixes.values() for name in node.table.topics]
-    return [(node.count_publishers(name), node.count_subscribers(name)) for name in names]
+    return [(node.count_publishers(n), node.count_subscribers(n)) for n in list_topics(node)]
 
 
 def list_missing_nodes(
@@ -206,9 +210,7 @@ def list_missing_nodes(
         if recorded is not None and is_selected(recorded, robots.get(prefix, ''), own, row):
             there = node.get_subscriptions_info_by_topic(publisher.topic_name)
             missing |= {RECORDER} - {reader.node_name for reader in there}
-    for prefix in robots if DESCRIPTION in roles else ():
-        names = node.table.published_by(DESCRIPTION)
-        topics = [name if name.startswith('/') else prefix + name for name in names]
-        if not all(map(node.count_publishers, topics)):
-            missing.add(prefix + DESCRIPTION)
+    for name in list_topics(node) if DESCRIPTION in roles else ():
+        if node.find_row(name).source == DESCRIPTION and not node.count_publishers(name):
+            missing.add(node.split_prefix(name)[0] + DESCRIPTION)
     return sorted(missing)
