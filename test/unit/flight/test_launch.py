@@ -92,6 +92,9 @@ def test_a_robot_that_is_there_is_not_blamed_for_standing_and_the_other_still_is
     lookout.report_stalled_nodes(facts, ['lta1/simulator', 'lta2/estimator'])
     lookout.report_stalled_nodes(facts, ['recorder'])
     assert said == ['No messages arrive from lta2/estimator.', 'No messages arrive from recorder.']
+    over = {name: facts[f'lta1/{FLIGHT}'] for name in facts}
+    lookout.report_stalled_nodes(over, ['simulator'])  # which is of both
+    assert len(said) == 2
 
 
 def test_who_still_loads_is_excused_and_named_only_once_it_has_spoken(clock):
