@@ -92,7 +92,7 @@ def test_a_robot_that_is_there_is_not_blamed_for_standing_and_the_other_still_is
     lookout.report_stalled_nodes(facts, ['lta1/simulator', 'lta2/estimator'])
     lookout.report_stalled_nodes(facts, ['recorder'])
     assert said == ['No messages arrive from lta2/estimator.', 'No messages arrive from recorder.']
-    over = {name: facts[f'lta1/{FLIGHT}'] for name in facts}
+    over = dict.fromkeys(facts, facts[f'lta1/{FLIGHT}'])
     lookout.report_stalled_nodes(over, ['simulator'])  # which is of both
     assert len(said) == 2
 
