@@ -39,7 +39,6 @@ COMMANDS = {
     'light plan': 'light plan warehouse --json --out {out}',
     'light evaluate': 'light evaluate --seeds 1 --sets indoors --json --out {out}',
     'light bearing': 'light bearing --poses 300 --json --out {out}',
-    'light study': 'light study --json --out {out}',
     'energy budget': 'energy budget --seeds 1 --json --out {out}',
     'energy hover': 'energy hover --json --out {out}',
     'energy mounting': 'energy mounting --seeds 1 --json --out {out}',

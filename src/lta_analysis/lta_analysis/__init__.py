@@ -58,11 +58,10 @@ if TYPE_CHECKING:
     from lta_studies.energy.hover.run import HoverRequest
     from lta_studies.energy.mounting.run import MountingRequest
     from lta_studies.light.bearing.run import BearingTrialRequest
-    from lta_studies.light.bearing.study import RingStudyRequest
     from lta_studies.light.evaluation.run import EvaluationRequest
     from lta_studies.light.link.link_budget import LinkRequest
     from lta_studies.light.plan.request import LampPlanRequest
-    from lta_studies.light.turntable.request import DiodeCalibrationRequest, TurntableRequest
+    from lta_studies.light.turn.request import DiodeCalibrationRequest
     from lta_studies.mission.run import MissionStudyRequest
     from lta_studies.platforms.run import PlatformsRequest
     from lta_studies.reproduce.run import ReproductionRequest
@@ -91,7 +90,6 @@ if TYPE_CHECKING:
     energy_mounting = as_function(MountingRequest)
     fly = as_function(FlyRequest)
     forecast = as_function(ForecastRequest)
-    hardware_light = as_function(TurntableRequest)
     hardware_wiring = as_function(WiringRequest)
     import_log = as_function(LogImportRequest)
     light_bearing = as_function(BearingTrialRequest)
@@ -99,7 +97,6 @@ if TYPE_CHECKING:
     light_evaluate = as_function(EvaluationRequest)
     light_link = as_function(LinkRequest)
     light_plan = as_function(LampPlanRequest)
-    light_study = as_function(RingStudyRequest)
     mission = as_function(MissionStudyRequest)
     platforms = as_function(PlatformsRequest)
     replay = as_function(NodeReplayRequest)

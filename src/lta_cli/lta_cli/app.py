@@ -133,7 +133,6 @@ LIGHT_VERBS: Final = VerbGroup(
         'evaluate': call('light_evaluate', several=('--sets',)),
         'bearing': call('light_bearing'),
         'calibrate': call('light_calibrate'),
-        'study': call('light_study'),
     },
 )
 ENERGY_VERBS: Final = VerbGroup(
@@ -165,12 +164,10 @@ CFD_VERBS: Final = VerbGroup(
     },
 )
 HARDWARE_VERBS: Final = VerbGroup(
-    'Check connected drones and light boards, test one motor, evaluate turntable recordings, draw '
-    'the wiring.',
+    'Check connected drones and light boards, test one motor, draw the wiring.',
     {
         'check': Verb('hardware', 'DeviceCheckRequest'),
         'bench': Verb('hardware', 'MotorBenchRequest'),
-        'light': call('hardware_light'),
         'wiring': call('hardware_wiring'),
     },
 )

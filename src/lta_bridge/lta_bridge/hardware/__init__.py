@@ -1,1 +1,1 @@
-"""Real drones on the desk: what hangs on this machine, how it is, one motor, and the turntable."""
+"""Real drones on the desk: what hangs on this machine, how it is, and one motor."""

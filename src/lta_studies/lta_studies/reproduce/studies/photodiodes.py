@@ -75,7 +75,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
         request,
         lambda seed: measure_draw(request.draw_changes(seed), seed),
     )
-    command = format_lta_command('light', 'study')
+    command = format_lta_command('reproduce', 'photodiodes')
     pictures = [
         StudyPicture(place, f'{place.capitalize()}: {BEARING_PLACES[place].about}',
                 'Median bearing error as the radius [°], by direction of the lamp. Seed '

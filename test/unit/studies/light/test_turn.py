@@ -1,5 +1,6 @@
-"""lta hardware light: known diodes and a simulated board on a turntable, found again."""
+"""lta light calibrate: known diodes of a simulated board that turns, found again."""
 
+from dataclasses import replace
 import json
 import math
 
@@ -9,10 +10,11 @@ from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_model.light.view import LightView
 from lta_studies.light.bearing.bench import BEARING_PLACES, BearingBench, build_flight_spec
 from lta_studies.light.bearing.study import pose_for_lamp_direction
-from lta_studies.light.turntable.turntable import (
+from lta_studies.light.turn.readings import (
+    align_directions,
     fit_response,
     summarize_directions,
-    TurntableReadings,
+    TurnReadings,
 )
 from lta_vlc.diodes import build_diode_array, build_even_ring
 import numpy as np
@@ -35,7 +37,7 @@ def readings_of(exponent, noise=0.0, blocks=4):
     amplitude = 900.0 * GAINS * (cosine**exponent + 0.08)
     amplitude += noise * np.random.default_rng(1).normal(size=amplitude.shape)
     nothing = np.zeros(len(direction))
-    return TurntableReadings(
+    return TurnReadings(
         direction, direction + 0.01, direction - 0.02, nothing, amplitude
     ), ring
 
@@ -59,22 +61,29 @@ def test_the_deviations_hold_what_noise_does():
 
 def test_errors_by_direction_by_hand():
     readings, _ = readings_of(1.0)
-    found, blocks = summarize_directions(readings, 'bench')
-    assert blocks == [4] * 16
+    found = summarize_directions(readings)
+    assert found.blocks == [4] * 16
     assert found.paper == pytest.approx((0.01,) * 16)
     assert found.ours == pytest.approx((0.02,) * 16)
-    aligned, _ = summarize_directions(readings, 'bench', -0.02)
-    assert aligned.ours == pytest.approx((0.0,) * 16, abs=1e-12)
+
+
+@pytest.mark.parametrize('start', [0.0, 1.0, math.pi])
+def test_where_the_nose_was_at_first_does_not_matter(start):
+    readings, _ = readings_of(1.0)
+    turned = replace(readings, direction=readings.direction - start)
+    found = summarize_directions(align_directions(turned))
+    assert found.ours == pytest.approx((0.0,) * 16, abs=1e-12)
+    assert found.paper == pytest.approx((0.03,) * 16)
 
 
 def test_half_a_turn_is_refused_by_the_directions_it_lacks():
     readings, _ = readings_of(1.0)
     some = readings.direction < math.pi
-    half = TurntableReadings(
-        *(getattr(readings, name)[some] for name in TurntableReadings.__slots__)
+    half = TurnReadings(
+        *(getattr(readings, name)[some] for name in TurnReadings.__slots__)
     )
     with pytest.raises(BadInput, match=r'at a bearing of 180, 202\.5'):
-        summarize_directions(half, 'bench')
+        summarize_directions(half)
 
 
 def record_turn(record, types, diodes, bench, turned, odometry=False):
@@ -160,28 +169,19 @@ def test_a_bag_without_odometry_is_refused(call, bag):
     assert said.err.startswith('The recording has no topic odom, so its turn is unknown; record')
 
 
-def test_a_simulated_turntable_is_studied_and_its_zero_found(call, bag, tmp_path):
+def test_a_simulated_turntable_is_studied(call, bag, tmp_path):
     words = ('--step', '22.5', '--hold', '0.6', '--out', tmp_path / 'out', '--json')
-    status, said = call('hardware', 'light', bag, *words)
+    status, said = call('light', 'calibrate', bag, *words)
     assert status == 0, said.err
     told = json.loads(said.out)
     assert told['diodes'] == 8
     assert told['blocks'] == [4] * 16  # of six, the first and the last of each hold are left
-    assert math.degrees(told['zero']) == pytest.approx(1.5, abs=1.0)
+    assert math.degrees(np.median(told['ours'])) < 1.0
     assert told['response']['exponent'] == pytest.approx(1.2, abs=0.05)
-    page = (tmp_path / 'out' / 'report.html').read_text()
-    assert 'On the turntable, the median bearing error is' in page
-    status, said = call(
-        'hardware', 'light', bag, *words[:4], '--align', '--out', tmp_path / 'b', '--json'
-    )
-    aligned = json.loads(said.out)
-    assert np.median(aligned['fit']) < np.median(told['fit'])
+    assert 'Error by direction' in (tmp_path / 'out' / 'report.html').read_text()
 
 
-def test_a_recording_that_does_not_say_how_it_turned_asks(call, bag):
-    status, said = call('hardware', 'light', bag)
-    assert status == 2
-    assert said.err.startswith('The recording has no topic ground_truth/odom, so its turn')
-    status, said = call('hardware', 'light', bag, '--step', '22.5')
+def test_an_incomplete_motion_of_the_turntable_is_refused(call, bag):
+    status, said = call('light', 'calibrate', bag, '--step', '22.5')
     assert status == 2
     assert 'give either --rate, or both --step and --hold' in said.err

@@ -1,10 +1,11 @@
 """
-Evaluate a recording of a real light board on a turntable: the paper's polar study.
+Evaluate a recording of a real light board that turns in front of a lamp.
 
-The board is level on a turntable, its nose towards a lamp 3 m away, and is recorded while it
-turns. The true direction of the lamp in each light block follows from the motion of the table: in
-steps as in the paper, at a constant rate, or from a tracker. A rotation of the board turns the
-direction of the lamp the other way.
+The board is level and turns once or more: in flight, by hand, or on a turntable. The true
+direction of the lamp in each light block follows from the odometry, or from the motion of the
+table: in steps as in the paper, or at a constant rate. A rotation of the board turns the direction
+of the lamp the other way. Where the nose was in the first block is not known: the median error of
+the fit is subtracted.
 
 A diode whose axis is at an angle a from the lamp reads
 
@@ -18,7 +19,7 @@ directions: model errors vary with direction, so that noise alone would underest
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import math
 from pathlib import Path
 from typing import Final, final, NamedTuple
@@ -31,7 +32,7 @@ from lta_data.bag.recorded_flight import open_flight, RecordedFlight
 from lta_data.bag.table import get_column
 from lta_report.progress_bar import ProgressBar
 from lta_studies.light.bearing.run import error_quantile
-from lta_studies.light.bearing.study import DIRECTION_COUNT, RingStudy
+from lta_studies.light.bearing.study import DIRECTION_COUNT
 from lta_vlc.bearing import estimate_bearing
 from lta_vlc.demodulation import demodulate_block, plan_bins
 from lta_vlc.diodes import build_diode_array, DiodeArray
@@ -46,28 +47,27 @@ from scipy.optimize import least_squares
 
 Array = NDArray[np.float64]
 PHOTODIODES: Final = 'photodiodes'
-TRUTH_TOPIC: Final = 'ground_truth/odom'
 MOVING_SHARE: Final = 0.15  # share at both ends of a hold in which the table may still move
 BLOCKS_PER_READ: Final = 100  # blocks read at a time
 FEWEST_LIGHT_BLOCKS: Final = DIRECTION_COUNT  # minimum number of blocks
 
 
-class TurntableMotion(NamedTuple):
-    """Motion of the turntable, counter-clockwise from above."""
+class TurnMotion(NamedTuple):
+    """Motion of the board, counter-clockwise from above."""
 
-    rate: float = 0.0  # constant rate; 0 for steps or a tracker [rad/s]
+    heading: str  # odometry topic with the heading, if there is neither rate nor step
+    rate: float = 0.0  # constant rate of a turntable; 0 for steps or odometry [rad/s]
     step: float = 0.0  # size of a step; 0 if there are none [rad]
     hold: float = 0.0  # time from one step to the next [s]
-    start: float = 0.0  # direction of the lamp from the nose in the first block [rad]
-    heading: str = TRUTH_TOPIC  # topic with the heading, if there is neither rate nor step
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class TurntableReadings:
+class TurnReadings:
     """Results of the light blocks of a turn."""
 
-    # True direction of the lamp, counter-clockwise from the nose, shape (n,) [rad]
+    # True direction of the lamp, counter-clockwise from the nose, but for the same unknown angle in
+    # all blocks, shape (n,) [rad]
     direction: Array
     # Bearings by both estimators; NaN without an estimate, shape (n,) [rad]
     paper: Array
@@ -81,9 +81,9 @@ def read_turn(
     robot: str | None,
     vehicle: str,
     frequency: float,
-    motion: TurntableMotion,
+    motion: TurnMotion,
     console: Console,
-) -> tuple[TurntableReadings, DiodeArray]:
+) -> tuple[TurnReadings, DiodeArray]:
     """Evaluate the light blocks of a bag with the diodes of a vehicle, with progress."""
     flight = open_flight(bag, robot)
     entry = load_vehicle_file(vehicle).sensors.diodes
@@ -101,10 +101,10 @@ def evaluate_turn(
     flight: RecordedFlight,
     diodes: DiodeArray,
     demodulation: DemodulationSettings,
-    table: TurntableMotion,
+    motion: TurnMotion,
     full_scale: float,
     tick: Callable[[int], None],
-) -> TurntableReadings:
+) -> TurnReadings:
     """
     Evaluate the light blocks of a recording.
 
@@ -130,7 +130,7 @@ def evaluate_turn(
     finder = DirectionFinder(diodes)
     # Half the duration of a block [s]; the truth is taken at its middle.
     half = 0.5 * light.samples / light.sample_rate.si
-    lamp = _build_true_direction(flight, table)
+    lamp = _build_true_direction(flight, motion)
     samples: list[tuple[float, float, float, float]] = []
     amplitudes = []
     for part in flight.iterate_blocks(PHOTODIODES, BLOCKS_PER_READ):
@@ -154,59 +154,61 @@ def evaluate_turn(
             f'for {DIRECTION_COUNT} directions; record a longer turn.'
         )
     direction, by_paper, by_fit, snr = np.array(samples).T
-    return TurntableReadings(direction, by_paper, by_fit, snr, np.array(amplitudes))
+    return TurnReadings(direction, by_paper, by_fit, snr, np.array(amplitudes))
 
 
 def _build_true_direction(
-    flight: RecordedFlight, table: TurntableMotion
+    flight: RecordedFlight, motion: TurnMotion
 ) -> Callable[[float], float]:
     """Return the lamp's direction [rad] by time [s]; NaN while the table moves a step."""
     first = next(iter(flight.iterate_blocks(PHOTODIODES, 1))).time[0]
-    if table.step:
+    if motion.step:
 
         def by_steps(time: float) -> float:
             # Number of completed steps, and the share of the current hold that has passed
-            steps, part = divmod((time - first) / table.hold, 1.0)
+            steps, part = divmod((time - first) / motion.hold, 1.0)
             still = MOVING_SHARE <= part <= 1.0 - MOVING_SHARE
-            return wrap_angle(table.start - steps * table.step) if still else math.nan
+            return wrap_angle(-steps * motion.step) if still else math.nan
 
         return by_steps
-    if table.rate:
+    if motion.rate:
         # The lamp turns the other way than the board.
-        return lambda time: wrap_angle(table.start - table.rate * (time - first))
-    if table.heading not in flight.topics:
-        remedy = 'record it'
-        if table.heading == TRUTH_TOPIC:
-            remedy = (
-                'give --rate in degrees per second, or --step in degrees and --hold in seconds'
-            )
+        return lambda time: wrap_angle(-motion.rate * (time - first))
+    if motion.heading not in flight.topics:
         raise BadInput(
-            f'The recording has no topic {table.heading}, so its turn is unknown; {remedy}.'
+            f'The recording has no topic {motion.heading}, so its turn is unknown; record it, or '
+            'give the motion of a turntable: --rate in degrees per second, or --step in degrees '
+            'and --hold in seconds.'
         )
-    turn = flight[table.heading]
+    turn = flight[motion.heading]
     # Unwrapped, because interpolation across a jump of 2 pi would be wrong
     yaw = np.unwrap(get_column(turn, 'pose.pose.orientation.yaw'))
     return lambda time: wrap_angle(
-        table.start - float(np.interp(time, turn.index, yaw) - np.interp(first, turn.index, yaw))
+        float(np.interp(first, turn.index, yaw) - np.interp(time, turn.index, yaw))
     )
 
 
-def zero_offset(readings: TurntableReadings) -> float:
-    """Return the median error of the fit, which is the error of the table's zero. [rad]"""
+def align_directions(readings: TurnReadings) -> TurnReadings:
+    """Return readings whose directions begin where the nose was: by the median of the fit."""
+    # NaN marks blocks without an estimate; about the mean angle, so that none is half a turn off
     errors = _bearing_errors(readings.ours, readings.direction)
-    # NaN marks blocks without an estimate.
-    return float(np.nanmedian(errors))
+    middle = np.angle(np.nanmean(np.exp(1j * errors)))
+    zero = middle + np.nanmedian(_bearing_errors(errors, middle))
+    return replace(readings, direction=_bearing_errors(readings.direction + zero, 0.0))
 
 
-def summarize_directions(
-    readings: TurntableReadings, place: str, turned: float = 0.0
-) -> tuple[RingStudy, list[int]]:
-    """
-    Return the median errors in each direction, and the number of blocks in each.
+class DirectionErrors(NamedTuple):
+    """Errors of a whole turn, by direction of the lamp."""
 
-    `readings`: readings of a whole turn. `place`: label of the study. `turned`: error of the
-    table's zero, which is subtracted [rad]. Raise `BadInput` if a direction has no block.
-    """
+    # Median error of both estimators in each direction [rad]
+    paper: tuple[float, ...]
+    ours: tuple[float, ...]
+    blocks: list[int]  # blocks in each direction
+    snr: float  # median SNR of the best diode
+
+
+def summarize_directions(readings: TurnReadings) -> DirectionErrors:
+    """Return the errors of a whole turn; raise `BadInput` if a direction has no block."""
     groups = list(group_by_direction(readings.direction))
     missing = [k for k, group in enumerate(groups) if not len(group)]
     if missing:
@@ -217,16 +219,14 @@ def summarize_directions(
         )
     paper, ours = (
         tuple(
-            error_quantile(
-                _bearing_errors(bearings[group], readings.direction[group] + turned), 50.0
-            )
+            error_quantile(_bearing_errors(bearings[group], readings.direction[group]), 50.0)
             for group in groups
         )
         for bearings in (readings.paper, readings.ours)
     )
-    count = readings.amplitude.shape[1]
-    snr = float(np.median(readings.snr))
-    return RingStudy(place, count, paper, ours, snr), [len(group) for group in groups]
+    return DirectionErrors(
+        paper, ours, [len(group) for group in groups], float(np.median(readings.snr))
+    )
 
 
 def group_by_direction(direction: Array) -> Iterator[NDArray[np.intp]]:
@@ -236,9 +236,9 @@ def group_by_direction(direction: Array) -> Iterator[NDArray[np.intp]]:
         yield np.flatnonzero(nearest == k)
 
 
-def _bearing_errors(bearings: Array, truth: Array) -> Array:
+def _bearing_errors(bearings: Array, truth: Array | float) -> Array:
     # Wrapped to [-pi, pi)
-    return (bearings - truth + math.pi) % math.tau - math.pi
+    return np.asarray((bearings - truth + math.pi) % math.tau - math.pi)
 
 
 BEGIN_AT = 1.2  # initial exponent of the fit
@@ -248,7 +248,7 @@ EXPONENT_BOUNDS = (0.1, 20.0)  # as the vehicle file allows
 
 
 @final
-class TurntableResponse(NamedTuple):
+class FittedResponse(NamedTuple):
     """Fitted response with standard deviations."""
 
     # Exponent p
@@ -310,16 +310,16 @@ def build_basis(
 
 
 def fit_response(
-    readings: TurntableReadings, diodes: DiodeArray, zero: float = 0.0, lamp: float = math.inf
-) -> TurntableResponse:
+    readings: TurnReadings, diodes: DiodeArray, lamp: float = math.inf
+) -> FittedResponse:
     """
     Fit the response to the readings of a whole turn.
 
-    `readings`: readings of a whole turn. `zero`: error of the table's zero [rad]. `lamp`: distance
-    of the lamp from the middle of the diodes [m].
+    `readings`: readings of a whole turn. `lamp`: distance of the lamp from the middle of the diodes
+    [m].
     """
     groups = [group for group in group_by_direction(readings.direction) if len(group)]
-    basis = build_basis(readings.direction + zero, groups, diodes, lamp)
+    basis = build_basis(readings.direction, groups, diodes, lamp)
     # The median ignores single disturbed blocks.
     amplitude = np.stack([np.median(readings.amplitude[group], axis=0) for group in groups])
     best = _fit_parameters(basis, amplitude)
@@ -332,7 +332,7 @@ def fit_response(
     deviation = np.sqrt((count - 1) / count * np.sum(about * about, axis=0))
     exponent, strength, pedestal = best[:3]
     left = _predict_amplitude(best, basis) - amplitude
-    return TurntableResponse(
+    return FittedResponse(
         float(exponent), float(deviation[0]), tuple(best[SHARED_PARAMETERS:].tolist()),
         tuple(deviation[SHARED_PARAMETERS:].tolist()), float(strength), float(pedestal / strength),
         float(math.sqrt(np.mean(left * left)) / strength),

@@ -1,22 +1,16 @@
-"""Build the report on a real light board on a turntable."""
+"""Build the report of a turn, from which response and gains are calibrated."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 import math
-from typing import Any, Final
+from typing import Final
 
 from lta_report.charts import ChartAxis, Curve, draw_curves, draw_polar
 from lta_report.formatting import Tile
 from lta_report.palette import ESTIMATE, SETPOINT, TIME, TRUTH
 from lta_report.report import Grid, Picture, Report, TextSection, TextTable
 from lta_studies.light.bearing.report import format_degrees
-from lta_studies.light.bearing.study import (
-    build_ring_table,
-    DIRECTION_COUNT,
-    format_median_errors,
-    median_error,
-    RingStudy,
-)
-from lta_studies.light.turntable.turntable import TurntableReadings, TurntableResponse
+from lta_studies.light.bearing.study import median_error
+from lta_studies.light.turn.readings import DirectionErrors, FittedResponse, TurnReadings
 from lta_vlc.diodes import DiodeArray
 import numpy as np
 from plotly.graph_objects import Figure
@@ -31,78 +25,29 @@ DIODE_CAPTION: Final = (
     'strength of the lamp. The line is the fitted response; its exponent goes into the '
     'vehicle file.'
 )
-TURNTABLE_METHOD: Final = (
-    'A real light board on a turntable. The true direction is the angle of the table, which '
-    'is zero where the nose points at the lamp. An error of this zero is the same in all '
-    'directions and is reported separately. Each reading is one block of ADC samples (100 '
-    'ms). Response and gains are fitted over all directions; their deviations are jackknife '
-    'estimates.'
-)
 TURN_METHOD: Final = (
-    'A drone turns in place in front of a lamp. The direction of the lamp is the heading of the '
-    'drone, by its odometry, plus a constant that is the median of the fit. Exponent, gains and '
-    'diffuse light are fitted over all directions. Their deviations are jackknife estimates over '
-    '16 directions. The gains are relative to their mean; what remains unknown of each is its '
-    'deviation, which becomes the new gain_spread.'
+    'A light board turns in front of a lamp. The direction of the lamp is the heading by the '
+    'odometry, or the angle of the turntable, plus a constant that is the median of the fit: an '
+    'error that is the same in all directions is not seen. Each reading is one block of ADC '
+    'samples (100 ms). Exponent, gains and diffuse light are fitted over all directions. Their '
+    'deviations are jackknife estimates over 16 directions. The gains are relative to their mean; '
+    'what remains unknown of each is its deviation, which becomes the new gain_spread.'
 )
 RESPONSE_POINTS: Final = 91  # of the fitted curve, every 2 degrees
 
 
 def build_report(
-    study: RingStudy,
-    readings: TurntableReadings,
-    response: TurntableResponse,
-    diodes: DiodeArray,
-    data: Mapping[str, Any],
-    *,
-    facts: Mapping[str, str],
-    closing: Sequence[str],
-) -> Report:
-    """
-    Return the report of a turn.
-
-    `data`: further content of the JSON file. `facts`: origin of the recording. `closing`: last
-    lines on the terminal.
-    """
-    return Report(
-        command='hardware light',
-        subject='light board on a turntable',
-        headline=f'On the turntable, {format_median_errors(study)}.',
-        introduction=f'{study.count} diodes, {DIRECTION_COUNT} directions, '
-        f'{len(readings.direction)} '
-        'blocks of ADC samples.',
-        tiles=build_tiles(study, response),
-        blocks=(
-            Grid((
-                Picture('polar', 'Error by direction', POLAR, draw_polar({
-                    'paper': (study.paper, ESTIMATE), 'fit': (study.ours, TRUTH),
-                })),
-                Picture(
-                    'curve', 'Angular response of a diode', DIODE_CAPTION,
-                    plot_response(readings, response, diodes),
-                ),
-            )),
-            build_ring_table([study]),
-            build_gain_table(response),
-            TextSection('Method', (TURNTABLE_METHOD,)),
-        ),
-        data={**study.to_json(), **data, 'response': response._asdict()},
-        facts=facts,
-        closing=closing,
-        json_name='turntable.json',
-    )  # fmt: skip
-
-
-def build_calibration_report(
-    study: RingStudy,
-    readings: TurntableReadings,
-    response: TurntableResponse,
+    errors: DirectionErrors,
+    readings: TurnReadings,
+    response: FittedResponse,
     diodes: DiodeArray,
     facts: Mapping[str, str],
 ) -> Report:
-    """Return the report of a turn in flight, from which response and gains are calibrated."""
+    """Return the report of a turn; `facts` is the origin of the recording."""
     source = f'measured: turn of {facts["bag"]}'
     entries = format_entries(response, source)
+    lines = [f'    {name}: {value}' for name, value in entries.items()]
+    count = readings.amplitude.shape[1]
     return Report(
         command='light calibrate',
         subject=facts['vehicle'],
@@ -110,13 +55,18 @@ def build_calibration_report(
         f'(\N{PLUS-MINUS SIGN} {response.exponent_deviation:.1g}), and their gains differ by '
         f'{1e2 * response.gain_spread:.1f} % (each \N{PLUS-MINUS SIGN} '
         f'{1e2 * response.gain_uncertainty:.1g} %).',
-        introduction=f'{study.count} diodes, {len(readings.direction)} blocks of ADC samples.',
-        tiles=build_tiles(study, response),
+        introduction=f'{count} diodes, {len(readings.direction)} blocks of ADC samples.',
+        tiles=build_tiles(errors, response),
         blocks=(
-            Picture(
-                'curve', 'Angular response of a diode', DIODE_CAPTION,
-                plot_response(readings, response, diodes),
-            ),
+            Grid((
+                Picture('polar', 'Error by direction', POLAR, draw_polar({
+                    'paper': (errors.paper, ESTIMATE), 'fit': (errors.ours, TRUTH),
+                })),
+                Picture(
+                    'curve', 'Angular response of a diode', DIODE_CAPTION,
+                    plot_response(readings, response, diodes),
+                ),
+            )),
             build_gain_table(response),
             TextTable(
                 'Entries for the vehicle file, below sensors.diodes', ('entry', 'value'),
@@ -124,13 +74,17 @@ def build_calibration_report(
             ),
             TextSection('Method', (TURN_METHOD,)),
         ),
-        data={**study.to_json(), 'response': response._asdict(), 'entries': entries},
+        data={
+            'diodes': count, **errors._asdict(), 'response': response._asdict(),
+            'entries': entries,
+        },
         facts=facts,
-        closing=format_vehicle_lines(response, source),
+        # Lines to paste into the vehicle file
+        closing=('Put these lines below sensors.diodes in the vehicle file:', *lines),
     )  # fmt: skip
 
 
-def format_entries(response: TurntableResponse, source: str) -> dict[str, str]:
+def format_entries(response: FittedResponse, source: str) -> dict[str, str]:
     """Return the measured entries of `sensors.diodes` as YAML, by name."""
     gains = ', '.join(f'{gain:.4f}' for gain in response.gains)
     values = {
@@ -142,14 +96,7 @@ def format_entries(response: TurntableResponse, source: str) -> dict[str, str]:
     return {name: f'{{value: {text}, source: "{source}"}}' for name, text in values.items()}
 
 
-def format_vehicle_lines(response: TurntableResponse, source: str) -> list[str]:
-    """Return the measured entries as lines to paste into the vehicle file."""
-    entries = format_entries(response, source)
-    lines = [f'    {name}: {value}' for name, value in entries.items()]
-    return ['Put these lines below sensors.diodes in the vehicle file:', *lines]
-
-
-def build_gain_table(response: TurntableResponse) -> TextTable:
+def build_gain_table(response: FittedResponse) -> TextTable:
     """Return the table of diode gains."""
     rows = [
         [str(k), f'{gain:.3f}', f'{deviation:.3f}']
@@ -160,14 +107,14 @@ def build_gain_table(response: TurntableResponse) -> TextTable:
     return TextTable('Gains', ('diode', 'gain', 'standard deviation'), rows)
 
 
-def build_tiles(study: RingStudy, response: TurntableResponse) -> list[Tile]:
+def build_tiles(errors: DirectionErrors, response: FittedResponse) -> list[Tile]:
     """Return the tiles with the key figures."""
     return [
-        Tile('fit', format_degrees(median_error(study.ours)), '°', f'worst '
-        f'{format_degrees(max(study.ours))}°'),
-        Tile('paper', format_degrees(median_error(study.paper)), '°', f'worst '
-        f'{format_degrees(max(study.paper))}°'),
-        Tile('SNR', f'{study.snr:.0f}', '', 'of the best diode, median'),
+        Tile('fit', format_degrees(median_error(errors.ours)), '°', f'worst '
+        f'{format_degrees(max(errors.ours))}°'),
+        Tile('paper', format_degrees(median_error(errors.paper)), '°', f'worst '
+        f'{format_degrees(max(errors.paper))}°'),
+        Tile('SNR', f'{errors.snr:.0f}', '', 'of the best diode, median'),
         Tile('exponent', f'{response.exponent:.2f}', '',
              f'of the cosine response, \N{PLUS-MINUS SIGN} {response.exponent_deviation:.1g}'),
         Tile('gains', f'{1e2 * response.gain_spread:.1f}', '%', 'spread among the diodes'),
@@ -177,7 +124,7 @@ def build_tiles(study: RingStudy, response: TurntableResponse) -> list[Tile]:
 
 
 def plot_response(
-    readings: TurntableReadings, response: TurntableResponse, diodes: DiodeArray
+    readings: TurnReadings, response: FittedResponse, diodes: DiodeArray
 ) -> Figure:
     """Plot the reading of each diode against the angle between its axis and the lamp."""
     axes = np.array(diodes.axes)

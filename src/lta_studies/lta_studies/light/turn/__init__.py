@@ -1,0 +1,1 @@
+"""Calibrate the photodiodes of a real light board by a turn in front of a lamp."""
