@@ -60,8 +60,8 @@ def _describe_misfit(text: str) -> str:
     return f'cannot evaluate "{text}"; use only numbers, pi, + - * / ** and brackets'
 
 
-# A printed number, our reading of words, a LaTeX comment, or planned future work
-Source = Literal['printed', 'read', 'comment', 'future']
+# A printed number, our reading of words, or a LaTeX comment
+Source = Literal['printed', 'read', 'comment']
 
 
 class PaperMeasure(StrictModel):
@@ -136,14 +136,6 @@ class PaperClaim(StrictModel):
 
     @model_validator(mode='after')
     def _check_tested(self) -> Self:
-        # The paper claims nothing yet, so there is nothing to agree with
-        if self.source == 'future':
-            if self.measure is None or self.rule is not None:
-                raise ValueError(
-                    'has "source: future", so there is no claimed value to compare with; add '
-                    '"measure", and remove "rule"'
-                )
-            return self
         if (self.measure is None) != (self.rule is None):
             raise ValueError('has only one of "measure" and "rule"; give both or neither')
         if (self.measure is None) != bool(self.untested):

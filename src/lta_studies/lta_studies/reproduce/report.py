@@ -36,15 +36,13 @@ CLAIM_HEADS: Final = (
     'the paper says', 'where', 'printed', 'agrees if', 'here', 'seeds', 'drawn', 'verdict',
 )  # fmt: skip
 COLORS: Final[Mapping[str, CellColor]] = {
-    ClaimVerdict.AGREES: 'good', ClaimVerdict.BEYOND: 'good', ClaimVerdict.DIFFERS: 'bad',
+    ClaimVerdict.AGREES: 'good', ClaimVerdict.DIFFERS: 'bad',
     ClaimVerdict.UNTESTED: 'soft', ClaimVerdict.LEFT_OUT: 'soft', ClaimVerdict.READING: 'soft',
     ClaimVerdict.CHANCE: 'soft', ClaimVerdict.NUMBERS: 'soft',
     ClaimVerdict.CONSTRUCTION: 'soft', ClaimVerdict.VACUOUS: 'soft',
 }  # fmt: skip
 # Remark after the place of a claim, by the source of its number
-SOURCES: Final = {
-    'printed': '', 'read': ' (read from text)', 'comment': ' (LaTeX comment)', 'future': '',
-}  # fmt: skip
+SOURCES: Final = {'printed': '', 'read': ' (read from text)', 'comment': ' (LaTeX comment)'}
 OPEN: Final = (ClaimVerdict.READING, ClaimVerdict.CHANCE, ClaimVerdict.NUMBERS)
 IMAGES: Final = 'images/paper'  # written by --pictures docs/images/paper
 REPRODUCTION_ABOUT: Final = (
@@ -133,8 +131,7 @@ def count_all_verdicts(
 def format_headline(rows: Sequence[PaperRow], stored_rows: StoredRows) -> str:
     """Return the headline with the counts of the verdicts."""
     counts = count_all_verdicts(rows, stored_rows)
-    # Results beyond the paper are not claims of the paper.
-    count = sum(counts.values()) - counts[ClaimVerdict.BEYOND]
+    count = sum(counts.values())
     agreeing = sum(
         counts[each]
         for each in (ClaimVerdict.AGREES, ClaimVerdict.CONSTRUCTION, ClaimVerdict.VACUOUS)
@@ -165,12 +162,9 @@ def is_undrawn(row: PaperRow, stored: StoredRow) -> bool:
 def build_tiles(rows: Sequence[PaperRow], stored_rows: StoredRows) -> list[Tile]:
     """Return a tile for each verdict, and one for the defects."""
     counts = count_all_verdicts(rows, stored_rows)
-    claims = f'of {sum(counts.values()) - counts[ClaimVerdict.BEYOND]} claims'
-    notes = {ClaimVerdict.BEYOND: 'future work of the paper'}
+    claims = f'of {sum(counts.values())} claims'
     tiles = [
-        Tile(str(verdict), str(count), '', notes.get(verdict, claims))
-        for verdict, count in counts.items()
-        if count
+        Tile(str(verdict), str(count), '', claims) for verdict, count in counts.items() if count
     ]
     count = sum(len(row.defects) for row in rows)
     return [*tiles, Tile('defects of the paper', str(count), '', 'with their arithmetic below')]

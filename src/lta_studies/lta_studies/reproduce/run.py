@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-import shutil
 import time
 from typing import Final, final
 
@@ -16,7 +15,6 @@ from lta_report.study_store import StoreFormat
 from lta_studies.reproduce.sources import hash_sources
 from lta_studies.reproduce.studies import (
     beavis,
-    beyond,
     cells,
     closed_loop,
     energy,
@@ -50,11 +48,9 @@ STUDIES: Final[dict[str, RowStudy]] = {
     'indoors': indoors.run_study,
     'outdoors': outdoors.run_study,
     'energy': energy.run_study,
-    'beyond': beyond.run_study,
 }
 
 
-PARTS_FOLDER: Final = 'parts'  # folder of what the studies of rows store
 ROW_STORE: Final = StoreFormat('rows.jsonl', 'paper', 'reproduction', TypeAdapter(StoredRow))
 
 
@@ -157,15 +153,13 @@ def compute_row_key(row: PaperRow, quick: bool) -> str:
     return row.name + ' ' + hash_row(row, seed_count(row, quick), quick, hash_sources(row.name))
 
 
-def study_row(quick: bool, folder: Path, draws: int | None, name: str) -> StoredRow:
+def study_row(quick: bool, draws: int | None, name: str) -> StoredRow:
     """Study one row; raise `BadInput` if its measures differ from those of its file."""
     row = load_row(name, draws)
     begun = time.monotonic()
     seeds = seed_count(row, quick)
-    parts = folder / PARTS_FOLDER / name
-    shutil.rmtree(parts, ignore_errors=True)  # stored by an older version of the code
     count = row.draws.quick if quick else row.draws.full
-    result = STUDIES[name](RowStudyRequest(seeds, quick, parts, count, row.ranges))
+    result = STUDIES[name](RowStudyRequest(seeds, quick, count, row.ranges))
     undeclared = result.values.keys() - row.measures.keys()
     lacking = row.measures.keys() - result.values.keys()
     # --quick may leave out measures, but no study may add undeclared ones.
@@ -192,7 +186,7 @@ def reproduce_rows(
     }
     names = list(keys)
     study = Study(
-        partial(study_row, order.quick, run.folder, order.draws), keys.__getitem__, ROW_STORE,
+        partial(study_row, order.quick, order.draws), keys.__getitem__, ROW_STORE,
         'rows', lambda name, row: f'{name}: {row.seconds:.0f} s',
     )  # fmt: skip
     # The keys contain the hash of everything that determines a row.

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 import hashlib
 import json
 import math
-from pathlib import Path
 from typing import Any, Final, final, NamedTuple
 
 from lta_config.files import find_file, load_yaml
@@ -116,7 +115,6 @@ class RowStudyRequest:
 
     seeds: int  # number of flights or draws of each kind
     quick: bool  # whether to leave out the long parts
-    folder: Path  # folder for what the row stores
     draws: int = 0  # number of draws
     ranges: Mapping[str, SceneRange] = field(default_factory=dict)  # ranges of the scene, by path
 

@@ -56,17 +56,13 @@ class ClaimVerdict(StrEnum):
     UNTESTED = 'cannot be tested'
     CONSTRUCTION = 'agrees by construction'
     VACUOUS = 'agrees, but says nothing'
-    BEYOND = 'beyond the paper'
     LEFT_OUT = 'not measured in this run'
 
 
 def judge_claim(name: str, claim: PaperClaim, stored: StoredRow) -> ClaimVerdict:
     """Return the verdict on a claim of a stored row."""
-    # Without a measure nothing was measured; without a rule the paper made no claim.
     if claim.measure is None:
         return ClaimVerdict.UNTESTED
-    if claim.rule is None:
-        return ClaimVerdict.BEYOND
     if claim.measure not in stored.values:
         return ClaimVerdict.LEFT_OUT
     # --quick may leave out readings; its verdicts are preliminary

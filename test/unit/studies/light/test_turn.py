@@ -37,9 +37,7 @@ def readings_of(exponent, noise=0.0, blocks=4):
     amplitude = 900.0 * GAINS * (cosine**exponent + 0.08)
     amplitude += noise * np.random.default_rng(1).normal(size=amplitude.shape)
     nothing = np.zeros(len(direction))
-    return TurnReadings(
-        direction, direction + 0.01, direction - 0.02, nothing, amplitude
-    ), ring
+    return TurnReadings(direction, direction + 0.01, direction - 0.02, nothing, amplitude), ring
 
 
 @pytest.mark.parametrize('exponent', [1.0, 1.35])
@@ -79,9 +77,7 @@ def test_where_the_nose_was_at_first_does_not_matter(start):
 def test_half_a_turn_is_refused_by_the_directions_it_lacks():
     readings, _ = readings_of(1.0)
     some = readings.direction < math.pi
-    half = TurnReadings(
-        *(getattr(readings, name)[some] for name in TurnReadings.__slots__)
-    )
+    half = TurnReadings(*(getattr(readings, name)[some] for name in TurnReadings.__slots__))
     with pytest.raises(BadInput, match=r'at a bearing of 180, 202\.5'):
         summarize_directions(half)
 

@@ -7,7 +7,7 @@ from lta_report.study import StudyOptions
 from lta_studies.reproduce import run
 from lta_studies.reproduce.run import reproduce_rows, ReproductionRequest, select_rows
 from lta_studies.reproduce.sources import hash_sources, iterate_sources, trace_imports
-from lta_studies.reproduce.study_result import MeasuredValue, RowStudyResult
+from lta_studies.reproduce.study_result import RowStudyResult
 import pytest
 from rich.console import Console
 
@@ -105,16 +105,3 @@ def test_what_was_studied_before_a_fault_is_kept_and_the_rest_goes_on(
     monkeypatch.setitem(run.STUDIES, 'cells', good)
     assert set(shown(tmp_path, terminal=False)[1]) == set(NAMES)
     assert studied == ['forces', 'cells']
-
-
-def test_what_an_older_version_stored_is_taken_away(tmp_path, monkeypatch):
-    old = tmp_path / run.PARTS_FOLDER / 'cells' / 'climb'
-    old.mkdir(parents=True)
-
-    def study(asked):
-        assert not asked.folder.exists()
-        return RowStudyResult({'sheet_factor': MeasuredValue(2.0)}, [])
-
-    monkeypatch.setitem(run.STUDIES, 'cells', study)
-    run.study_row(True, tmp_path, None, 'cells')
-    assert not old.exists()

@@ -285,26 +285,6 @@ def test_every_row_has_a_study_and_every_study_a_row():
     assert set(STUDIES) == set(list_shipped_names('paper'))
 
 
-def test_what_the_paper_leaves_for_later_is_no_claim_of_it():
-    later = {'says': 'Wind.', 'where': 'x', 'source': 'future', 'measure': 'path'}
-    row = validate_content(
-        PaperRow, {**CONTENT, 'claims': {**CONTENT['claims'], 'later': later}}, 'row'
-    )
-    assert judge_claim('later', row.claims['later'], stored(path=1.0)) is ClaimVerdict.BEYOND
-    assert judge_claim('later', row.claims['later'], stored()) is ClaimVerdict.BEYOND
-    found = {
-        'row': study_result.StoredRow(
-            {'path': MeasuredValue(7.0), 'first': MeasuredValue('BAG')}, [], [], 1, 0.0
-        )
-    }
-    assert format_headline([row], found).startswith(
-        "Of the paper's 3 claims, 2 agree (0 by construction, 0 where anything would), 0 differ, "
-    )
-    later = {**later, 'rule': {'least': '7 m'}}
-    with pytest.raises(BadInput, match='future'):
-        validate_content(PaperRow, {**CONTENT, 'claims': {'later': later}}, 'row')
-
-
 def test_nothing_is_told_of_a_measure_that_was_left_out():
     assert list_claim_findings(ROW, stored(first='BAG')) == ['*A pressure.* No wind tunnel.']
 

@@ -66,8 +66,8 @@ class TurnMotion(NamedTuple):
 class TurnReadings:
     """Results of the light blocks of a turn."""
 
-    # True direction of the lamp, counter-clockwise from the nose, but for the same unknown angle in
-    # all blocks, shape (n,) [rad]
+    # True direction of the lamp, counter-clockwise from the nose, but for an unknown angle that is
+    # the same in all blocks, shape (n,) [rad]
     direction: Array
     # Bearings by both estimators; NaN without an estimate, shape (n,) [rad]
     paper: Array
@@ -157,9 +157,7 @@ def evaluate_turn(
     return TurnReadings(direction, by_paper, by_fit, snr, np.array(amplitudes))
 
 
-def _build_true_direction(
-    flight: RecordedFlight, motion: TurnMotion
-) -> Callable[[float], float]:
+def _build_true_direction(flight: RecordedFlight, motion: TurnMotion) -> Callable[[float], float]:
     """Return the lamp's direction [rad] by time [s]; NaN while the table moves a step."""
     first = next(iter(flight.iterate_blocks(PHOTODIODES, 1))).time[0]
     if motion.step:
@@ -315,8 +313,8 @@ def fit_response(
     """
     Fit the response to the readings of a whole turn.
 
-    `readings`: readings of a whole turn. `lamp`: distance of the lamp from the middle of the diodes
-    [m].
+    `readings`: readings of a whole turn. `lamp`: distance of the lamp from the middle of the
+    diodes [m].
     """
     groups = [group for group in group_by_direction(readings.direction) if len(group)]
     basis = build_basis(readings.direction, groups, diodes, lamp)

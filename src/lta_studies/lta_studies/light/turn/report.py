@@ -123,9 +123,7 @@ def build_tiles(errors: DirectionErrors, response: FittedResponse) -> list[Tile]
     ]  # fmt: skip
 
 
-def plot_response(
-    readings: TurnReadings, response: FittedResponse, diodes: DiodeArray
-) -> Figure:
+def plot_response(readings: TurnReadings, response: FittedResponse, diodes: DiodeArray) -> Figure:
     """Plot the reading of each diode against the angle between its axis and the lamp."""
     axes = np.array(diodes.axes)
     azimuth = np.arctan2(axes[:, 1], axes[:, 0])
