@@ -290,24 +290,19 @@ class VehicleDifferenceRequest(Action, command='vehicle diff', json=True):
     """
     Compare two vehicles: the differences of their files and of the derived quantities.
 
-    --set and --swap try a change without a file: --set 'trim.heaviness=4 g', or --swap
-    harvesting=my_blimp.yaml to use a layer of another file.
+    --set tries a change without a file: --set 'trim.heaviness=4 g'.
 
     Example: lta vehicle diff gtmab --set 'layers.propulsion_and_control.battery.mass=14 g'
     """
 
     name: str = VEHICLE_NAME
     other: str | None = argument(
-        'Vehicle to compare with; by default the first, changed by --set or --swap.', default=None,
+        'Vehicle to compare with; by default the first, changed by --set.', default=None,
         metavar='[OTHER]',
     )  # fmt: skip
     changes: tuple[str, ...] = option(
         'Override a parameter of the second vehicle; repeatable.', default=(), name='set',
         metavar='PATH=VALUE',
-    )  # fmt: skip
-    swaps: tuple[str, ...] = option(
-        'Replace a layer of the second vehicle with that of another vehicle; repeatable.',
-        default=(), name='swap', metavar='LAYER=VEHICLE',
     )  # fmt: skip
 
     def run(self, console: Console) -> Outcome[Any]:
@@ -315,15 +310,13 @@ class VehicleDifferenceRequest(Action, command='vehicle diff', json=True):
         from lta_vehicle.difference import compare_vehicles, load_vehicle_variant
         from lta_vehicle.views.sheet_summary import encode_difference, show_difference
 
-        if self.other is None and not (self.changes or self.swaps):
-            raise BadInput(
-                'There is nothing to compare with; give a second vehicle, --set or --swap.'
-            )
+        if self.other is None and not self.changes:
+            raise BadInput('There is nothing to compare with; give a second vehicle or --set.')
         # Without a second vehicle, compare the first with its changed self
         second = self.other or self.name
-        variant = load_vehicle_variant(second, self.changes, self.swaps)
+        variant = load_vehicle_variant(second, self.changes)
         difference = compare_vehicles(load_vehicle(self.name), variant)
-        label = f'{second} changed' if self.changes or self.swaps else second
+        label = f'{second} changed' if self.changes else second
         show_difference(difference, (self.name, label), console)
         return Outcome(encode_difference(difference))
 

@@ -3,9 +3,9 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 import math
-from typing import Any, final
+from typing import final
 
-from lta_config.errors import BadInput, unknown_name_error
+from lta_config.errors import BadInput
 from lta_config.files import find_file, load_yaml, validate_content
 from lta_config.parameter_override import parse_assignment, replace_parameter
 from lta_config.schema.vehicle_file import VehicleFile
@@ -115,62 +115,26 @@ class VehicleDifference:
         return [*self.stale_source_notes, *self.stale_aero_notes]
 
 
-def load_vehicle_variant(
-    name: str, sets: Sequence[str] = (), swaps: Sequence[str] = ()
-) -> Vehicle:
+def load_vehicle_variant(name: str, sets: Sequence[str] = ()) -> Vehicle:
     """
-    Load a vehicle, optionally with replaced numbers or layers.
+    Load a vehicle, optionally with replaced numbers.
 
     `name`: vehicle name or file. `sets`: PATH=VALUE as in `lta simulate --set`; the prefix
-    'vehicle.' is optional. `swaps`: LAYER=VEHICLE: take the layer of that name from another
-    vehicle file. Raise `BadInput` if a file cannot be read, or a path or layer does not exist.
+    'vehicle.' is optional. Raise `BadInput` if the file cannot be read, or a path does not exist.
     """
     # Work on the YAML content, so that replaced values pass the same validation as a file
     path = find_file('vehicle', name)
     content = load_yaml(path)
-    where = str(path)
-    if sets or swaps:
-        content = require_mapping(content, where)
-    for swap in swaps:
-        content = _replace_layer(content, swap, where)
     for text in sets:
         place, value = parse_assignment(text)
         content = replace_parameter(content, place.removeprefix(VEHICLE_PREFIX), value, 'vehicle')
-    if changed := ', '.join([*swaps, *sets]):
-        where += f' with {changed}'
+    where = f'{path} with {", ".join(sets)}' if sets else str(path)
     try:
         return Vehicle(validate_content(VehicleFile, content, where))
     except BadInput as error:
         text = str(error)
         # Errors of `Vehicle` itself do not name the file
         raise BadInput(text if text.startswith(where) else f'{where}: {text}') from None
-
-
-def require_mapping(content: Any, where: str) -> dict[str, Any]:  # noqa: ANN401 - as YAML has it
-    """Return a file's content; raise `BadInput` if it is not a mapping."""
-    if not isinstance(content, dict):
-        raise BadInput(
-            f'{where} is not a YAML mapping (key: value); compare it with a shipped file.'
-        )
-    return content
-
-
-def _replace_layer(content: dict[str, Any], swap: str, where: str) -> dict[str, Any]:
-    """Return the content with one layer taken from another file."""
-    layer, mark, donor = swap.partition('=')
-    if not mark or not layer or not donor:
-        raise BadInput(
-            f"Invalid layer swap '{swap}'; write LAYER=VEHICLE, as in 'harvesting=my_blimp.yaml'."
-        )
-    path = find_file('vehicle', donor)
-    donor_layers = require_mapping(load_yaml(path), str(path)).get('layers')
-    own = content.get('layers')
-    # Check both files first, so that the error names the one that lacks the layer
-    for layers, of in ((own, where), (donor_layers, str(path))):
-        if not isinstance(layers, Mapping) or layer not in layers:
-            names = [str(key) for key in layers] if isinstance(layers, Mapping) else []
-            raise unknown_name_error(f'layer of {of}', layer, names)
-    return {**content, 'layers': {**own, layer: donor_layers[layer]}}  # type: ignore[dict-item, index]
 
 
 def compare_vehicles(before: Vehicle, after: Vehicle) -> VehicleDifference:

@@ -44,15 +44,6 @@ def test_a_heavier_vehicle_hovers_harder(gtmab):
     assert shift['level_speed'] > 0.0  # its nose rises later
 
 
-def test_a_layer_is_taken_from_another_file(gtmab, tmp_path):
-    text = find_file('vehicle', 'gtmab').read_text('utf-8').replace('value: 61.1', 'value: 41.1')
-    (tmp_path / 'light.yaml').write_text(text)
-    swapped = load_vehicle_variant('gtmab', swaps=[f'sensors={tmp_path / "light.yaml"}'])
-    found = compare_vehicles(gtmab, swapped)
-    assert [change.place for change in found.changes] == ['layers.sensors.light_board.mass']
-    assert shifts(found)['ballast'] == pytest.approx(20.0)
-
-
 def test_the_same_in_other_units_is_no_difference(tmp_path):
     text = find_file('vehicle', 'gtmab').read_text('utf-8')
     text = text.replace('value: 116.8, unit: g', 'value: 0.1168, unit: kg')

@@ -116,13 +116,12 @@ def test_numbers_copied_from_another_vehicle_are_reported(call, tmp_path):
     assert not any('are those of' in line for line in found['warnings'])
 
 
-def test_show_prints_words_picture_and_sources(call):
+def test_show_prints_words_and_sources(call):
     status, said = call('show', 'gtmab', '--sources')
     assert status == 0
     assert 'gtmab weighs 415.3 g' in said.out
     assert 'layers.propulsion_and_control.battery.mass' in said.out
     assert 'seed paper, 1S 250 mAh' in said.out
-    assert any('\u2801' <= letter <= '\u28ff' for letter in said.out)
 
 
 def test_show_gives_numbers_to_scripts(call):

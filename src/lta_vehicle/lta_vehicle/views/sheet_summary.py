@@ -8,9 +8,7 @@ from lta_report.report_terminal import print_report, print_table
 from lta_vehicle.difference import FigureChange, VehicleDifference
 from lta_vehicle.figures.figure import DerivedFigure, MISSING_FIGURE
 from lta_vehicle.figures.sheet import VehicleFileEntry, VehicleSheet
-from lta_vehicle.views.side_view import draw_side_view
 from rich.console import Console
-from rich.table import Table
 from rich.text import Text
 
 MINUS = '\N{MINUS SIGN}'
@@ -127,23 +125,11 @@ def _describe_helium(sheet: VehicleSheet) -> Iterator[str]:
 
 
 GUESS = 'yellow'
-PICTURE_WIDTH = 46  # characters
 
 
 def show_sheet(sheet: VehicleSheet, report: Report, console: Console) -> None:
-    """Print a drawing of a vehicle beside its description, then the tables of its report."""
-    picture = draw_side_view(sheet, PICTURE_WIDTH)
-    words = Text('\n'.join(f'• {line}' for line in describe_vehicle(sheet)))
-    # The sentences need about 44 characters beside the picture; otherwise put them below
-    if console.width >= PICTURE_WIDTH + 44:
-        table = Table.grid(padding=(0, 3))
-        table.add_column(no_wrap=True, width=PICTURE_WIDTH)
-        table.add_column()
-        table.add_row(picture, words)
-        console.print(table)
-    else:
-        console.print(picture)
-        console.print(words)
+    """Print the description of a vehicle, then the tables of its report."""
+    console.print(Text('\n'.join(f'• {line}' for line in describe_vehicle(sheet))))
     console.print()
     print_report(report, console)
 
