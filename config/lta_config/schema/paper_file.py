@@ -168,14 +168,6 @@ class PaperDefect(StrictModel):
         return self.follows.format(*map(evaluate_expression, self.sums))
 
 
-class PaperSeries(StrictModel):
-    """A figure of the paper as an input for discovery."""
-
-    figure: str
-    printed: str  # which of its data are printed as numbers
-    said: str  # what follows from these numbers, or why nothing does
-
-
 class SeedCounts(StrictModel):
     """Numbers of seeds of a quick and of a full run."""
 
@@ -220,7 +212,6 @@ class PaperRow(StrictModel):
     measures: Annotated[Mapping[Name, PaperMeasure], Field(min_length=1)]
     claims: Annotated[Mapping[Name, PaperClaim], Field(min_length=1)]
     defects: Mapping[Name, PaperDefect] = Field(default_factory=dict)
-    series: Mapping[Name, PaperSeries] = Field(default_factory=dict)
 
     @model_validator(mode='after')
     def _check_claims(self) -> Self:
@@ -233,8 +224,6 @@ class PaperRow(StrictModel):
                     self._check_names(name, f'{{{measure}}}')
             for measure in claim.measures.values() if claim.rule else ():
                 self._check_units(name, self.measures[measure], claim)
-        for name, each in self.series.items():
-            self._check_names(name, each.said)
         for name, defect in self.defects.items():
             try:
                 _ = defect.arithmetic

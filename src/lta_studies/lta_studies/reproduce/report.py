@@ -77,13 +77,6 @@ UNDRAWN: Final = (
     '**These measures are of a run without draws, and in part of older code: the verdicts of this '
     'row are preliminary. `./lta reproduce` measures it again.**'
 )
-DISCOVERY_ABOUT: Final = (
-    'Discovery (`lta discover`) finds a missing effect from the commands and the motion of '
-    'recorded flights. The paper shows its curves only as pictures and does not publish '
-    'their data, so only the printed numbers remain. A cause is fitted to some of these '
-    'numbers and tested on the others, as discovery does with flights. A cause that '
-    'explains only one number is marked as a guess.'
-)
 
 
 def build_report(rows: Sequence[PaperRow], stored_rows: StoredRows) -> Report:
@@ -98,13 +91,6 @@ def build_report(rows: Sequence[PaperRow], stored_rows: StoredRows) -> Report:
             build_summary_table(rows, stored_rows),
             TextSection('How claims are judged', (JUDGING_METHOD, KNOWN_BEFORE)),
             *(block for row in rows for block in iterate_row_blocks(row, stored_rows[row.name])),
-            ReportSection(
-                "What discovery concludes from the paper's figures",
-                (
-                    TextSection('', (DISCOVERY_ABOUT,), marked=True),
-                    build_paper_figure_table(rows, stored_rows),
-                ),
-            ),
             build_defect_table(rows),
             TextTable(
                 'Deviations from the shared vehicle, gains, lamp and room',
@@ -262,21 +248,6 @@ def fill_measures_or_blank(text: str, row: PaperRow, stored: StoredRow) -> str:
     """Fill in the measures of a text; '' if --quick left one out."""
     has_values = find_measure_names(text) <= stored.values.keys()
     return fill_measures(text, row, stored.values) if has_values else ''
-
-
-def build_paper_figure_table(rows: Sequence[PaperRow], stored_rows: StoredRows) -> TextTable:
-    """Return one table row per figure of the paper: its printed numbers and the conclusion."""
-    lines = [
-        [
-            str(row.number),
-            each.figure,
-            each.printed,
-            fill_measures_or_blank(each.said, row, stored_rows[row.name]) or MISSING,
-        ]
-        for row in rows
-        for each in row.series.values()
-    ]
-    return TextTable('', ('row', 'figure', 'printed numbers', 'conclusion'), lines, printed=False)
 
 
 def build_defect_table(rows: Sequence[PaperRow]) -> TextTable:

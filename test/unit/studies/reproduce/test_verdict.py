@@ -12,13 +12,11 @@ from lta_report.study_store import StudyStore
 from lta_studies.reproduce import study_result
 from lta_studies.reproduce.report import (
     build_claim_table,
-    build_paper_figure_table,
     format_headline,
     list_claim_findings,
     to_json,
 )
 from lta_studies.reproduce.run import ROW_STORE, STUDIES
-from lta_studies.reproduce.studies.indoors import PRINTED_FLIGHTS, rms_misfit
 from lta_studies.reproduce.study_result import (
     DrawSummary,
     is_satisfied,
@@ -302,28 +300,6 @@ def test_figures_come_back_from_their_file():
     assert (again.seeds, again.seconds) == (3, 2.0)
     assert again.draws['path']['path'][:3] == (200, 0.25, 9.0)
     assert math.isnan(again.draws['path']['path'].low)
-
-
-def test_a_cause_is_told_with_what_sized_it_and_not_where_that_was_left_out():
-    series = {'one': {'figure': 'Fig. 1', 'printed': 'a path', 'said': 'It takes {path}.'}}
-    row = validate_content(PaperRow, {**CONTENT, 'series': series}, 'row')
-    found = study_result.StoredRow({'path': MeasuredValue(7.04)}, [], [], 1, 0.0)
-    assert build_paper_figure_table([row], {'row': found}).rows == [
-        ['1', 'Fig. 1', 'a path', 'It takes 7.0 m.']
-    ]
-    none = study_result.StoredRow({}, [], [], 1, 0.0)
-    assert build_paper_figure_table([row], {'row': none}).rows[0][3] == '\N{EN DASH}'
-    wrong = {**CONTENT, 'series': {'one': {**series['one'], 'said': 'It takes {pth}.'}}}
-    with pytest.raises(BadInput, match='but does not define it'):
-        validate_content(PaperRow, wrong, 'row')
-
-
-def test_a_misfit_is_the_rms_of_logarithms_as_a_factor():
-    twice = {name: MeasuredValue(2.0 * printed) for name, printed in PRINTED_FLIGHTS.items()}
-    assert rms_misfit(twice, '') == pytest.approx(1.0)
-    # One of five right: the others' logarithms weigh four fifths in the mean square.
-    mended = {**twice, 'fast_bag_time': MeasuredValue(PRINTED_FLIGHTS['bag_time'])}
-    assert rms_misfit(mended, 'fast_') == pytest.approx(2.0 ** math.sqrt(0.8) - 1.0)
 
 
 def test_a_row_that_was_not_drawn_yet_says_so():

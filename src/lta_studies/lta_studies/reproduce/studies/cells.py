@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from statistics import geometric_mean
 
 from lta_config.command_line import format_lta_command
 from lta_config.files import find_file, load_yaml, validate_content
@@ -13,7 +12,6 @@ from lta_config.schema.vehicle_energy import EnergyBlock
 from lta_config.schema.vehicle_file import load_vehicle_file, VehicleFile
 from lta_energy.harvest import break_even_illuminance, HarvestCurve, LAMPS
 from lta_model.electrical.charger import ChargerModel
-from lta_model.light.spectral_factor import spectral_factor
 from lta_studies.energy.cells.arrays import (
     build_all_arrays,
     CellReading,
@@ -57,7 +55,6 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
         **quotient_errors(readings),
         **data_sheet_times(readings),
         **compute_array_power(table, energy),
-        **charging_time_factor(readings),
     }
     for reading, (paper, fair) in zip(POWERFILM_READINGS, fronts, strict=True):
         values[f'front_{reading}'] = list_makers(paper)
@@ -133,35 +130,6 @@ def data_sheet_times(cells: Sequence[CellReading]) -> dict[str, MeasuredValue]:
         for each in cells
         if each.cell.name not in ('anysolar', 'dracula')  # anysolar is the reference
     }
-
-
-def charging_time_factor(values: Sequence[CellReading]) -> dict[str, MeasuredValue]:
-    """Return the factor of the printed times by currents, and its leave-one-out error."""
-    by = {
-        each.cell.name: each.row.charge.si / datasheet_charging_time(each, values)
-        for each in values
-    }
-    alike = [by[name] for name in CRYSTALLINE]
-    worst = max(
-        # Leave one cell out and predict its factor from the others.
-        abs(geometric_mean([x for x in alike if x is not each]) / each - 1.0)
-        for each in alike
-    )
-    return {
-        'sheet_factor': MeasuredValue(geometric_mean(alike)),
-        'sheet_worst': MeasuredValue(worst),
-        'sheet_amorphous': MeasuredValue(by['powerfilm_small']),
-        'amorphous_by_led': MeasuredValue(amorphous_by_crystalline('white_led')),
-        'amorphous_by_halogen': MeasuredValue(amorphous_by_crystalline('halogen')),
-    }
-
-
-def amorphous_by_crystalline(light: str) -> float:
-    """Return the spectral factor of amorphous relative to crystalline silicon in a light."""
-    amorphous, crystalline = (
-        spectral_factor(luminous_efficacy(light), name) for name in ('amorphous', 'crystalline')
-    )
-    return amorphous / crystalline
 
 
 def compute_array_power(table: CellTable, energy: EnergyBlock) -> dict[str, MeasuredValue]:

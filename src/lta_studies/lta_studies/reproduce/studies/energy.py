@@ -145,14 +145,9 @@ def task_power(task: TaskPower, seeds: int) -> MeasuredValue:
 
 
 def measure_causes(power_budget: PowerBudget) -> dict[str, MeasuredValue]:
-    """Return candidate causes of the paper's hover power, and their effect on navigation."""
-    cause, bag = power_budget.causes, power_budget.tasks['navigating, BAG']
+    """Return candidate causes of the paper's hover power."""
+    cause = power_budget.causes
     return {
-        'bag_if_heavy': MeasuredValue(
-            bag.power + paper.HOVER - power_budget.tasks['hovering'].power
-        ),
-        # Less efficient rotors scale the power of the rotors only.
-        'bag_if_worse': MeasuredValue(bag.electronics + cause.factor * bag.rotors),
         'ideal_hover': MeasuredValue(cause.least),
         'heavy': MeasuredValue(cause.heaviness),
         'draught': MeasuredValue(cause.wind),

@@ -49,7 +49,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     loading = vehicle.full_thrust / (math.pi * (pressure.PROPELLER / 2.0) ** 2)
     values |= {
         'disk_loading': MeasuredValue(loading),
-        **pressure.measure_pressures(vehicle, loading),
+        **pressure.measure_pressures(vehicle),
     }
     command = format_lta_command('vehicle', 'show', 'gtmab')
     curve = StudyPicture(

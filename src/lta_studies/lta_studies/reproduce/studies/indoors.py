@@ -59,15 +59,6 @@ FACTOR_STRATEGIES: Final = {
     'gradient_alone': ('des',),
     'narrow_diodes': ('dga', 'des'),
 }
-PRINTED_FLIGHTS: Final = {  # m and s, seed paper
-    'bag_path': 7.3, 'dga_path': 8.6, 'des_path': 12.2, 'bag_time': 8.4, 'dga_time': 21.4,
-}  # fmt: skip
-CALLED: Final = {
-    'towards': 'a start within 30° of the lamp', 'fast': 'BAG at 0.87 m/s',
-    'not_stopping': 'DGA that does not stop', 'no_computing': 'DGA that computes in no time',
-    'plane_through_origin': 'a plane through the origin',
-    'gradient_alone': 'DES by the gradient alone', 'narrow_diodes': 'diodes that look ahead only',
-}  # fmt: skip
 INDOOR_TRACK_CAPTION: Final = (
     'Ground tracks from above with the same seed; the yellow fan is the light of the lamp.'
 )
@@ -97,7 +88,6 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
         fast = fly_group('indoors', request.seeds, strategies=('bag',), change=FAST_CRUISE)
         values |= summarize_cell('fast_bag', fast.find_cell('bag'))
         values |= measure_factors(request.seeds)
-        values |= compute_misfits(values)
         values['dga_excursion'] = measure_excursion(groups['sim_'])
         values['sim_towards_dga_excursion'] = measure_excursion(groups['sim_towards_'])
     pictures = plot_indoor_flights(
@@ -175,31 +165,6 @@ def measure_factors(seeds: int) -> dict[str, MeasuredValue]:
         for name in strategies:
             values |= summarize_cell(f'{case}_{name}', group.find_cell(name))
     return values
-
-
-def compute_misfits(values: Mapping[str, MeasuredValue]) -> dict[str, MeasuredValue]:
-    """Return the misfit to the printed paths and times as flown, and with the best factor."""
-    prefixes = {'as_flown': '', 'towards': f'{TOWARDS}_', 'fast': 'fast_'}
-    prefixes |= {case: f'{case}_' for case in FACTOR_STRATEGIES}
-    off = {case: rms_misfit(values, prefix) for case, prefix in prefixes.items()}
-    best = min((case for case in off if case != 'as_flown'), key=off.__getitem__)
-    return {
-        'misfit_as_flown': MeasuredValue(off['as_flown']),
-        'misfit_best': MeasuredValue(off[best]),
-        'misfit_cause': MeasuredValue(CALLED[best]),
-    }
-
-
-def rms_misfit(values: Mapping[str, MeasuredValue], prefix: str) -> float:
-    """Return exp(rms of log(ours / printed)) - 1 over the printed numbers. [1]"""
-    logs = []
-    for name, printed in PRINTED_FLIGHTS.items():
-        # A factor that changes one strategy leaves the others as flown.
-        value = values.get(f'{prefix}{name}', values[name]).value
-        assert not isinstance(value, str)
-        # Logarithms weigh twice and half the printed value equally, whatever the unit.
-        logs.append(math.log(value / printed))
-    return math.exp(math.sqrt(math.fsum(each * each for each in logs) / len(logs))) - 1.0
 
 
 def rank_strategies(prefix: str, cells: Mapping[str, EvaluationCell]) -> dict[str, MeasuredValue]:

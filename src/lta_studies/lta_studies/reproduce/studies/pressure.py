@@ -1,7 +1,6 @@
 """Compare hull pressures in flight (potential flow) and under jets (CFD) with the paper's."""
 
 from collections.abc import Mapping
-import math
 import textwrap
 from typing import Final
 
@@ -44,23 +43,15 @@ def load_flow(name: str) -> Blow:
     return read_sweep(share_folder() / 'aero' / f'{file}.blown.json').blows[pattern]
 
 
-def measure_pressures(vehicle: Vehicle, disk_loading: float) -> dict[str, MeasuredValue]:
-    """Return pressures in flight and under jets, and speeds that would give the paper's."""
+def measure_pressures(vehicle: Vehicle) -> dict[str, MeasuredValue]:
+    """Return pressures in flight and under jets."""
     low, high = pressure_extremes(
         vehicle.file.hull, SURGE, static_wind_limit(vehicle), AIR_DENSITY
     )
     values = {
         'flight_nose': MeasuredValue(high),
         'flight_side': MeasuredValue(low),
-        'jet_speed': MeasuredValue(airspeed_from_dynamic_pressure(disk_loading)),
     }
-    for platform, pressure in PAPER_PRESSURES.items():
-        values[f'{platform.lower().replace("-", "")}_pressure_speed'] = MeasuredValue(
-            airspeed_from_dynamic_pressure(pressure)
-        )
-    # Rotor speed at which the blade tips move that fast.
-    turns = airspeed_from_dynamic_pressure(PAPER_PRESSURES['GT-MAB']) / (math.pi * PROPELLER)
-    values['blade_rate'] = MeasuredValue(2.0 * math.pi * turns)
     for name in PRESSURE_FLOWS:
         bodies = load_flow(name).pressed
         values[f'{name}_most'] = MeasuredValue(max(each.most for each in bodies.values()))
@@ -69,12 +60,6 @@ def measure_pressures(vehicle: Vehicle, disk_loading: float) -> dict[str, Measur
         values[f'{name}_hull_most'] = MeasuredValue(bodies['envelope'].most)
     values['beavis_blown_up'] = MeasuredValue(load_flow('beavis').force[2])
     return values
-
-
-def airspeed_from_dynamic_pressure(pressure: float) -> float:
-    """Return the airspeed with this dynamic pressure [Pa]. [m/s]"""
-    # From q = rho v^2 / 2
-    return math.sqrt(2.0 * pressure / AIR_DENSITY)
 
 
 def plot_pressures_and_maps(values: Mapping[str, MeasuredValue]) -> list[StudyPicture]:
