@@ -19,8 +19,9 @@ import lta_analysis
 from lta_bridge.bag import BagWriter, build_offered_qos
 from lta_bridge.bag.schemas import load_jazzy_types
 from lta_data.bag import read_bag, summarize_bag
+from lta_flight.flight_spec import load_spec
 from lta_flight.progress import FlightProgress
-from lta_flight.simulate import simulate_once, SimulationRequest
+from lta_flight.simulate import simulate_once
 import numpy as np
 from rich.console import Console
 from rosbags.highlevel import AnyReader
@@ -146,8 +147,8 @@ def list_reading() -> list[Figure]:
 @cache
 def simulate_flight() -> Path:
     """Return the bag of a flight."""
-    request = SimulationRequest('gtmab', 'lamp_room', 'bag', '', 1, out=make_folder() / 'flight')
-    return simulate_once(request, FlightProgress(Console(quiet=True)))[0].bag
+    spec, out = load_spec('gtmab', 'lamp_room', 'bag', ''), make_folder() / 'flight'
+    return simulate_once(spec, 1, out, FlightProgress(Console(quiet=True)))[0].bag
 
 
 def tabulate() -> float:

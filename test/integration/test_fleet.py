@@ -6,11 +6,13 @@ import signal
 import time
 
 from frame_tree import nanoseconds, resolve_all
+from lta_config.parameter_override import parse_assignment
 from lta_config.topics import load_topic_table
 from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import open_flight
+from lta_flight.flight_spec import load_spec
 from lta_flight.progress import FlightProgress
-from lta_flight.simulate import simulate_once, SimulationRequest
+from lta_flight.simulate import simulate_once
 import pytest
 from rich.console import Console
 
@@ -74,11 +76,9 @@ def test_each_flies_as_it_would_alone(call, scenario, tmp_path, fleet):
     assert float(told['lta2']['time_s']) > float(told['lta1']['time_s']) + 0.1
     for robot, seed, offset in (('lta1', 7, 0.0), ('lta2', 8, OFFSET)):
         alone = tmp_path / f'alone-{robot}'
-        changes = (f'scenario.start.position.1={offset} m',)
-        order = SimulationRequest(
-            'gtmab', str(scenario(**GOALS)), 'homing', 'gtmab', seed, changes, alone
-        )
-        flown, _ = simulate_once(order, FlightProgress(Console(quiet=True)))
+        spec = load_spec('gtmab', str(scenario(**GOALS)), 'homing', 'gtmab')
+        spec = spec.with_values(dict([parse_assignment(f'scenario.start.position.1={offset} m')]))
+        flown, _ = simulate_once(spec, seed, alone, FlightProgress(Console(quiet=True)))
         assert flown.outcome == 'reached'
         both, single = contents(bag, prefix=f'{robot}/'), contents(flown.bag)
         for name in REPEATABLE:

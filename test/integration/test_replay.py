@@ -10,8 +10,9 @@ from lta_bridge.bag.metadata import build_offered_qos
 from lta_bridge.bag.writer import BagWriter
 from lta_bridge.log_time_assigner import read_stamp
 from lta_data.bag.reader import read_bag
+from lta_flight.flight_spec import load_spec
 from lta_flight.progress import FlightProgress
-from lta_flight.simulate import simulate_once, SimulationRequest
+from lta_flight.simulate import simulate_once
 from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.qos import select_profile
 from lta_graph.ros.stamps import from_stamp
@@ -34,11 +35,9 @@ QOS = [build_offered_qos('reliable', 'volatile', 10)]
 def recorded(tmp_path_factory):
     """Return the bag of a short flight of this very machine and version."""
     out = tmp_path_factory.mktemp('recorded') / 'flight'
-    changes = ('scenario.goal.time_limit=4 s',)
-    order = SimulationRequest(
-        'gtmab', 'lamp_room', 'bag', 'gtmab', seed=2, changes=changes, out=out
-    )
-    return simulate_once(order, FlightProgress(Console(quiet=True)))[0].bag
+    spec = load_spec('gtmab', 'lamp_room', 'bag', 'gtmab')
+    spec = spec.with_values({'scenario.goal.time_limit': '4 s'})
+    return simulate_once(spec, 2, out, FlightProgress(Console(quiet=True)))[0].bag
 
 
 def copied(bag, folder, keep, later=0, strange=0):

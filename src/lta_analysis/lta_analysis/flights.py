@@ -11,7 +11,6 @@ from lta_bridge.live.origin_gate import LIVE_PORT
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
 from lta_config.files import list_shipped_names
-from lta_config.parameter_override import format_value
 from lta_config.schema.import_file import Format
 from lta_config.topics import is_name
 from lta_control.strategies import STRATEGIES
@@ -206,8 +205,9 @@ class SimulateRequest(Action, command='simulate', json=True):
 
     def run(self, console: Console) -> Outcome[Any]:
         """Fly, write the page, and return the recording, or the run without a bag."""
+        from lta_flight.flight_spec import load_spec
         from lta_flight.report.page import write_page
-        from lta_flight.simulate import CommandRequest, simulate_once, SimulationRequest
+        from lta_flight.simulate import CommandRequest, simulate_once
 
         if self.forecasts:
             return self.forecast(console)
@@ -222,15 +222,14 @@ class SimulateRequest(Action, command='simulate', json=True):
                 '--begin, --end and --robot choose from a recording; add --commands BAG.'
             )
         vehicle, scenario = self.name_scene(recording)
-        request = SimulationRequest(
-            vehicle, scenario, self.strategy, self.gains, self.seed,
-            tuple(f'{path}={format_value(value)}' for path, value in self.changes.items()),
-            self.out, record=self.bag,
-            commands=None if recording is None
-            else CommandRequest(recording, self.robot, self.begin, self.end),
-        )  # fmt: skip
+        spec = load_spec(vehicle, scenario, self.strategy, self.gains).with_values(self.changes)
+        commands = (
+            CommandRequest(recording, self.robot, self.begin, self.end) if recording else None
+        )
         with FlightProgress(console, 'loading the world') as progress:
-            flight, results = simulate_once(request, progress)
+            flight, results = simulate_once(
+                spec, self.seed, self.out, progress, record=self.bag, commands=commands
+            )
         page = flight.folder / 'report.html' if self.bag else None
         if page is not None:
             # Results of the recorded bag, the same as `lta report` shows

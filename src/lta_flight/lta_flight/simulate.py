@@ -16,7 +16,7 @@ from lta_bridge.bag.storage import StorageFault
 from lta_bridge.bag.writer import BagWriter, prepare_empty_folder
 from lta_bridge.provenance import collect_provenance
 from lta_config.errors import BadInput
-from lta_config.parameter_override import parse_assignment
+from lta_config.parameter_override import format_value
 from lta_config.topics import load_topic_table
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_run import FlightRun, ROBOT
@@ -24,7 +24,6 @@ from lta_flight.flight_spec import (
     build_loop,
     build_vehicle_scenario_stack,
     FlightSpec,
-    load_spec,
     write_files,
 )
 from lta_flight.loop_view import LoopView
@@ -37,7 +36,6 @@ import numpy as np
 
 if TYPE_CHECKING:
     from lta_flight.messages import LoopRecorder
-    from lta_flight.recorded_commands import RecordedCommands
 
 COMPILING = 'compiling the vehicle model (only the first time, about half a minute)'
 BAR_PERIOD = 0.1  # wall seconds between two updates of the progress bar
@@ -54,49 +52,42 @@ class CommandRequest:
     end: float | None = None
 
 
-@final
-@dataclass(frozen=True, slots=True)
-class SimulationRequest:
-    """What to simulate: names, files and settings, checked by `simulate_once`."""
-
-    vehicle: str
-    scenario: str
-    strategy: str
-    gains: str
-    seed: int
-    changes: tuple[str, ...] = ()
-    out: Path | None = None
-    record: bool = True
-    commands: CommandRequest | None = None
-
-
 def simulate_once(
-    order: SimulationRequest, watcher: FlightProgress
+    spec: FlightSpec,
+    seed: int,
+    out: Path | None,
+    watcher: FlightProgress,
+    *,
+    record: bool = True,
+    commands: CommandRequest | None = None,
 ) -> tuple[FlightRun, FlightResults]:
     """
     Simulate one flight and return the run and its results.
 
-    Raise `BadInput` if the request is invalid, or the bag cannot be written.
+    `out`: folder of the results, in runs/ by default. `record`: whether to write a bag.
+    `commands`: recorded commands to fly instead of those of a controller. Raise `BadInput` if the
+    flight is invalid, or the bag cannot be written.
     """
-    if order.record:
+    if record:
         require_messages()
-    spec = load_spec(order.vehicle, order.scenario, order.strategy, order.gains)
-    spec = spec.with_values(dict(map(parse_assignment, order.changes)))
-    if order.commands is None:
+    if commands is None:
         announce_compilation(watcher)
-        loop = build_loop(spec, order.seed)
+        loop = build_loop(spec, seed)
     else:
-        loop = build_commanded_loop(spec, order.seed, order.commands, watcher)
-    folder = resolve_folder(order.out, f'{loop.world.scenario.name}-{order.seed}')
+        loop = build_commanded_loop(spec, seed, commands, watcher)
+    folder = resolve_folder(out, f'{loop.world.scenario.name}-{seed}')
     try:
         with ExitStack() as closing:
             recorder = None
-            if order.record:
+            if record:
                 # Imported late: without a bag, no messages are needed
                 from lta_flight.messages import LoopRecorder
 
                 prepare_empty_folder(folder)
-                origin = build_provenance(order, spec, folder, loop.policy.commands)
+                origin = build_provenance(spec, seed, folder, commands)
+                if loop.policy.commands is not None and not loop.policy.commands.has_scene:
+                    # Its page would judge the flight by a lamp that was not there
+                    del origin['scenario'], origin['scenario_file']
                 writer = closing.enter_context(BagWriter(folder / 'bag', origin))
                 recorder = LoopRecorder(writer, loop, loop.table, ROBOT)
             view, pace = simulate_closed_loop(loop, recorder, watcher)
@@ -196,27 +187,21 @@ def _format_distance(distance: float) -> str:
 
 
 def build_provenance(
-    order: SimulationRequest,
-    spec: FlightSpec,
-    folder: Path,
-    commands: 'RecordedCommands | None' = None,
+    spec: FlightSpec, seed: int, folder: Path, commands: CommandRequest | None
 ) -> dict[str, str]:
     """Return the provenance for the bag; changed files are written next to it."""
     names = write_files(spec, folder)
-    changes = {'set': '; '.join(order.changes)} if order.changes else {}
-    if order.commands is not None:
-        changes['commands'] = str(order.commands.bag)
-    origin = collect_provenance(
+    changes = [f'{path}={format_value(value)}' for path, value in spec.replaced.items()]
+    more = {'set': '; '.join(changes)} if changes else {}
+    if commands is not None:
+        more['commands'] = str(commands.bag)
+    return collect_provenance(
         names['vehicle'],
         names['scenario'],
         names['gains'],
         strategy=spec.strategy,
-        seed=str(order.seed),
+        seed=str(seed),
         time='lockstep',
         process='one, without DDS',
-        **changes,
+        **more,
     )
-    if commands is not None and not commands.has_scene:
-        # Its page would judge the flight by a lamp that was not there
-        del origin['scenario'], origin['scenario_file']
-    return origin

@@ -3,10 +3,12 @@
 from xml.etree import ElementTree
 
 from frame_tree import FrameTree, nanoseconds, resolve_all
+from lta_config.parameter_override import parse_assignment
 from lta_config.topics import load_topic_table
 from lta_data.bag import read_bag
+from lta_flight.flight_spec import load_spec
 from lta_flight.progress import FlightProgress
-from lta_flight.simulate import simulate_once, SimulationRequest
+from lta_flight.simulate import simulate_once
 import numpy as np
 import pytest
 from rich.console import Console
@@ -26,8 +28,9 @@ START = (
 def bag(tmp_path_factory):
     """Return the bag of a flight that climbs and turns."""
     out = tmp_path_factory.mktemp('frames') / 'out'
-    order = SimulationRequest('gtmab', 'lamp_room', 'bag', 'gtmab', 3, START, out)
-    flight, _ = simulate_once(order, FlightProgress(Console(quiet=True)))
+    spec = load_spec('gtmab', 'lamp_room', 'bag', 'gtmab')
+    spec = spec.with_values(dict(map(parse_assignment, START)))
+    flight, _ = simulate_once(spec, 3, out, FlightProgress(Console(quiet=True)))
     return read_bag(flight.bag)
 
 

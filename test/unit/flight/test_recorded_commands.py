@@ -3,7 +3,9 @@
 from pathlib import Path
 
 from lta_config.errors import BadInput
+from lta_config.parameter_override import parse_assignment
 from lta_config.quantity import Quantity
+from lta_flight.flight_spec import load_spec
 from lta_flight.progress import FlightProgress
 from lta_flight.recorded_commands import (
     fill_with_last,
@@ -11,7 +13,7 @@ from lta_flight.recorded_commands import (
     find_velocity,
     read_commands,
 )
-from lta_flight.simulate import CommandRequest, simulate_once, SimulationRequest
+from lta_flight.simulate import CommandRequest, simulate_once
 from lta_model.effects import EFFECTS
 from lta_model.measurement_chain import apply_chain, build_chains
 from lta_model.state import VELOCITY
@@ -25,10 +27,10 @@ from ..report_flight import SPEED  # noqa: TID252 - `test` is Python's own
 
 
 def fly(folder: Path, *changes: str, commands: CommandRequest | None = None) -> str:
-    order = SimulationRequest(
-        'gtmab', 'lamp_room', 'bag', '', 3, changes, folder, record=True, commands=commands
-    )
-    return simulate_once(order, FlightProgress(Console(quiet=True)))[0].sentence
+    spec = load_spec('gtmab', 'lamp_room', 'bag', '')
+    spec = spec.with_values(dict(map(parse_assignment, changes)))
+    watcher = FlightProgress(Console(quiet=True))
+    return simulate_once(spec, 3, folder, watcher, commands=commands)[0].sentence
 
 
 @pytest.fixture(scope='module')

@@ -4,12 +4,14 @@ import json
 
 from lta_bridge import provenance
 from lta_config.errors import BadInput
+from lta_config.parameter_override import parse_assignment
 from lta_config.topics import load_topic_table, robot_topic
 from lta_data.bag import open_flight, read_bag
 from lta_flight import simulate as simulation
+from lta_flight.flight_spec import load_spec
 from lta_flight.report.results import compute_results
 from lta_flight.report.view import FlightView
-from lta_flight.simulate import simulate_once, SimulationRequest
+from lta_flight.simulate import simulate_once
 import pytest
 import yaml
 
@@ -34,8 +36,9 @@ class Silent:
 
 
 def simulated(folder, *changes, **options):
-    order = SimulationRequest('gtmab', 'lamp_room', 'bag', 'gtmab', 3, changes, folder, **options)
-    return simulate_once(order, Silent())
+    spec = load_spec('gtmab', 'lamp_room', 'bag', 'gtmab')
+    spec = spec.with_values(dict(map(parse_assignment, changes)))
+    return simulate_once(spec, 3, folder, Silent(), **options)
 
 
 def test_the_figures_without_a_bag_are_those_of_the_bag(tmp_path):

@@ -2,8 +2,9 @@
 
 from lta_bridge.bag import BagWriter
 from lta_data.bag.reader import read_bag
+from lta_flight.flight_spec import load_spec
 from lta_flight.progress import FlightProgress
-from lta_flight.simulate import simulate_once, SimulationRequest
+from lta_flight.simulate import simulate_once
 import pytest
 from rich.console import Console
 from stamped_bytes import shift_stamp
@@ -41,10 +42,10 @@ READING = (
 @pytest.fixture(scope='module')
 def sound(tmp_path_factory):
     """Return the bag of a flight of 6 s."""
-    changes = ('scenario.goal.time_limit=6 s',)
     out = tmp_path_factory.mktemp('sound') / 'flight'
-    order = SimulationRequest('gtmab', 'lamp_room', 'bag', 'gtmab', 2, changes, out)
-    return simulate_once(order, FlightProgress(Console(quiet=True)))[0].bag
+    spec = load_spec('gtmab', 'lamp_room', 'bag', 'gtmab')
+    spec = spec.with_values({'scenario.goal.time_limit': '6 s'})
+    return simulate_once(spec, 2, out, FlightProgress(Console(quiet=True)))[0].bag
 
 
 @pytest.fixture
