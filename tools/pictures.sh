@@ -57,7 +57,7 @@ fi
 draw quick platforms top ./lta platforms --seeds 2 --out
 draw quick cells top ./lta cells --out
 draw quick energy_budget top ./lta energy budget --out
-draw quick energy_hover top ./lta energy hover --out
+draw quick energy_hover voltage ./lta energy budget --out
 draw quick mounting top ./lta energy mounting --out
 draw quick light_plan coverage ./lta light plan warehouse --out
 draw quick mission day ./lta mission greenhouse_summer --out

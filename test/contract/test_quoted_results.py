@@ -177,13 +177,12 @@ def frozen():
     """Return what hovering does to a cell, and at what light the array supplies loads. [klx]"""
     with (ROOT / 'test/same/frozen/commands.csv').open(encoding='utf-8', newline='') as file:
         rows = dict(csv.reader(file))
-    found = {'cell_power': 1e3 * float(rows['energy hover / flown.gtmab.power']),
-             'charge_standard': float(rows['energy hover / flown.multirotor.charge'])}  # fmt: skip
+    cell = 'energy budget / on_one_cell'
+    found = {'cell_power': 1e3 * float(rows[f'{cell}.flown.gtmab.power']),
+             'charge_standard': float(rows[f'{cell}.flown.multirotor.charge'])}  # fmt: skip
     for power in (1333, 3999):
         for name in ('drop', 'charge'):
-            found[f'{name}_{power}'] = float(
-                rows[f'energy hover / paper.paper, {power} mW.{name}']
-            )
+            found[f'{name}_{power}'] = float(rows[f'{cell}.paper.paper, {power} mW.{name}'])
     kinds = {'led': 'white LED', 'flicker': 'flickering LED', 'sun': 'sun'}
     array = 'energy breakeven / break_even_lux.2 x anysolar (as it is)'
     for key, light in kinds.items():

@@ -40,7 +40,6 @@ COMMANDS = {
     'light evaluate': 'light evaluate --seeds 1 --sets indoors --json --out {out}',
     'light bearing': 'light bearing --poses 300 --json --out {out}',
     'energy budget': 'energy budget --seeds 1 --json --out {out}',
-    'energy hover': 'energy hover --json --out {out}',
     'energy mounting': 'energy mounting --seeds 1 --json --out {out}',
     'energy breakeven': 'energy breakeven --json --out {out}',
     'mission': 'mission --schedule "duty cycle, asleep" --json --out {out}',

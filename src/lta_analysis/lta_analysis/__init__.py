@@ -55,7 +55,6 @@ if TYPE_CHECKING:
     from lta_studies.energy.breakeven import BreakEvenRequest
     from lta_studies.energy.budget.run import BudgetRequest
     from lta_studies.energy.cells.request import CellsRequest
-    from lta_studies.energy.hover.run import HoverRequest
     from lta_studies.energy.mounting.run import MountingRequest
     from lta_studies.light.bearing.run import BearingTrialRequest
     from lta_studies.light.evaluation.run import EvaluationRequest
@@ -86,7 +85,6 @@ if TYPE_CHECKING:
     effects_try = as_function(TrialRequest)
     energy_breakeven = as_function(BreakEvenRequest)
     energy_budget = as_function(BudgetRequest)
-    energy_hover = as_function(HoverRequest)
     energy_mounting = as_function(MountingRequest)
     fly = as_function(FlyRequest)
     forecast = as_function(ForecastRequest)

@@ -108,7 +108,7 @@ Block = Picture | TextTable | TextSection | Grid | ReportSection | HtmlBlock
 class Report:
     """The results of a study, declared once."""
 
-    command: str  # words of the command, such as 'energy hover'
+    command: str  # words of the command, such as 'energy budget'
     subject: str  # what was studied
     # The result in one sentence. It counts failed items.
     headline: str

@@ -132,7 +132,7 @@ class Request(BaseModel):
     """What a command takes; the docstring of a subclass is the help of its command."""
 
     model_config = ConfigDict(frozen=True, extra='forbid', validate_default=True, defer_build=True)
-    command: ClassVar[str]  # its words, such as 'energy hover'
+    command: ClassVar[str]  # its words, such as 'energy budget'
 
     def __init_subclass__(cls, *, command: str = '', **rest: Any) -> None:  # noqa: ANN401
         """Store what is declared with the class."""

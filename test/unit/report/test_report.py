@@ -29,7 +29,7 @@ TABLE = TextTable(
 
 def make_report(*blocks, **changes):
     content = {
-        'command': 'energy hover', 'subject': 'a & b', 'headline': '3 of 50 flights failed.',
+        'command': 'energy budget', 'subject': 'a & b', 'headline': '3 of 50 flights failed.',
         'introduction': 'Both hover.', 'tiles': [Tile('power', '0.58', 'W', 'mean')],
         'blocks': blocks, 'data': {'power': 0.58}, 'facts': {'commit': 'abc'},
         'closing': ['Done.'],
@@ -74,7 +74,7 @@ def show(report, width, terminal):
 
 def test_a_page_shows_every_part_and_escapes_it():
     page = render_report(make_report(TABLE, TextSection('Method', ('a < b',))))
-    for text in ('energy hover · a &amp; b', '3 of 50 flights failed.', 'Both hover.', '0.58',
+    for text in ('energy budget · a &amp; b', '3 of 50 flights failed.', 'Both hover.', '0.58',
                  'it &lt;rises&gt; early', 'a &lt; b', 'Static.', 'abc'):  # fmt: skip
         assert text in page
     assert '<rises>' not in page

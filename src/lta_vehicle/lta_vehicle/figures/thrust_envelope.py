@@ -123,7 +123,7 @@ def _derive_hover_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
         0,
         f'{"" if thrust > 0.0 else "floats without thrust; "}without radio '
         f'({1e3 * vehicle.loads.transmitting:.0f} mW) and without what control takes: lta energy '
-        'hover flies it',
+        'budget flies it',
     )
 
 

@@ -9,10 +9,9 @@ from lta_cli.app import run_command_line
 from lta_config.constants import STANDARD_GRAVITY
 from lta_model.electrical.loads import power_demand
 from lta_model.vehicle import load_vehicle
-from lta_report.report import TextTable
 from lta_studies.energy import paper
 from lta_studies.energy.budget import run
-from lta_studies.energy.budget.report import build_report
+from lta_studies.energy.budget.report import build_task_table
 from lta_studies.energy.budget.run import explain_hover_power
 from lta_studies.energy.course_flight import FlightTrack
 import numpy as np
@@ -29,7 +28,8 @@ SHORT = {
 def found(tmp_path_factory, plain_laws):
     """Return what the verb finds in flights that are shorter than its own."""
     folder = tmp_path_factory.mktemp('budget') / 'found'
-    words = ['lta', 'energy', 'budget', '--seeds', '1', '--workers', '1', '--out', str(folder)]
+    words = ['lta', 'energy', 'budget', '--seeds', '1', '--seconds', '40', '--workers', '1']
+    words += ['--out', str(folder)]
     with pytest.MonkeyPatch.context() as patch, redirect_stdout(StringIO()) as told:
         for name, value in SHORT.items():
             patch.setattr(run, name, value)
@@ -123,6 +123,17 @@ def test_the_verb_tells_what_it_found(found):
     assert str(round(1e3 * hover)) in found['page']
 
 
+def test_both_hover_on_the_same_cell_and_one_takes_a_tenth(found):
+    cell = found['on_one_cell']
+    drone, other = cell['flown']['gtmab'], cell['flown']['multirotor']
+    assert other['power'] == pytest.approx(7.44, abs=0.05)
+    assert cell['share'] == pytest.approx(drone['power'] / other['power'])
+    assert 0.08 < cell['share'] < 0.11
+    assert other['drop'] > 5.0 * drone['drop']
+    # 5 s of electronics, then 35 s of hovering, a little more while it rises.
+    assert other['energy'] == pytest.approx(5.0 * 0.983 + 35.0 * other['power'], rel=0.02)
+
+
 def test_the_table_stands_beside_the_paper():
     named = {
         each.name: each
@@ -138,11 +149,9 @@ def test_the_table_stands_beside_the_paper():
         run.TaskPower('multirotor, hovering', 0.983, 6.4, paper=(paper.STANDARD,)),
         explain_hover_power(GTMAB, 0.72, paper.HOVER), GTMAB.loads,
     )  # fmt: skip
-    report = build_report(made_up)
-    table = next(each for each in report.blocks if isinstance(each, TextTable))
-    rows = {row[0]: row[1:] for row in table.rows}
+    rows = {row[0]: row[1:] for row in build_task_table(made_up).rows}
     assert rows['idle'][-2:] == ['97', '1.00']
     assert rows['hovering'][-2:] == ['1333', '0.54']
     assert rows['navigating, DGA'][-2:] == ['1523\N{EN DASH}1544', '1.00']
     assert rows['multirotor, hovering'][-2] == '3999'
-    assert '10 % of the power of a multirotor' in report.headline
+    assert made_up.hover_power_ratio == pytest.approx(0.72 / 7.383)

@@ -12,11 +12,14 @@ from lta_flight.flight_spec import build_vehicle_scenario_stack, load_spec
 from lta_model.electrical.panel import cell_spectral_factor, SolarArrayModel
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_studies.energy import paper
+from lta_studies.energy.budget.hover import HoverComparison, HoverStudy
 from lta_studies.energy.budget.report import (
     build_cause_table,
     build_task_table,
     draw_task_power,
+    draw_voltage,
     TASK_CAPTION,
+    VOLTAGE_CAPTION,
 )
 from lta_studies.energy.budget.run import (
     BUDGET_SCENE,
@@ -24,12 +27,6 @@ from lta_studies.energy.budget.run import (
     measure_budget,
     PowerBudget,
     TaskPower,
-)
-from lta_studies.energy.hover.report import draw_traces, VOLTAGE_CAPTION
-from lta_studies.energy.hover.run import (
-    fly_hover,
-    HoverComparison,
-    HoverRequest,
 )
 from lta_studies.reproduce.flights import fly_draws
 from lta_studies.reproduce.studies.cells import draw_cell, draw_efficacy
@@ -73,12 +70,12 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
         return RowStudyResult(
             values, pictures, [build_task_table(budget), build_cause_table(budget)], draws
         )
-    hover = HoverRequest(vehicle=ENERGY_VEHICLE, multirotor=STANDARD_VEHICLE)
-    comparison = hover.compare([fly_hover(spec, hover.seconds) for spec in hover.build_specs()])
+    hover = HoverStudy(ENERGY_VEHICLE, STANDARD_VEHICLE)
+    comparison = hover.compare([hover.fly(drone) for drone in range(2)])
     values |= measure_hover(comparison)
     pictures.append(
         StudyPicture('voltage', 'Voltage of the cell while hovering', VOLTAGE_CAPTION,
-                     draw_traces(comparison, 'voltage'), format_lta_command('energy', 'hover'))
+                     draw_voltage(comparison), format_lta_command('energy', 'budget'))
     )  # fmt: skip
     tables = [build_task_table(budget), build_cause_table(budget)]
     return RowStudyResult(values, pictures, tables, draws)

@@ -17,9 +17,6 @@ from lta_model.electrical.battery import BatteryModel
 from lta_model.electrical.charger import advance_power_path, ChargerModel, resting_flow
 from lta_model.electrical.loads import LoadModel, power_demand
 from lta_report.json_value import ExactArray
-from lta_report.report import Report
-from lta_report.request import option, StudyRequest, StudyRun
-from lta_report.study import hash_inputs, Study
 from lta_report.study_store import StoreFormat
 from lta_report.workers import report_progress
 from lta_studies.energy import paper
@@ -121,40 +118,18 @@ def build_hover_spec(vehicle: str, battery: Any | None = None) -> FlightSpec:  #
 
 
 HOVER_STORE: Final = StoreFormat(
-    'hovers.jsonl', 'hover', 'comparison of hovering', TypeAdapter(HoverResult)
+    'hovers.jsonl', 'hover', 'power budget', TypeAdapter(HoverResult), shares_folder=True
 )
 
 
 @final
-class HoverRequest(StudyRequest, command='energy hover', quick={'seconds': 60}):
-    """
-    Hover for 450 s on identical cells: a buoyant drone and a multirotor.
+@dataclass(frozen=True, slots=True)
+class HoverStudy:
+    """Hover of two vehicles (names or files) on the first one's cell, for a time [s]."""
 
-    Both fly in closed loop on the first one's cell, fully charged at the start. The cell voltage
-    is compared with the same cell under the powers that the seed paper states: 1333 mW, and three
-    times that for a standard drone. A drone drops out when its supply fails.
-
-    Exit status 0: done, whichever lasted. 2: bad input.
-
-    Example: lta energy hover --seconds 60
-    """
-
-    vehicle: str = option(
-        'Buoyant vehicle, name or file; both drones use its battery cell.', default='gtmab',
-        complete='vehicle',
-    )  # fmt: skip
-    multirotor: str = option(
-        'Multirotor to compare with, name or file.', default='multirotor', name='beside'
-    )
-    seconds: float = option('Duration in seconds.', default=paper.HOVER_TIME, low=1.0, high=7200.0)
-
-    def run(self, run: StudyRun) -> Report:
-        """Return the report of both hovers."""
-        from lta_studies.energy.hover.report import build_report
-
-        identity = hash_inputs(self.seconds, *(spec.contents for spec in self.build_specs()))
-        hovers = run.run_study(Study(self.fly, str, HOVER_STORE, 'flights'), identity, range(2))
-        return build_report(self.compare(hovers))
+    vehicle: str
+    multirotor: str
+    seconds: float = paper.HOVER_TIME
 
     def build_specs(self) -> list[FlightSpec]:
         """Return the specs of both hovers."""

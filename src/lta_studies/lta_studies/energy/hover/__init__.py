@@ -1,1 +1,0 @@
-"""Hovering for 450 s on identical cells: an airship compared with a multirotor."""
