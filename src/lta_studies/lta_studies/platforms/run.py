@@ -18,7 +18,6 @@ from lta_config.schema.comparison_file import (
     load_maneuver_file,
     ManeuverFile,
 )
-from lta_flight.closed_loop import ClosedLoop
 from lta_model.scenario import load_scenario, Scenario
 from lta_report.json_value import StoredArray
 from lta_report.report import Report
@@ -31,7 +30,6 @@ from lta_studies.platforms.flight import (
     Entrant,
     fly_maneuver,
     ManeuverFlight,
-    prepare_flight,
     TrackingMetrics,
 )
 import numpy as np
@@ -148,12 +146,6 @@ class ComparisonEntries(NamedTuple):
             parts += [manoeuvre, file.model_dump_json()]
         return hashlib.sha256('\n'.join(parts).encode()).hexdigest()
 
-    def fly(self, job: PlatformJob) -> PlatformResult:
-        """Fly one job."""
-        return fly_entrant(
-            self.entrants[job.kind, job.name], self.scenario, self.manoeuvres[job.manoeuvre], job
-        )
-
 
 def list_jobs(file: str, comparison: ComparisonFile, seeds: int) -> list[PlatformJob]:
     """Return all flights of a comparison."""
@@ -213,30 +205,14 @@ def replace_speeds(manoeuvre: ManeuverFile, speed: float | None) -> ManeuverFile
 
 
 def fly_job(job: PlatformJob) -> PlatformResult:
-    """Load the files of one job and fly it."""
-    return fly_entrant(
+    """Fly one job; workers call this."""
+    flight = fly_maneuver(
         _build_entrant(job.file, job.kind, job.name),
         _load_files(job.file)[1],
-        load_maneuver_file(job.manoeuvre),
-        job,
+        replace_speeds(load_maneuver_file(job.manoeuvre), job.speed),
+        job.seed,
     )
-
-
-def fly_entrant(
-    entrant: Entrant, scenario: Scenario, manoeuvre: ManeuverFile, job: PlatformJob
-) -> PlatformResult:
-    """Fly one job."""
-    flight = fly_maneuver(entrant, scenario, replace_speeds(manoeuvre, job.speed), job.seed)
     return summarize_flight(job, flight)
-
-
-def build_loop(job: PlatformJob) -> ClosedLoop:
-    """Return the closed loop of a job before its first step."""
-    _, scenario = _load_files(job.file)
-    manoeuvre = replace_speeds(load_maneuver_file(job.manoeuvre), job.speed)
-    return prepare_flight(
-        _build_entrant(job.file, job.kind, job.name), scenario, manoeuvre, job.seed
-    )
 
 
 def summarize_flight(job: PlatformJob, flight: ManeuverFlight) -> PlatformResult:
@@ -260,7 +236,7 @@ def fly_jobs(
 ) -> list[PlatformResult]:
     """Fly the jobs that are not stored in the folder, and return the results of all."""
     return run.run_study(
-        Study(entries.fly, attrgetter('key'), PLATFORM_STORE, 'flights'), entries.identity, jobs
+        Study(fly_job, attrgetter('key'), PLATFORM_STORE, 'flights'), entries.identity, jobs
     )
 
 

@@ -39,7 +39,6 @@ from lta_studies.reproduce.study_result import (
 )
 
 POWERFILM_READINGS = ('small', 'large')  # of the PowerFilm row, as the table's file lists them
-CRYSTALLINE = ('adafruit', 'seeed', 'kitronik')
 CELL_LIGHTS = {'white_led': 'led', 'sun': 'sun'}
 
 
