@@ -39,7 +39,6 @@ if TYPE_CHECKING:
         VehicleDifferenceRequest,
         VehicleEditRequest,
         VehicleSheetRequest,
-        WiringRequest,
     )
     from lta_data.bag.recorded_flight import open_flight as open  # noqa: F401
     from lta_data.compare.request import FlightComparisonRequest
@@ -88,7 +87,6 @@ if TYPE_CHECKING:
     energy_mounting = as_function(MountingRequest)
     fly = as_function(FlyRequest)
     forecast = as_function(ForecastRequest)
-    hardware_wiring = as_function(WiringRequest)
     import_log = as_function(LogImportRequest)
     light_bearing = as_function(BearingTrialRequest)
     light_calibrate = as_function(DiodeCalibrationRequest)

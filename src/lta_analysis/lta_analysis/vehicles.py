@@ -9,7 +9,6 @@ from lta_analysis.console import print_lines
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
 from lta_config.files import find_file
-from lta_config.schema.crazyflie_file import find_crazyflie
 from lta_config.schema.vehicle_file import VehicleFile
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_report.request import (
@@ -21,7 +20,7 @@ from lta_report.request import (
     ROBOT,
     VEHICLE_NAME,
 )
-from lta_report.results_folder import create_folder, format_page_line, stage_results, write_file
+from lta_report.results_folder import format_page_line, stage_results, write_file
 from lta_vehicle.vehicle_size import MOTOR_LAYOUTS
 from rich.console import Console
 
@@ -397,28 +396,3 @@ class UrdfRequest(Action, command='vehicle urdf'):
             write_file(text, self.file)
             print_lines(console, f'File {self.file}')
         return Outcome(text)
-
-
-@final
-class WiringRequest(Action, command='hardware wiring'):
-    """
-    Draw the wiring of a vehicle: motors, photodiodes, supply and signals.
-
-    Motor numbers are those of the vehicle's Crazyflie file.
-
-    Example: lta hardware wiring gtmab --file runs/wiring.svg
-    """
-
-    vehicle: str = VEHICLE_NAME
-    file: Path = option('SVG file to write.', default=Path('runs/wiring.svg'), metavar='FILE')
-
-    def run(self, console: Console) -> Outcome[Path]:
-        """Write the drawing, and return its path."""
-        from lta_vehicle.views.wiring import draw_wiring
-
-        vehicle = load_vehicle(self.vehicle)
-        text = draw_wiring(vehicle, find_crazyflie(self.vehicle, vehicle.file.name))
-        create_folder(self.file.parent)
-        write_file(text, self.file)
-        print_lines(console, f'Drawing {self.file}')
-        return Outcome(self.file)

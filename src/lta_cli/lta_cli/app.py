@@ -163,11 +163,10 @@ CFD_VERBS: Final = VerbGroup(
     },
 )
 HARDWARE_VERBS: Final = VerbGroup(
-    'Check connected drones and light boards, test one motor, draw the wiring.',
+    'Check connected drones and light boards, test one motor.',
     {
         'check': Verb('hardware', 'DeviceCheckRequest'),
         'bench': Verb('hardware', 'MotorBenchRequest'),
-        'wiring': call('hardware_wiring'),
     },
 )
 # In the order of `lta --help`, which has a frame for each family
