@@ -31,10 +31,10 @@ from lta_report.report_page import PAGE, write_report
 from lta_report.request import (
     Action,
     build_request,
+    LocalStudyRequest,
     Outcome,
     ReportRequest,
     Request,
-    StudyRequest,
     StudyRun,
 )
 from lta_report.results_folder import (
@@ -61,13 +61,13 @@ def perform(request: ReportRequest, console: Console) -> StudyResult:
     if request.pictures is not None and not request.page:
         raise BadInput('--pictures needs the page; remove --no-page.')
     folder = resolve_folder(request.out, request.folder)
-    options = request.options if isinstance(request, StudyRequest) else StudyOptions()
+    options = request.options if isinstance(request, LocalStudyRequest) else StudyOptions()
     run = StudyRun(console, folder, request.out, options)
     check_picture_output(request.pictures)
     if not request.resumes:
         check_creatable(run.folder)
     try:
-        short = request.shorten() if isinstance(request, StudyRequest) else request
+        short = request.shorten() if isinstance(request, LocalStudyRequest) else request
         report = short.run(run)
     except KeyboardInterrupt:
         # The default folder contains the time, so the same command would start again

@@ -338,8 +338,8 @@ class ReportRequest(Request):
         return self.model_construct(own, **dict(self)).format_command(**again)
 
 
-class StudyRequest(ReportRequest):
-    """A request that computes many items, side by side, and resumes if `resumes`."""
+class LocalStudyRequest(ReportRequest):
+    """A request that computes many items on this machine, and resumes if `resumes`."""
 
     # What --quick sets, unless it is given; or what it says of a study that reads `quick` itself
     preset: ClassVar[Mapping[str, Any] | str] = ''
@@ -347,10 +347,6 @@ class StudyRequest(ReportRequest):
     workers: int | None = option(
         'Number of worker processes; one per processor by default.', default=None, low=1,
         kw_only=True,
-    )  # fmt: skip
-    scheduler: str | None = option(
-        'Use a Dask cluster; address of its scheduler, such as tcp://127.0.0.1:8786.',
-        default=None, metavar='ADDRESS', kw_only=True,
     )  # fmt: skip
     retry_failed: bool = option(
         'Repeat what failed in an earlier run.', default=False, kw_only=True
@@ -376,7 +372,7 @@ class StudyRequest(ReportRequest):
     @property
     def options(self) -> StudyOptions:
         """Who computes the items."""
-        return StudyOptions(self.workers, self.scheduler, self.retry_failed)
+        return StudyOptions(self.workers, retry_failed=self.retry_failed)
 
     def shorten(self) -> Self:
         """Return what is run: with --quick, the values that it presets."""
@@ -384,3 +380,17 @@ class StudyRequest(ReportRequest):
             return self
         values = {key: self.preset[key] for key in self.preset.keys() - self.model_fields_set}
         return self.replace(**values)
+
+
+class StudyRequest(LocalStudyRequest):
+    """A request that computes many items on this machine or on a cluster."""
+
+    scheduler: str | None = option(
+        'Use a Dask cluster; address of its scheduler, such as tcp://127.0.0.1:8786.',
+        default=None, metavar='ADDRESS', kw_only=True,
+    )  # fmt: skip
+
+    @property
+    def options(self) -> StudyOptions:
+        """Who computes the items."""
+        return StudyOptions(self.workers, self.scheduler, self.retry_failed)

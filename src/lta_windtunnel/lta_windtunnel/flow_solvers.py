@@ -7,7 +7,7 @@ On two cores this is faster than one flow on both, and a failing flow does not a
 from collections.abc import Generator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
-from typing import Final, final, Protocol
+from typing import Final, final
 
 from lta_windtunnel import flow_checks, reduce
 from lta_windtunnel.flow_plan import TunnelFlow
@@ -25,20 +25,6 @@ SUMMARIZERS: Final = {
 }
 Points = tuple[list[SweepPoint], dict[str, str]]  # points, and the refused ones with their reason
 Found = Points | Blow
-
-
-class FlowSolver(Protocol):
-    """Interface of a flow solver."""
-
-    def solver_version(self) -> str:
-        """Return name and version of the solver."""
-        ...
-
-    def solve_flows(
-        self, model: TunnelModel, flows: Sequence[TunnelFlow], density: float
-    ) -> Generator[tuple[TunnelFlow, Found | CaseFailed]]:
-        """Yield each flow with its result, and stop when closed; arguments as in `solve_flow`."""
-        ...
 
 
 @final

@@ -8,7 +8,7 @@ from typing import Final
 from lta_config.errors import BadInput
 from lta_windtunnel.analytic import damping_moment, drag_force
 from lta_windtunnel.flow_plan import Air, TunnelFlow
-from lta_windtunnel.flow_solvers import FlowSolver, split_failed_points
+from lta_windtunnel.flow_solvers import split_failed_points, ThreadedFlowSolver
 from lta_windtunnel.still_air import TURN_RATES
 from lta_windtunnel.sweep_table import (
     AXES,
@@ -27,10 +27,7 @@ ANALYTIC_METHOD: Final = 'analytic estimate'
 ESTIMATE_QUALITY: Final = FlowQuality(spread=0.0, window=0.0, cells=0, seconds=0.0)
 
 
-def check_memory(
-    flows: Sequence[TunnelFlow], jobs: int, limit: float,
-    remedy: str = 'use --workers 1, a coarser fidelity, or more --memory',
-) -> None:  # fmt: skip
+def check_memory(flows: Sequence[TunnelFlow], jobs: int, limit: float) -> None:
     """Raise `BadInput` before any work if the meshes would exceed a limit. [bytes]"""
     largest = max((flow.case.cells for flow in flows), default=0)
     # Worst case: all jobs mesh the largest case at once
@@ -39,7 +36,7 @@ def check_memory(
         raise BadInput(
             f'Meshes of up to {largest} cells, {jobs} at a time, need about '
             f'{need / 1e9:.1f} GB of memory, but only {limit / 1e9:.1f} GB are available; '
-            f'{remedy}.'
+            'use --workers 1, a coarser fidelity, or more --memory.'
         )
 
 
@@ -49,7 +46,7 @@ def machine_memory() -> float:
 
 
 def solve_sweep(
-    solver: FlowSolver,
+    solver: ThreadedFlowSolver,
     model: TunnelModel,
     flows: Sequence[TunnelFlow],
     air: Air,

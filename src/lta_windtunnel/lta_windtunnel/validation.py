@@ -13,7 +13,7 @@ import math
 from typing import Final, final
 
 from lta_windtunnel.flow_plan import Air, MIDDLE_SPEED, TRANSIENT_LENGTHS, TunnelFlow
-from lta_windtunnel.flow_solvers import FlowSolver, split_failed_points
+from lta_windtunnel.flow_solvers import split_failed_points, ThreadedFlowSolver
 from lta_windtunnel.shape import ellipse_profile, revolve_profile
 from lta_windtunnel.sweep_table import Blow, SweepPoint
 from lta_windtunnel.tunnel import (
@@ -111,7 +111,7 @@ def plan_validation_flows(model: TunnelModel, fidelity: str, air: Air) -> list[T
 
 
 def compare_with_measurements(
-    solver: FlowSolver,
+    solver: ThreadedFlowSolver,
     model: TunnelModel,
     planned: Sequence[TunnelFlow],
     air: Air,

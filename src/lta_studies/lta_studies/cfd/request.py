@@ -11,11 +11,10 @@ from lta_config.files import share_folder
 from lta_config.schema.mount_file import load_mount
 from lta_config.schema.vehicle_aero import load_tunnel_file
 from lta_report.report import Report
-from lta_report.request import Action, argument, option, Outcome, StudyRequest, StudyRun
+from lta_report.request import Action, argument, LocalStudyRequest, option, Outcome, StudyRun
 from lta_report.results_folder import resolve_folder, write_file
-from lta_studies.cfd.cluster import (
+from lta_studies.cfd.progress import (
     CACHE,
-    check_solver_options,
     open_solver,
     refuse_solver_options,
     resolve_cache_folder,
@@ -25,7 +24,7 @@ from lta_windtunnel.aero_text import format_aero_file
 from lta_windtunnel.flow_fields import FlowSlice, read_flow_slice
 from lta_windtunnel.flow_plan import plan_flows, TUNNEL_AIR, TunnelFlow
 from lta_windtunnel.openfoam.case import CaseRunner
-from lta_windtunnel.openfoam.programs import FoamPrograms
+from lta_windtunnel.openfoam.programs import FoamPrograms, require_openfoam
 from lta_windtunnel.solve import build_sweep, solve_sweep
 from lta_windtunnel.sweep_table import read_sweep, TunnelSweep
 from lta_windtunnel.tunnel import INCIDENCES
@@ -50,7 +49,7 @@ class Fidelity(StrEnum):
 
 @final
 class TunnelRequest(
-    StudyRequest, command='cfd run', folder='cfd', quick={'fidelity': Fidelity.analytic},
+    LocalStudyRequest, command='cfd run', folder='cfd', quick={'fidelity': Fidelity.analytic},
     resumes=False,
 ):  # fmt: skip
     """
@@ -108,7 +107,7 @@ class TunnelRequest(
         if self.fidelity is Fidelity.analytic:
             refuse_solver_options(run.options)
         else:
-            check_solver_options(run.options)
+            require_openfoam()
             flows = select_flows(model, self.fidelity, self.only)
         if flows:
             with TunnelProgress(run.console, flows) as bar:
@@ -128,7 +127,7 @@ class TunnelRequest(
 
 @final
 class SphereRequest(
-    StudyRequest, command='cfd validate', folder='cfd-sphere', resumes=False,
+    LocalStudyRequest, command='cfd validate', folder='cfd-sphere', resumes=False,
     quick='Solve only the coarser of the two steady meshes.',
 ):  # fmt: skip
     """
@@ -158,8 +157,7 @@ class SphereRequest(
             raise BadInput(
                 '--fidelity analytic solves no flow to validate; choose preview or reference.'
             )
-        # Fail before any work if OpenFOAM or the scheduler is missing
-        check_solver_options(run.options)
+        require_openfoam()
         # The reference includes the preview, to show the effect of the model
         both = ('preview', 'reference')
         levels = both[:1] if self.fidelity is Fidelity.preview else both

@@ -3,11 +3,10 @@
 import json
 import math
 import shutil
-import sys
 
 from lta_config.files import share_folder
 from lta_report.report_terminal import print_table
-from lta_studies.cfd.cluster import TunnelProgress
+from lta_studies.cfd.progress import TunnelProgress
 from lta_studies.cfd.report import build_drag_table, build_rotor_table
 from lta_studies.cfd.sphere import build_report
 from lta_windtunnel.flow_plan import plan_flows
@@ -77,7 +76,6 @@ def test_nothing_solved_is_status_1_with_the_analytic_part(run, monkeypatch, tmp
     [
         (('--only', 'heavy'), "'heavy'"),
         (('--memory', '0.1', '--only', 'heave'), 'need about'),
-        (('--scheduler', 'tcp://127.0.0.1:1', '--workers', '2'), 'leave --workers out'),
     ],
 )
 def test_bad_input_is_one_sentence_and_leaves_no_folder(run, tmp_path, words, said):
@@ -95,13 +93,6 @@ def test_without_openfoam_nothing_is_begun(run, monkeypatch, tmp_path):
     assert not (tmp_path / 'done').exists()
 
 
-def test_a_cluster_without_dask_is_one_sentence(run, monkeypatch):
-    monkeypatch.setitem(sys.modules, 'distributed', None)
-    status, told = run('--scheduler', 'tcp://127.0.0.1:1')
-    assert status == 2
-    assert '-r requirements-dask' in told.err
-
-
 @pytest.mark.long
 def test_a_sphere_is_judged(fake, call, monkeypatch, tmp_path):
     """The transients begin with a small step, whatever the steady flow before them took."""
@@ -114,42 +105,6 @@ def test_a_sphere_is_judged(fake, call, monkeypatch, tmp_path):
     for each in found:  # 0.05 N at 1 kg/m3 and 1 m/s, on the shadow of a sphere of 1 m
         share = alone[each['setting'].split(',')[0]]
         assert each['coefficient'] == pytest.approx(0.4 / math.pi * share, rel=1e-3)
-
-
-@pytest.fixture
-def cluster(fake):
-    """Return the address of a scheduler with two workers in this process; needs Dask."""
-    distributed = pytest.importorskip('distributed')
-    options = {'processes': False, 'n_workers': 2, 'threads_per_worker': 1}
-    with distributed.LocalCluster(**options, dashboard_address=None) as there:
-        yield there.scheduler_address
-
-
-def test_a_cluster_solves_what_this_machine_solves(cluster, run, call, tmp_path, fake):
-    words = ('--only', 'heave', '--only', 'surge', '--only', 'up_left')
-    assert run(*words, '--scheduler', cluster)[0] == 0
-    there = read_sweep(tmp_path / 'done/gtmab.sweep.json')
-    shutil.rmtree(fake)
-    shutil.rmtree(tmp_path / 'done')
-    assert run(*words)[0] == 0
-    assert read_sweep(tmp_path / 'done/gtmab.sweep.json') == there
-
-
-def test_what_dies_on_a_cluster_is_said_and_the_rest_is_kept(cluster, run, monkeypatch, tmp_path):
-    monkeypatch.setenv('FAKE_FAULT', 'still mesh:killed')
-    status, said = run('--only', 'heave', '--only', 'up_left', '--scheduler', cluster)
-    assert status == 0
-    assert 'up_left: blockMesh was killed' in said.out
-    sweep = read_sweep(tmp_path / 'done/gtmab.sweep.json')
-    assert (list(sweep.axes), list(sweep.refused)) == (['heave'], ['up_left'])
-
-
-def test_a_worker_without_openfoam_is_one_sentence(cluster, run, monkeypatch, tmp_path):
-    monkeypatch.setattr(shutil, 'which', lambda _: None)
-    status, told = run('--scheduler', cluster)
-    assert status == 2
-    assert 'is not installed on the worker' in told.err
-    assert not (tmp_path / 'done').exists()
 
 
 def test_every_setting_of_the_sphere_is_drawn():
