@@ -62,4 +62,3 @@ draw quick mounting top ./lta energy mounting --out
 draw quick light_plan coverage ./lta light plan warehouse --out
 draw quick mission day ./lta mission greenhouse_summer --out
 draw long evaluate top ./lta light evaluate --seeds 50 --device cpu-batch --out
-draw long cfd_sphere sphere ./lta cfd validate --fidelity reference --out

@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     from lta_discovery.planning.next_flight import SeparatingFlightRequest
     from lta_flight.replay.run import NodeReplayRequest
     from lta_flight.sweep.run import SweepRequest
-    from lta_studies.cfd.request import RefitRequest, SphereRequest, TunnelRequest
+    from lta_studies.cfd.request import RefitRequest, TunnelRequest
     from lta_studies.energy.breakeven import BreakEvenRequest
     from lta_studies.energy.budget.run import BudgetRequest
     from lta_studies.energy.cells.request import CellsRequest
@@ -76,7 +76,6 @@ if TYPE_CHECKING:
     cells = as_function(CellsRequest)
     cfd_refit = as_function(RefitRequest)
     cfd_run = as_function(TunnelRequest)
-    cfd_validate = as_function(SphereRequest)
     compare = as_function(FlightComparisonRequest)
     discover = as_function(DiscoveryRequest)
     effects = as_function(EffectListRequest)

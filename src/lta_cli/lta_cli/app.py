@@ -158,7 +158,6 @@ CFD_VERBS: Final = VerbGroup(
     'Compute drag and rotor slipstreams from the shape of a vehicle (virtual wind tunnel).',
     {
         'run': call('cfd_run'),
-        'validate': call('cfd_validate'),
         'refit': call('cfd_refit'),
     },
 )

@@ -1,4 +1,4 @@
-"""What `lta cfd run`, `validate` and `refit` take, and what they do in which order."""
+"""What `lta cfd run` and `refit` take, and what they do in which order."""
 
 from collections.abc import Sequence
 from enum import StrEnum
@@ -6,7 +6,7 @@ from pathlib import Path
 import sys
 from typing import final
 
-from lta_config.errors import BadInput, unknown_name_error
+from lta_config.errors import unknown_name_error
 from lta_config.files import share_folder
 from lta_config.schema.mount_file import load_mount
 from lta_config.schema.vehicle_aero import load_tunnel_file
@@ -29,11 +29,6 @@ from lta_windtunnel.solve import build_sweep, solve_sweep
 from lta_windtunnel.sweep_table import read_sweep, TunnelSweep
 from lta_windtunnel.tunnel import INCIDENCES
 from lta_windtunnel.tunnel_model import load_tunnel_model, TunnelModel
-from lta_windtunnel.validation import (
-    build_sphere_model,
-    compare_with_measurements,
-    plan_validation_flows,
-)
 from rich.console import Console
 
 SLICED_FLOWS = ('heave', 'surge', 'up_left', 'both_up', 'all', 'up_left_reversed', 'forward_left')
@@ -123,59 +118,6 @@ class TunnelRequest(
         cache = resolve_cache_folder(self.cache)
         slices = slice_flows(model, sweep, flows, cache) if self.page else []
         return build_report(sweep, slices)
-
-
-@final
-class SphereRequest(
-    LocalStudyRequest, command='cfd validate', folder='cfd-sphere', resumes=False,
-    quick='Solve only the coarser of the two steady meshes.',
-):  # fmt: skip
-    """
-    Validate the wind tunnel: a 1 m sphere against Morrison's formula and Achenbach's scatter.
-
-    The steady model is accurate at low speed. At high speed it underestimates drag, because its
-    boundary layer turns turbulent too early and its wake does not shed. Two meshes show the
-    effect of refinement. The transient model averages over 20 diameters of flow or more.
-
-    Exit status 0: done, whatever the error. 1: nothing could be solved. 2: bad input. 130: Ctrl-C.
-
-    Example: lta cfd validate --fidelity reference
-    """
-
-    fidelity: Fidelity = option(
-        'Flow solvers to validate. preview: only the steady solver. reference: also the transient '
-        'solver.',
-        default=Fidelity.preview,
-    )
-    cache: Path | None = CACHE
-
-    def run(self, run: StudyRun) -> Report:
-        """Return the report of the drag of a sphere."""
-        from lta_studies.cfd.sphere import build_report
-
-        if self.fidelity is Fidelity.analytic:
-            raise BadInput(
-                '--fidelity analytic solves no flow to validate; choose preview or reference.'
-            )
-        require_openfoam()
-        # The reference includes the preview, to show the effect of the model
-        both = ('preview', 'reference')
-        levels = both[:1] if self.fidelity is Fidelity.preview else both
-        model = build_sphere_model()
-        flows = [
-            flow for level in levels for flow in plan_validation_flows(model, level, TUNNEL_AIR)
-        ]
-        if self.quick:
-            flows = [min(flows, key=lambda flow: flow.case.cells)]
-        with TunnelProgress(run.console, flows) as bar:
-            solver = open_solver(flows, bar, run.options, self.cache)
-            results = compare_with_measurements(solver, model, flows, TUNNEL_AIR, bar.show_message)
-        if not results:
-            # The progress display has listed the reasons
-            run.writes = False
-            text = 'No flow could be solved.'
-            return Report('cfd validate', '', text, '', [], [], {}, status=1)
-        return build_report(results, sum(len(flow.speeds) for flow in flows))
 
 
 @final
