@@ -12,7 +12,7 @@ import tempfile
 import time
 from typing import Any
 
-from lta_flight.flight import FlightRequest, fly_once
+from lta_flight.flight import fly_once
 
 from campaigns import ROOT
 from campaigns.bench import Figure
@@ -85,8 +85,8 @@ def fly(processes: Any, clock: Any = 'lockstep', node: str = '') -> tuple[float,
     watcher = ProcessorObserver(node)
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / 'flight'
-        request = FlightRequest('gtmab', 'lamp_room', 'bag', 1, clock, out, None, processes)
-        pace = fly_once(request, watcher).pace
+        scene = ('gtmab', 'lamp_room', 'bag', 1)
+        pace = fly_once(*scene, watcher, time=clock, processes=processes, out=out).pace
     return pace, watcher.share if clock == 'realtime' else 0.0
 
 

@@ -12,7 +12,7 @@ import tempfile
 from typing import Final
 
 from lta_data.bag import open_flight
-from lta_flight.flight import FlightRequest, fly_once
+from lta_flight.flight import fly_once
 from lta_flight.progress import FlightProgress
 from lta_flight.report.results import compute_results
 from lta_flight.report.view import FlightView
@@ -27,8 +27,8 @@ def run(case: Case, options: Namespace) -> Row:
     """Return the outcome and the figures of a seed."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / 'flight'
-        request = FlightRequest('gtmab', case.kind, 'bag', case.number, 'lockstep', out)
-        flight = fly_once(request, FlightProgress(Console(quiet=True)))
+        watcher = FlightProgress(Console(quiet=True))
+        flight = fly_once('gtmab', case.kind, 'bag', case.number, watcher, out=out)
         results = compute_results(FlightView(open_flight(flight.bag)))
     return {'outcome': flight.outcome} | {name: getattr(results, name) for name in PAPER}
 

@@ -161,7 +161,6 @@ def run_quickly(*words):
 
 
 PAGES = {
-    'hover': run_quickly('energy', 'hover', '--quick'),
     'budget': run_quickly('energy', 'budget', '--quick'),
     'mounting': run_quickly('energy', 'mounting', '--quick', '--mount', 'side'),
     'cfd': run_quickly('cfd', 'run', '--quick'),
@@ -169,7 +168,6 @@ PAGES = {
     'mission': run_quickly('mission', '--seeds', '1', '--workers', '1'),
     'wind': run_quickly('wind', 'gtmab', 'skye', '--no-fly'),
     'bearing': run_quickly('light', 'bearing', '--diodes', '8', '--range', '3', '--poses', '3'),
-    'study': run_quickly('light', 'study', '--readings', '1'),
     'light_plan': run_quickly('light', 'plan', '--cell', '2', '--lamps', '3'),
     'light_link': run_quickly('light', 'link', '--scenario', 'lamp_room', '--distance', '3',
                               '--distance', '7', '--blocks', '2'),
@@ -191,7 +189,6 @@ def typed(*words):
 
 # What takes long to make; the report that all share is looked at on the other pages.
 LONG = (
-    'hover',
     'budget',
     'mounting',
     'cfd',
@@ -201,7 +198,6 @@ LONG = (
     'wind',
     'light_link',
     'bearing',
-    'study',
     'platforms',
     'evaluate',
     'tune',

@@ -96,16 +96,16 @@ class FlyRequest(Action, command='fly', json=True):
     def run(self, console: Console) -> Outcome[FlightRun]:
         """Fly, write the page, and return the run."""
         from lta_data.scene import describe_exceeded_region_of_bag
-        from lta_flight.flight import FlightRequest, fly_once
+        from lta_flight.flight import fly_once
 
         # A live view in lockstep would run too fast to watch
         pace = self.time or ('realtime' if self.live else 'lockstep')
-        request = FlightRequest(
-            self.vehicle, self.scenario, self.strategy, self.seed, pace, self.out,
-            self.live_port if self.live else None, self.processes,
-        )  # fmt: skip
         with FlightProgress(console) as progress:
-            flight = fly_once(request, progress)
+            flight = fly_once(
+                self.vehicle, self.scenario, self.strategy, self.seed, progress, time=pace,
+                processes=self.processes, live_port=self.live_port if self.live else None,
+                out=self.out,
+            )  # fmt: skip
         page = flight.folder / 'report.html' if self.page else None
         results = report_run(flight, page)
         if results is not None:

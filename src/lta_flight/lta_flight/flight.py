@@ -7,10 +7,9 @@ the graph are named within a second. However the flight ends, no process remains
 
 from collections.abc import Collection, Iterable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
 import json
 from pathlib import Path
-from typing import final, Literal, TYPE_CHECKING
+from typing import Literal, TYPE_CHECKING
 
 from lta_bridge.bag.writer import prepare_empty_folder
 from lta_config.command_line import format_lta_command, relative_path
@@ -40,31 +39,43 @@ STALL_PATIENCE = 10.0  # wall seconds of a stall after which the graph is stoppe
 POLL_PERIOD = 0.05  # wall seconds between polls of the processes and the diagnostics
 
 
-@final
-@dataclass(frozen=True, slots=True)
-class FlightRequest:
-    """What to fly: names or files, checked by `fly_once`."""
-
-    vehicle: str
-    scenario: str
-    strategy: str
-    seed: int
-    time: Literal['lockstep', 'realtime']
-    out: Path | None = None
-    live_port: int | None = None  # for Foxglove
-    processes: Literal['many', 'one'] = 'many'  # of the nodes
-
-
-def fly_once(order: FlightRequest, watcher: FlightProgress) -> FlightRun:
+def fly_once(
+    vehicle: str,
+    scenario: str,
+    strategy: str,
+    seed: int,
+    watcher: FlightProgress,
+    *,
+    time: Literal['lockstep', 'realtime'] = 'lockstep',
+    processes: Literal['many', 'one'] = 'many',
+    live_port: int | None = None,
+    out: Path | None = None,
+) -> FlightRun:
     """
     Fly one flight and return its result.
 
-    Raise `BadInput` if the request is invalid; nothing has been started then.
+    `vehicle`, `scenario`, `strategy`: names or files. `time`, `processes`: arguments of the
+    launch. `live_port`: for Foxglove; None without a live view. `out`: folder of the results, in
+    runs/ by default. Raise `BadInput` if the flight is invalid; nothing has been started then.
     """
-    scenario = load_scenario(order.scenario)
-    find_navigation_strategy(order.strategy)
-    folder = resolve_folder(order.out, f'{scenario.name}-{order.seed}')
-    plan = FLY.build_plan(build_launch_arguments(order, folder / 'bag'))
+    scene = load_scenario(scenario)
+    find_navigation_strategy(strategy)
+    folder = resolve_folder(out, f'{scene.name}-{seed}')
+    control = load_vehicle(vehicle).file.control
+    gains = control.gains if control else None
+    arguments = {
+        'robot': ROBOT,
+        **({'gains': gains} if gains else {}),
+        'vehicle': vehicle,
+        'scenario': scenario,
+        'strategy': strategy,
+        'time': time,
+        'processes': processes,
+        'seed': str(seed),
+        'bag': str(folder / 'bag'),
+        **({} if live_port is None else {'live': 'true', 'live_port': f'{live_port}'}),
+    }
+    plan = FLY.build_plan(arguments)
     check_plan(plan)
     spare = find_viewers(plan)
     # Imported late: flights in one process do not need ROS
@@ -96,24 +107,6 @@ def report_interrupted_flight(folder: Path, watcher: FlightProgress, *, new: boo
     elif new:
         with suppress(OSError):  # it has other contents
             folder.rmdir()
-
-
-def build_launch_arguments(order: FlightRequest, bag: Path) -> dict[str, str]:
-    """Return a request as launch arguments."""
-    control = load_vehicle(order.vehicle).file.control
-    named = control.gains if control else None
-    return {
-        'robot': ROBOT,
-        **({'gains': named} if named else {}),
-        'vehicle': order.vehicle,
-        'scenario': order.scenario,
-        'strategy': order.strategy,
-        'time': order.time,
-        'processes': order.processes,
-        'seed': str(order.seed),
-        'bag': str(bag),
-        **({} if order.live_port is None else {'live': 'true', 'live_port': f'{order.live_port}'}),
-    }
 
 
 def supervise_flight(

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from lta_config.errors import BadInput
 from lta_config.files import list_shipped_names
-from lta_flight.flight import FlightRequest, fly_once
+from lta_flight.flight import fly_once
 from lta_flight.flight_spec import build_vehicle_scenario_stack, load_spec
 from lta_flight.lamp_frequency import check_lamp_frequency
 from lta_model.scenario import load_scenario
@@ -56,7 +56,6 @@ def test_every_shipped_scene_is_heard(name):
 def test_the_graph_is_not_even_started(other, tmp_path):
     scene = tmp_path / 'other.yaml'
     scene.write_text(yaml.safe_dump(other().contents['scenario']))
-    order = FlightRequest('gtmab', str(scene), 'bag', 1, 'lockstep', tmp_path / 'out')
     with pytest.raises(BadInput, match='flickers at 230 Hz'):
-        fly_once(order, None)
+        fly_once('gtmab', str(scene), 'bag', 1, None, out=tmp_path / 'out')
     assert not (tmp_path / 'out').exists()
