@@ -127,7 +127,7 @@ def test_a_file_in_a_folder_with_such_a_name_is_one_sentence(tmp_path, name):
 
 
 def test_a_terminal_without_our_characters_gets_others():
-    """This is the whole program; the sheet of a vehicle has a picture in Braille."""
+    """This is the whole program; the sheet of a vehicle has bullets and degrees."""
     code = 'from lta_cli.command import main; main()'
     done = subprocess.run(
         [sys.executable, '-c', code, 'vehicle', 'show', 'gtmab'],
