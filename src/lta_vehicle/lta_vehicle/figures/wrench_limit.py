@@ -13,7 +13,7 @@ For the climb under a constant force F, with the mass M that includes the added 
 
     M v' = F - D1 v - D2 v^2
 
-is integrated by RK4. For D1 = 0 the closed form is t = (M / sqrt(F D2)) acosh(exp(D2 h / M)).
+is integrated. For D1 = 0 the closed form is t = (M / sqrt(F D2)) acosh(exp(D2 h / M)).
 """
 
 from dataclasses import dataclass
@@ -24,6 +24,7 @@ from lta_model.limits import steady_speed
 from lta_model.vehicle import Vehicle
 import numpy as np
 from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
 from scipy.optimize import linprog
 
 Array = NDArray[np.float64]
@@ -114,7 +115,6 @@ def _coupling_constraints(vehicle: Vehicle, count: int) -> Array:
     return np.array(rows)
 
 
-CLIMB_STEP = 0.005  # s; the shortest of these climbs last about 1 s
 LONGEST_CLIMB = 600.0  # s; a slower climb is reported as none
 
 
@@ -139,22 +139,19 @@ def time_to_climb(
     if force <= 0.0:
         return None
 
-    def acceleration(speed: float) -> float:
-        return (force - (linear + quadratic * abs(speed)) * speed) / mass
+    def slopes(_: float, motion: Array) -> tuple[float, float]:
+        speed = float(motion[1])
+        return speed, (force - (linear + quadratic * abs(speed)) * speed) / mass
 
-    z, v, t = 0.0, 0.0, 0.0
-    while t < LONGEST_CLIMB:
-        a = acceleration(v)
-        b = acceleration(v + 0.5 * CLIMB_STEP * a)
-        c = acceleration(v + 0.5 * CLIMB_STEP * b)
-        d = acceleration(v + CLIMB_STEP * c)
-        # Position update of RK4 for a second-order equation whose force depends on the speed only
-        rise = CLIMB_STEP * (v + CLIMB_STEP * (a + b + c) / 6.0)
-        if z + rise >= height:
-            # Interpolate linearly within the last step
-            return t + CLIMB_STEP * (height - z) / rise
-        z, v, t = z + rise, v + CLIMB_STEP * (a + 2.0 * b + 2.0 * c + d) / 6.0, t + CLIMB_STEP
-    return None
+    def missing(_: float, motion: Array) -> float:
+        return float(motion[0]) - height
+
+    missing.terminal = True  # type: ignore[attr-defined]
+    climb = solve_ivp(
+        slopes, (0.0, LONGEST_CLIMB), (0.0, 0.0), events=missing, rtol=1e-9, atol=1e-9
+    )
+    (arrivals,) = climb.t_events
+    return float(arrivals[0]) if len(arrivals) else None
 
 
 def terminal_speed(force: float, linear: float, quadratic: float) -> float | None:
