@@ -4,15 +4,12 @@ One row of the reproduction: the claims of the seed paper, and how they are meas
 Each claim has a rule for agreement and the measure that it judges; where its words allow several
 readings, one measure for each. Each measure has a unit and a number of digits. Defects are
 contradictions within the paper, with the arithmetic. A row never contains our results: its texts
-name a measure in braces, and a defect names its expressions.
+name a measure in braces.
 """
 
-import ast
-from collections.abc import Callable, Mapping, Sequence
-import math
-import operator
+from collections.abc import Mapping, Sequence
 from string import Formatter
-from typing import Annotated, Any, Final, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from lta_config.files import (
     find_file,
@@ -24,41 +21,6 @@ from lta_config.files import (
 )
 from lta_config.quantity import Quantity, SI_UNITS
 from pydantic import AliasChoices, Field, model_validator
-
-BINARY_OPERATORS: Final[dict[type[ast.operator], Callable[[float, float], float]]] = {
-    ast.Add: operator.add,
-    ast.Sub: operator.sub,
-    ast.Mult: operator.mul,
-    ast.Div: operator.truediv,
-    ast.Pow: operator.pow,
-}
-
-
-def evaluate_expression(text: str) -> float:
-    """Return the value of an arithmetic expression; raise `ValueError` if the text is not one."""
-    try:
-        # Only the node types below are evaluated, so a file cannot run code as with `eval`
-        return _evaluate_node(ast.parse(text, mode='eval').body)
-    except (SyntaxError, ZeroDivisionError, OverflowError):
-        raise ValueError(_describe_misfit(text)) from None
-
-
-def _evaluate_node(node: ast.expr) -> float:
-    match node:
-        case ast.Constant(value=int() | float() as number):
-            return float(number)
-        case ast.Name(id='pi'):
-            return math.pi
-        case ast.UnaryOp(op=ast.USub(), operand=inner):
-            return -_evaluate_node(inner)
-        case ast.BinOp(left=left, op=op, right=right) if type(op) in BINARY_OPERATORS:
-            return BINARY_OPERATORS[type(op)](_evaluate_node(left), _evaluate_node(right))
-    raise ValueError(_describe_misfit(ast.unparse(node)))
-
-
-def _describe_misfit(text: str) -> str:
-    return f'cannot evaluate "{text}"; use only numbers, pi, + - * / ** and brackets'
-
 
 # A printed number, our reading of words, or a LaTeX comment
 Source = Literal['printed', 'read', 'comment']
@@ -155,17 +117,11 @@ class PaperClaim(StrictModel):
 
 
 class PaperDefect(StrictModel):
-    """A contradiction in the paper; `{0:.2f}` in `follows` is the first expression of `sums`."""
+    """A contradiction in the paper."""
 
     says: str
-    sums: Sequence[str] = ()
-    follows: str
+    follows: str  # what follows, with the arithmetic
     here: str
-
-    @property
-    def arithmetic(self) -> str:
-        """The consequence, with its expressions evaluated."""
-        return self.follows.format(*map(evaluate_expression, self.sums))
 
 
 class SeedCounts(StrictModel):
@@ -224,11 +180,6 @@ class PaperRow(StrictModel):
                     self._check_names(name, f'{{{measure}}}')
             for measure in claim.measures.values() if claim.rule else ():
                 self._check_units(name, self.measures[measure], claim)
-        for name, defect in self.defects.items():
-            try:
-                _ = defect.arithmetic
-            except (LookupError, ValueError) as error:
-                raise ValueError(f'has an invalid defect {name}: {error}') from None
         return self
 
     def _check_names(self, claim: str, text: str) -> None:

@@ -253,7 +253,7 @@ def fill_measures_or_blank(text: str, row: PaperRow, stored: StoredRow) -> str:
 def build_defect_table(rows: Sequence[PaperRow]) -> TextTable:
     """Return one table row per defect of the paper, with its arithmetic."""
     lines = [
-        [str(row.number), each.says, each.arithmetic, each.here]
+        [str(row.number), each.says, each.follows, each.here]
         for row in rows
         for each in row.defects.values()
     ]
