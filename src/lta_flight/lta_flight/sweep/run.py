@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
-import hashlib
 import math
 from pathlib import Path
 import time
@@ -20,7 +19,7 @@ from lta_flight.sweep.job_runner import fly_job, store_row, SWEEP_STORE, SweepRo
 from lta_flight.sweep.plan import SweepJob, SweepPlan
 from lta_report.report import Report
 from lta_report.request import argument, option, StudyRequest, StudyRun
-from lta_report.study import run_items
+from lta_report.study import hash_inputs, run_items
 from lta_report.study_progress import StudyProgress
 from lta_report.study_store import StudyStore
 from lta_report.workers import Workers
@@ -109,9 +108,8 @@ class SweepRequest(
 
     def compute_sweep_hash(self, plan: SweepPlan) -> str:
         """Return the hash of everything that determines the flights."""
-        if not self.flight_options:
-            return plan.identity
-        return hashlib.sha256(' '.join((plan.identity, *self.flight_options)).encode()).hexdigest()
+        options = self.flight_options
+        return hash_inputs(plan.identity, *options) if options else plan.identity
 
 
 @final

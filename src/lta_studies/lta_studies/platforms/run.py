@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from datetime import datetime
 from functools import cache
-import hashlib
 from operator import attrgetter
 from typing import Any, Final, final, NamedTuple
 
@@ -23,7 +22,7 @@ from lta_report.json_value import StoredArray
 from lta_report.report import Report
 from lta_report.request import argument, option, StudyRequest, StudyRun
 from lta_report.results_folder import resolve_folder
-from lta_report.study import Study
+from lta_report.study import hash_inputs, Study
 from lta_report.study_store import StoreFormat
 from lta_studies.platforms.flight import (
     build_entrant,
@@ -144,7 +143,7 @@ class ComparisonEntries(NamedTuple):
             ]  # fmt: skip
         for manoeuvre, file in sorted(self.manoeuvres.items()):
             parts += [manoeuvre, file.model_dump_json()]
-        return hashlib.sha256('\n'.join(parts).encode()).hexdigest()
+        return hash_inputs(*parts)
 
 
 def list_jobs(file: str, comparison: ComparisonFile, seeds: int) -> list[PlatformJob]:

@@ -3,8 +3,6 @@
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-import hashlib
-import json
 import math
 from typing import Any, Final, final, NamedTuple
 
@@ -15,6 +13,7 @@ from lta_config.schema.paper_file import AgreementRule, PaperRow, SceneRange
 from lta_flight.sweep.statistics import student_interval
 from lta_report.json_value import replace_nonfinite
 from lta_report.report import TextTable
+from lta_report.study import hash_inputs
 import numpy as np
 from plotly.graph_objects import Figure
 
@@ -197,9 +196,7 @@ class StoredRow:
 
 def hash_row(row: PaperRow, seeds: int, quick: bool, code: str) -> str:
     """Return a hash of the inputs of a row: its file, the effort, and the hash of the code."""
-    # Sorted keys, so that the order in the file does not matter.
-    text = json.dumps([row.model_dump(mode='json'), seeds, quick, code], sort_keys=True)
-    return hashlib.sha256(text.encode()).hexdigest()
+    return hash_inputs(row.model_dump_json(), seeds, quick, code)
 
 
 def build_stored_row(

@@ -14,11 +14,9 @@ more, which outweighs all other terms.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-import hashlib
-import json
 import math
 from operator import attrgetter
-from typing import Any, Final, final, NamedTuple, TypeVar
+from typing import Final, final, NamedTuple, TypeVar
 
 from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table
@@ -272,14 +270,6 @@ SEARCH_STORE: Final = StoreFormat(
     TypeAdapter(CandidateCosts),
     find_key=attrgetter('numbers'),
 )
-
-
-def hash_search(content: Any) -> str:  # noqa: ANN401 - what JSON holds
-    """Return a hash that identifies a search by its inputs."""
-    # Sorted keys: the hash must not depend on the order in which the inputs were built.
-    text = json.dumps(content, sort_keys=True)
-    # 64 bits are enough to tell the searches of one folder apart.
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 FIRST_COMPARISON_SEED = 1000  # first seed of the comparison; the search uses smaller ones

@@ -15,6 +15,7 @@ from lta_control.gains_file import load_gains
 from lta_report.formatting import format_count
 from lta_report.report import Report
 from lta_report.request import argument, Mass, option, StudyRequest, StudyRun
+from lta_report.study import hash_inputs
 from lta_report.study_progress import StudyProgress
 from lta_report.study_store import StudyStore
 from lta_report.workers import ItemFailure, Workers
@@ -26,7 +27,6 @@ from lta_studies.tune.compare import (
     EvaluationJob,
     fly_comparison,
     GainEvaluation,
-    hash_search,
     ResponseMetrics,
     SEARCH_STORE,
 )
@@ -208,10 +208,8 @@ def tune_once(order: TuningRequest, console: Console) -> TuningResult:
     numbers = select_parameters(old, order.numbers)
     scene, cases = TuningScene(order.vehicle), build_cases(order)
     # The hash of all inputs names the folder, so the same command resumes its search.
-    about = describe_search(order, old, numbers)
-    folder = (
-        order.out or Path('runs') / f'tune-{vehicle_name(order)}-{hash_search(about)[:8]}'
-    ).absolute()
+    identity = hash_inputs(describe_search(order, old, numbers))
+    folder = (order.out or Path('runs') / f'tune-{vehicle_name(order)}-{identity[:8]}').absolute()
     flights = order.budget * len(cases)
     console.print(
         f'{format_count(order.budget, "candidate")} with '
@@ -219,7 +217,7 @@ def tune_once(order: TuningRequest, console: Console) -> TuningResult:
         highlight=False,
     )
     with (
-        StudyStore(folder, SEARCH_STORE, hash_search(about), order.options.retry_failed) as store,
+        StudyStore(folder, SEARCH_STORE, identity, order.options.retry_failed) as store,
         StudyProgress(console, order.budget, unit='candidates') as progress,
         order.options.open_workers(evaluate_gains) as workers,
     ):
