@@ -22,11 +22,11 @@ stderr. 130: Ctrl-C. Flights also end with 3: out of time, or 4: the drone left 
 
 ## Common options
 Verbs that have them list their names under "Also". *Results* are `--out`, `--page`, `--no-page`,
-`--pictures` and `--json`; *workers* are `--workers`, `--scheduler` and `--retry-failed`.
+`--pictures` and `--json`; *workers* are `--scheduler`, `--workers` and `--retry-failed`.
 
 """
 SETS: Final = {
-    '*workers*': ('`--workers`', '`--scheduler`', '`--retry-failed`'),
+    '*workers*': ('`--scheduler`', '`--workers`', '`--retry-failed`'),
     '*results*': ('`--out`', '`--page`, `--no-page`', '`--pictures`', '`--json`'),
 }
 COMMON: Final = 5  # verbs that must have an option, with the same help, to print it once
