@@ -172,7 +172,7 @@ def test_a_simulated_turntable_is_studied(call, bag, tmp_path):
     told = json.loads(said.out)
     assert told['diodes'] == 8
     assert told['blocks'] == [4] * 16  # of six, the first and the last of each hold are left
-    assert math.degrees(np.median(told['ours'])) < 1.0
+    assert math.degrees(np.median(told['fit'])) < 1.0
     assert told['response']['exponent'] == pytest.approx(1.2, abs=0.05)
     assert 'Error by direction' in (tmp_path / 'out' / 'report.html').read_text()
 

@@ -75,8 +75,8 @@ def build_report(
             TextSection('Method', (TURN_METHOD,)),
         ),
         data={
-            'diodes': count, **errors._asdict(), 'response': response._asdict(),
-            'entries': entries,
+            'diodes': count, 'snr': errors.snr, 'paper': errors.paper, 'fit': errors.ours,
+            'blocks': errors.blocks, 'response': response._asdict(), 'entries': entries,
         },
         facts=facts,
         # Lines to paste into the vehicle file
