@@ -150,8 +150,8 @@ def time_to_climb(
     climb = solve_ivp(
         slopes, (0.0, LONGEST_CLIMB), (0.0, 0.0), events=missing, rtol=1e-9, atol=1e-9
     )
-    (arrivals,) = climb.t_events
-    return float(arrivals[0]) if len(arrivals) else None
+    # 1: the climb ended where nothing was missing, at its last time
+    return float(climb.t[-1]) if climb.status == 1 else None
 
 
 def terminal_speed(force: float, linear: float, quadratic: float) -> float | None:
