@@ -1,15 +1,78 @@
-"""Prepare the parameter sets of a linearization, and the inputs of the body kernel for each."""
+"""
+Prepare the parameter sets of a linearization, and the inputs of the body kernel for each.
+
+The vehicles of all parameter sets are built once (`LinearizationPoint`). What they meet in a
+flight is computed for each flight.
+"""
 
 from collections.abc import Sequence
-from typing import final, NamedTuple
+from typing import final, NamedTuple, Self
 
 from lta_discovery.model.nominal import NominalVehicle, ReplayRows
-from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.model.parameters import apply_parameters, FreeParameter
 from lta_discovery.replay.replay import BodyInputs, FlightReplay, ParameterSteps
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+
+
+@final
+class BuiltVehicle(NamedTuple):
+    """A vehicle and its rows."""
+
+    nominal: NominalVehicle
+    rows: ReplayRows
+
+
+@final
+class VehicleStep(NamedTuple):
+    """A parameter: the vehicles before and after its step."""
+
+    index: int
+    parameter: FreeParameter
+    before: BuiltVehicle
+    after: BuiltVehicle
+    step: float
+
+
+@final
+class LinearizationPoint(NamedTuple):
+    """A vehicle about which flights are linearized, and the steps of its parameters."""
+
+    base: BuiltVehicle
+    steps: tuple[VehicleStep, ...]
+    strengths: Array  # of wrenches (`FlightSystem.with_terms`), shape (J,)
+
+    @classmethod
+    def build(
+        cls,
+        nominal: NominalVehicle,
+        parameters: Sequence[FreeParameter],
+        values: Array,
+        columns: NDArray[np.bool_] | None = None,
+    ) -> Self:
+        """
+        Return the point of some values; raise `BadInput` for an impossible vehicle.
+
+        `values`: of the parameters and wrenches, relative to the vehicle, shape (K + J,).
+        `columns`: parameters that are stepped, shape (K,). All by default.
+        """
+        strengths = values[len(parameters) :]
+        nominal, values = apply_parameters(nominal, parameters, values[: len(parameters)])
+        base = BuiltVehicle(nominal, nominal.build_replay_rows())
+        steps = []
+        for k, one in enumerate(parameters):
+            if columns is not None and not columns[k]:
+                continue
+            present, step = one.enable_effect(nominal), one.step_at(float(values[k]))
+            before, after = (
+                base if each is nominal
+                else BuiltVehicle(each, each.update_replay_rows(nominal, base.rows))
+                for each in (present, one.apply_to(nominal, step))
+            )  # fmt: skip
+            steps.append(VehicleStep(k, one, before, after, step))
+        return cls(base, tuple(steps), strengths)
 
 
 @final
@@ -39,22 +102,21 @@ class LinearizationInputs(NamedTuple):
 class _ParameterSets:
     """Parameter sets and their inputs; the first is the point itself."""
 
-    def __init__(self, replay: FlightReplay, nominal: NominalVehicle) -> None:
-        self._replay, self._nominal = replay, nominal
-        self.rows = [replay.build_replay_rows(nominal)]
+    def __init__(self, replay: FlightReplay, base: BuiltVehicle) -> None:
+        self._replay = replay
+        self.rows = [replay.adapt_rows(*base)]
         self.ready = [replay.compute_body_inputs(self.rows[0])]
         # Index of the inputs of each set; several sets share the same inputs
         self.faced = [0]
 
-    def add_pair(self, knob: FreeParameter, value: float) -> tuple[int, int, float]:
+    def add_pair(self, base: BuiltVehicle, one: VehicleStep) -> tuple[int, int, float]:
         """Add the two sets of a parameter's step; return their indices and the step."""
-        present, step = knob.enable_effect(self._nominal), knob.step_at(value)
-        before = 0 if present is self._nominal else self._add_set(knob, present)
-        return before, self._add_set(knob, knob.apply_to(self._nominal, step)), step
+        before = 0 if one.before is base else self._add_set(one.parameter, one.before)
+        return before, self._add_set(one.parameter, one.after), one.step
 
-    def _add_set(self, knob: FreeParameter, nominal: NominalVehicle) -> int:
+    def _add_set(self, knob: FreeParameter, built: BuiltVehicle) -> int:
         """Add the set of a vehicle with a changed parameter."""
-        rows = self._replay.update_replay_rows(nominal, self._nominal, self.rows[0])
+        rows = self._replay.adapt_rows(*built)
         self.faced.append(self._select_inputs(knob, rows))
         self.rows.append(rows)
         return len(self.rows) - 1
@@ -90,37 +152,20 @@ class _ParameterSets:
         )
 
 
-def prepare_linearization(
-    replay: FlightReplay,
-    knobs: Sequence[FreeParameter],
-    nominal: NominalVehicle,
-    values: Array,
-    columns: NDArray[np.bool_] | None = None,
-) -> LinearizationInputs:
-    """
-    Prepare a linearization about a vehicle; raise BadInput for an impossible one.
-
-    `values`: of the parameters in this vehicle, relative to that of the file, shape (K,).
-    """
-    sets, pairs, turned = _ParameterSets(replay, nominal), [], []
+def prepare_linearization(replay: FlightReplay, point: LinearizationPoint) -> LinearizationInputs:
+    """Prepare the linearization of a flight about a point."""
+    sets, pairs, turned = _ParameterSets(replay, point.base), [], []
     moving, reading = [], []
     base = sets.rows[0]
-    for k, knob in enumerate(knobs):
-        if columns is not None and not columns[k]:
-            continue
-        value = float(values[k])
+    for one in point.steps:
         # Parameters of readings do not change the motion, and need no simulation.
-        if knob.reaches != 'reading' or replay.delays_commands(knob):
-            moving.append(k)
-            pairs.append(sets.add_pair(knob, value))
+        if one.parameter.reaches != 'reading' or replay.delays_commands(one.parameter):
+            moving.append(one.index)
+            pairs.append(sets.add_pair(point.base, one))
             continue
-        reading.append(k)
-        present, step = knob.enable_effect(nominal), knob.step_at(value)
-        turned_by = knob.apply_to(nominal, step)
-        after = replay.update_replay_rows(turned_by, nominal, base)
-        same = present is nominal
-        before = base if same else replay.update_replay_rows(present, nominal, base)
-        turned.append(SensorStep(before, after, step))
+        reading.append(one.index)
+        before = base if one.before is point.base else replay.adapt_rows(*one.before)
+        turned.append(SensorStep(before, replay.adapt_rows(*one.after), one.step))
     turns = sets.stack_parameter_sets(pairs)
     return LinearizationInputs(
         base, sets.ready[0], tuple(moving), tuple(reading), turns, tuple(turned)

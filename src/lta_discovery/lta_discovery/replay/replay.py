@@ -133,13 +133,11 @@ class FlightReplay:
             nominal = nominal.with_mass_at(self._rest[:, MASS_PLACE:].mean(axis=0))
         return self._delay_by_clocks(nominal.build_replay_rows())
 
-    def update_replay_rows(
-        self, nominal: NominalVehicle, other: NominalVehicle, rows: ReplayRows
-    ) -> ReplayRows:
-        """Return `build_replay_rows` of a vehicle, reusing the rows of a similar one."""
+    def adapt_rows(self, nominal: NominalVehicle, rows: ReplayRows) -> ReplayRows:
+        """Return `build_replay_rows` of a vehicle from its own rows (`NominalVehicle`)."""
         if self.flight.mass is not None:
             return self.build_replay_rows(nominal)  # CG and inertia change
-        return self._delay_by_clocks(nominal.update_replay_rows(other, rows))
+        return self._delay_by_clocks(rows)
 
     def delays_commands(self, knob: FreeParameter) -> bool:
         """Return whether a clock parameter shifts the commands in this flight."""

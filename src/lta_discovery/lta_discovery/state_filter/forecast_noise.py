@@ -32,6 +32,8 @@ def fit_forecast_noise(
     one reading is like the next. Over seconds of a forecast, much of it fades or follows the
     commands. The sensors keep their noise; the forces and moments of all axes change alike.
     """
+    # The errors at the values need no slopes by what the flights share
+    flights, prior = [one.keep_columns(prior.own) for one in flights], prior.of_flight
 
     def build(size: int, memory: int) -> list[NoiseModel]:
         return [
@@ -69,10 +71,10 @@ def adapt_noise(
     `nominal`: the model; one that diverges keeps its noise. `noise`: the most probable one.
     """
     parameters = systems[0].parameters
+    prior = ParameterPrior.of(parameters)
     try:
-        flights = linearize_all(systems, nominal, np.zeros(len(parameters)))
+        flights = linearize_all(systems, nominal, np.zeros(len(parameters)), prior.own)
     except BadInput:
         return noise
     usual = [NoiseModel.guess(nominal, one.flight).learn_from(noise) for one in systems]
-    prior = ParameterPrior.of(parameters)
     return average_noise(fit_forecast_noise(flights, usual, prior, horizons))

@@ -222,10 +222,19 @@ def _fly_forecasts(
     memory = noise.ahead.memory
     faded = np.exp(-time[:, None] / memory)
     out = np.full((len(starts), len(horizons), POSE_SIZE), np.nan)
+    base = nominal.build_replay_rows()
+    usual = replay.compute_body_inputs(replay.adapt_rows(nominal, base))
+    # Rotors are simulated again only where a flight has thrusts or delays of its own
+    moves_rotors = any(
+        one.reaches not in ('wrench', 'body', 'reading') or replay.delays_commands(one)
+        for one in system.parameters
+    )
     for s, start in enumerate(starts):
         there, _ = apply_parameters(nominal, system.parameters, values[s])
-        rows = replay.build_replay_rows(there)
-        ready = replay.compute_body_inputs(rows)
+        rows = replay.adapt_rows(there, there.update_replay_rows(nominal, base))
+        ready = (
+            replay.compute_body_inputs(rows) if moves_rotors else replay.update_wrench(rows, usual)
+        )
         wrench = (states[s, STATE_WIDTH : STATE_WIDTH + len(memory)] * faded)[None]
         motion = replay.integrate_pieces(
             rows, ready, begun[s : s + 1], np.ascontiguousarray(wrench), slice(s, s + 1)

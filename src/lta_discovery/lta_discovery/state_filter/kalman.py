@@ -103,6 +103,40 @@ def describe_noise(noise: NoiseModel) -> tuple[Array, Array, Array]:
 
 
 @njit(error_model='numpy', cache=True, nogil=True)
+def whiten_rows(lower: Array, rows: Array) -> None:
+    """Solve `lower @ out = rows`; the rows are written."""
+    for i in range(len(lower)):
+        for m in range(i):
+            for j in range(rows.shape[1]):
+                rows[i, j] -= lower[i, m] * rows[m, j]
+        for j in range(rows.shape[1]):
+            rows[i, j] /= lower[i, i]
+
+
+@njit(error_model='numpy', cache=True, nogil=True)
+def advance_filter(
+    x: Array, s: Array, step: Array, push: Array, fading: Array, added: Array
+) -> None:
+    """
+    Take states and their covariance over a period; both are written.
+
+    Only the first twelve change by the model; the others fade.
+    """
+    wide = step @ s[:12] + push @ s[12:18]
+    x[:12] = step @ x[:12] + push @ x[12:18]
+    s[:12, :12] = wide[:, :12].copy() @ step.T + wide[:, 12:18].copy() @ push.T
+    for i in range(12, len(s)):
+        for j in range(x.shape[1]):
+            x[i, j] *= fading[i]
+        for j in range(12):
+            s[j, i] = wide[j, i] * fading[i]
+            s[i, j] = s[j, i]
+        for j in range(12, len(s)):
+            s[i, j] *= fading[i] * fading[j]
+        s[i, i] += added[i]
+
+
+@njit(error_model='numpy', cache=True, nogil=True)
 def _filter_run(
     step: Array,
     push: Array,
@@ -134,7 +168,6 @@ def _filter_run(
     for i in range(12):
         for j in range(columns - 1):
             x[i, j] = begun[i, j]
-    top, wide = np.zeros((12, columns)), np.zeros((12, size))
     h, e = np.zeros((channels, size)), np.zeros((channels, columns))
     which, next_start = np.zeros(channels, dtype=np.int64), 0
     # Whitened innovations whose products are added together, which is faster
@@ -172,18 +205,9 @@ def _filter_run(
             lower = np.linalg.cholesky(v)
             for i in range(n):
                 log_determinant[0] += 2.0 * math.log(lower[i, i])
-            # Whiten innovations and gains by forward substitution
             gain = cross.T.copy()
-            for i in range(n):
-                for m in range(i):
-                    for j in range(columns):
-                        e[i, j] -= lower[i, m] * e[m, j]
-                    for j in range(size):
-                        gain[i, j] -= lower[i, m] * gain[m, j]
-                for j in range(columns):
-                    e[i, j] /= lower[i, i]
-                for j in range(size):
-                    gain[i, j] /= lower[i, i]
+            whiten_rows(lower, gain)
+            whiten_rows(lower, e[:n])
             if filled + n > BUFFERED:
                 products += rows[:filled].T @ rows[:filled]
                 filled = 0
@@ -213,23 +237,11 @@ def _filter_run(
                 errors[next_start],
             )
             next_start += 1
-        # Only the first twelve change by the model; the others fade
-        top[:] = step[k] @ x[:12] + push[k] @ x[12:18]
-        wide[:] = step[k] @ s[:12] + push[k] @ s[12:18]
+        advance_filter(x, s, step[k], push[k], fading, added)
         for i in range(12):
             for j in range(columns - 1):
-                x[i, j] = top[i, j] + moved[k, i, j]
-            x[i, columns - 1] = top[i, columns - 1] + defect[k, i]
-        s[:12, :12] = wide[:, :12].copy() @ step[k].T + wide[:, 12:18].copy() @ push[k].T
-        for i in range(12, size):
-            for j in range(columns):
-                x[i, j] *= fading[i]
-            for j in range(12):
-                s[j, i] = wide[j, i] * fading[i]
-                s[i, j] = s[j, i]
-            for j in range(12, size):
-                s[i, j] *= fading[i] * fading[j]
-            s[i, i] += added[i]
+                x[i, j] += moved[k, i, j]
+            x[i, columns - 1] += defect[k, i]
     products += rows[:filled].T @ rows[:filled]
 
 

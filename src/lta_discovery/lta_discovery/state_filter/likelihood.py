@@ -57,6 +57,11 @@ class ParameterPrior(NamedTuple):
         """Inverse variances, 1 of those that are fixed."""
         return np.where(self.deviation > 0.0, self.deviation, 1.0) ** -2.0
 
+    @property
+    def of_flight(self) -> 'ParameterPrior':
+        """The assumptions about what each flight has of its own."""
+        return ParameterPrior(*(one[self.own] for one in self))
+
     def limit(self, values: Array, longest: float) -> 'ParameterPrior':
         """Return the prior with bounds as near to some values as a step may go."""
         most = longest * self.deviation
@@ -89,13 +94,21 @@ class ParameterPrior(NamedTuple):
 
 
 def linearize_all(
-    systems: Sequence[FlightSystem], nominal: NominalVehicle, values: Array
+    systems: Sequence[FlightSystem],
+    nominal: NominalVehicle,
+    values: Array,
+    columns: NDArray[np.bool_] | None = None,
 ) -> list[LinearFlight]:
-    """Linearize flights about shared values; raise `BadInput` for an impossible vehicle."""
+    """
+    Linearize flights with the same parameters about shared values.
+
+    `columns`: as in `FlightSystem.linearize`. Raise `BadInput` for an impossible vehicle.
+    """
+    point = systems[0].build_point(nominal, values, columns)
 
     def linearize(system: FlightSystem) -> LinearFlight:
         with np.errstate(over='ignore', invalid='ignore'):
-            flight = system.linearize(nominal, values)
+            flight = system.linearize_about(point)
         if not flight.is_finite:
             raise BadInput(SIMULATION_RAN_AWAY)
         return flight

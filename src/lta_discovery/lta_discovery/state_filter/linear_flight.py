@@ -14,7 +14,7 @@ from typing import final
 
 from lta_discovery.flights.measured_flight import ALL_CHANNELS, GRID_PERIOD, MeasuredFlight
 from lta_discovery.model.nominal import NominalVehicle
-from lta_discovery.model.parameters import apply_parameters, FreeParameter
+from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.model.quaternions import (
     quaternion_conjugate,
     quaternion_logarithm,
@@ -23,6 +23,7 @@ from lta_discovery.model.quaternions import (
 from lta_discovery.model.replay_kernel import BODY_PLACES
 from lta_discovery.replay.linearization_inputs import (
     LinearizationInputs,
+    LinearizationPoint,
     prepare_linearization,
 )
 from lta_discovery.replay.reading_jacobian import reading_jacobians
@@ -91,6 +92,15 @@ class LinearFlight:
             bool(np.isfinite(part[begin : end - 1]).all())
             for begin, end in self.runs
             for part in (self.step, self.push, self.moved, self.defect)
+        )
+
+    def keep_columns(self, columns: Flags) -> 'LinearFlight':
+        """Return the flight with some of its parameters, the others at their values."""
+        return replace(
+            self,
+            moved=np.compress(columns, self.moved, axis=-1),
+            read_moved=np.compress(columns, self.read_moved, axis=-1),
+            begun=np.compress(columns, self.begun, axis=-1),
         )
 
     def add_wrenches(self, wrenches: Array, strengths: Array) -> 'LinearFlight':
@@ -199,19 +209,27 @@ class FlightSystem:
         `columns`: parameters whose columns are computed; the others are 0. All by default. Raise
         `BadInput` for an impossible vehicle.
         """
-        parameters = self._own_parameters
-        strengths = values[len(parameters) :]
-        there, values = apply_parameters(nominal, parameters, values[: len(parameters)])
-        about = prepare_linearization(self.replay, parameters, there, values, columns)
+        return self.linearize_about(self.build_point(nominal, values, columns))
+
+    def build_point(
+        self, nominal: NominalVehicle, values: Array, columns: Flags | None = None
+    ) -> LinearizationPoint:
+        """Return what a linearization needs that is the same for flights with these parameters."""
+        return LinearizationPoint.build(nominal, self._own_parameters, values, columns)
+
+    def linearize_about(self, point: LinearizationPoint) -> LinearFlight:
+        """Linearize about a point (`build_point`)."""
+        about = prepare_linearization(self.replay, point)
+        column_count = len(self._own_parameters)
         acting = about.rows.acting
         motion_there = np.where(np.isfinite(self._motion), self._motion, UNKNOWN_MOTION)
         motion = transform_to_map(motion_there, acting)
         states, step, push, moved, defect = self._linearize_steps(motion, about)
         n, m = len(motion), self.channels
         left, read = np.full((n, m), np.nan), np.zeros((n, m, STATE_WIDTH))
-        felt, read_moved = np.zeros((n, m, AXIS_COUNT)), np.zeros((n, m, len(parameters)))
+        felt, read_moved = np.zeros((n, m, AXIS_COUNT)), np.zeros((n, m, column_count))
         first = motion_there[[begin for begin, _ in self.runs]]
-        begun = np.zeros((len(self.runs), STATE_WIDTH, len(parameters)))
+        begun = np.zeros((len(self.runs), STATE_WIDTH, column_count))
         time = self.flight.time[None]
         # The last point needs a state after it only where a pose is shifted in time
         grid = np.concatenate([motion, motion[-1:]])[None]
@@ -223,9 +241,12 @@ class FlightSystem:
         )
         read[:, :POSE_SIZE] = pose_sensitivity(eye, motion, acting)
         for turn, k in zip(about.turned, about.reading, strict=True):
-            before, after = (
-                predict_pose(grid, time, rows.acting) for rows in (turn.before, turn.after)
+            # Most steps begin at the vehicle itself
+            is_same = turn.before is about.rows
+            before = (
+                (position, quaternion) if is_same else predict_pose(grid, time, turn.before.acting)
             )
+            after = predict_pose(grid, time, turn.after.acting)
             change = [(after[0] - before[0])[0], _rotation_between(before[1][0], after[1][0])]
             read_moved[:, :POSE_SIZE, k] = np.concatenate(change, axis=1) / turn.step
             # From afar, a calibration finds better values where the first state does not turn
@@ -238,9 +259,9 @@ class FlightSystem:
         left[~self.flight.usable] = np.nan
         linear = LinearFlight(
             motion, step, push, moved, defect, left, read, felt, read_moved, self._count,
-            self.runs, begun, there,
+            self.runs, begun, point.base.nominal,
         )  # fmt: skip
-        return linear.add_wrenches(self._terms, strengths)
+        return linear.add_wrenches(self._terms, point.strengths)
 
     def _linearize_steps(
         self, motion: Array, about: LinearizationInputs
@@ -257,11 +278,10 @@ class FlightSystem:
         begin = np.ascontiguousarray(motion[:-1])
         states = replay.integrate_pieces(about.rows, about.ready, begin, latent)
         end, middle = states[:, -1], np.ascontiguousarray(states[:, MIDDLE, None])
-        _, b = discretize_dynamics(
-            replay.state_jacobians(about.turns, middle, wrench), GRID_PERIOD
-        )
+        jacobians = replay.state_jacobians(about.turns, middle, wrench)
+        _, b = discretize_dynamics(jacobians, GRID_PERIOD)
         # Accelerations enter the last six components of a change only
-        b = b[:, 0, :, AXIS_COUNT:]
+        b = np.ascontiguousarray(b[:, 0, :, AXIS_COUNT:])
         # What the unexplained wrench does depends on no parameter
         answers = replay.parameter_sensitivities(about.turns, middle, np.zeros_like(wrench))[:, 0]
         step, push = (
@@ -273,6 +293,10 @@ class FlightSystem:
         # Differences of whole periods: what turns or shifts all motion leaves no trace, which
         # rates in the middle of a period would leave
         for k, nudge in enumerate(np.diag(NUDGE)):
+            if k < 3 and not jacobians[..., k].any():
+                # Nothing depends on the place
+                step[:-1, k, k] = 1.0
+                continue
             near = apply_state_changes(begin, np.broadcast_to(nudge, (n - 1, STATE_WIDTH)))
             ends = replay.integrate_pieces(about.rows, about.ready, near, latent)[:, -1]
             step[:-1, :, k] = _change_between(end, ends) / NUDGE[k]

@@ -13,10 +13,12 @@ from lta_discovery.flights.measured_flight import GRID_PERIOD
 from lta_discovery.replay.replay import AXIS_COUNT
 from lta_discovery.replay.variational_equation import apply_state_changes, STATE_WIDTH
 from lta_discovery.state_filter.kalman import (
+    advance_filter,
     describe_noise,
     FILTER_SIZE,
     FilteredFlight,
     PRESSURE_CHANNEL,
+    whiten_rows,
 )
 from lta_discovery.state_filter.linear_flight import LinearFlight, POSE_SIZE
 from lta_discovery.state_filter.noise_model import NoiseModel
@@ -200,7 +202,6 @@ def _filter_run(
     """Filter all grid points of a run; the last eight arrays are written."""
     x, s = np.zeros((FILTER_SIZE, begun.shape[1])), np.diag(first)
     x[:STATE_WIDTH] = begun
-    f = np.diag(fading)
     for k in range(len(step)):
         n = 0
         for c in range(measured.shape[1]):
@@ -224,20 +225,38 @@ def _filter_run(
                 v[i, i] += white[c] / count[k] if c < POSE_SIZE else white[c]
             root = np.linalg.cholesky(v)
             lower[k, :n, :n] = root
-            gains[k, :n] = np.linalg.solve(root, cross)
-            innovations[k, :n] = np.linalg.solve(root, innovations[k, :n] - h @ x)
-            x = x + gains[k, :n].T @ innovations[k, :n]
-            s = s - gains[k, :n].T @ gains[k, :n]
+            gains[k, :n] = cross
+            innovations[k, :n] -= h @ x
+            whiten_rows(root, gains[k, :n])
+            whiten_rows(root, innovations[k, :n])
+            x += gains[k, :n].T @ innovations[k, :n]
+            s -= gains[k, :n].T @ gains[k, :n]
         states[k], spread[k] = x, s
-        f[:STATE_WIDTH, :STATE_WIDTH], f[:STATE_WIDTH, STATE_WIDTH : STATE_WIDTH + AXIS_COUNT] = (
-            step[k],
-            push[k],
-        )
-        x = f @ x
+        advance_filter(x, s, step[k], push[k], fading, added)
         x[:STATE_WIDTH] += moved[k]
-        s = f @ s @ f.T
-        for i in range(FILTER_SIZE):
-            s[i, i] += added[i]
+
+
+@njit(error_model='numpy', cache=True, nogil=True)
+def _unwhiten_rows(lower: Array, rows: Array) -> None:
+    """Solve `lower.T @ out = rows`; the rows are written."""
+    for i in range(len(lower) - 1, -1, -1):
+        for m in range(i + 1, len(lower)):
+            for j in range(rows.shape[1]):
+                rows[i, j] -= lower[m, i] * rows[m, j]
+        for j in range(rows.shape[1]):
+            rows[i, j] /= lower[i, i]
+
+
+@njit(error_model='numpy', cache=True, nogil=True)
+def _pull_back(r: Array, step: Array, push: Array, fading: Array) -> Array:
+    """Return the transpose of a period's transition times some columns."""
+    out = np.empty_like(r)
+    out[:12] = step.T @ r[:12]
+    out[12:18] = push.T @ r[:12]
+    for i in range(12, len(r)):
+        for j in range(r.shape[1]):
+            out[i, j] = fading[i] * r[i, j] + (out[i, j] if i < 18 else 0.0)
+    return out
 
 
 @njit(error_model='numpy', cache=True, nogil=True)
@@ -263,21 +282,17 @@ def _go_back(
 ) -> None:
     """Go back through a filtered run; the last six arrays are written."""
     r, tell = np.zeros((FILTER_SIZE, states.shape[2])), np.zeros((FILTER_SIZE, FILTER_SIZE))
-    f = np.diag(fading)
     for k in range(len(step) - 1, -1, -1):
         # Back over the step to the next point
-        f[:STATE_WIDTH, :STATE_WIDTH], f[:STATE_WIDTH, STATE_WIDTH : STATE_WIDTH + AXIS_COUNT] = (
-            step[k],
-            push[k],
-        )
-        back, ahead = f.T @ r, f.T @ tell
-        whole = states[k] + spread[k] @ back
+        back = _pull_back(r, step[k], push[k], fading)
+        ahead = _pull_back(tell, step[k], push[k], fading)
+        whole = states[k, STATE_WIDTH:] + spread[k, STATE_WIDTH:] @ back
         for i in range(FADING):
             j = STATE_WIDTH + i
             by_added[i] += 0.5 * (np.sum(r[j] ** 2) - tell[j, j])
-            by_fading[i] += np.sum(r[j] * whole[j]) - np.sum(ahead[:, j] * spread[k, :, j])
-        r, tell = back, ahead @ f
-        smooth[k] = whole[:, -1]
+            by_fading[i] += np.sum(r[j] * whole[i]) - np.sum(ahead[:, j] * spread[k, :, j])
+        r, tell = back, _pull_back(ahead.T.copy(), step[k], push[k], fading)
+        smooth[k] = states[k, :, -1] + spread[k] @ back[:, -1].copy()
         for i in range(AXIS_COUNT):
             row = spread[k, STATE_WIDTH + i]
             variance[k, i] = row[STATE_WIDTH + i] - row @ tell @ row
@@ -285,18 +300,24 @@ def _go_back(
         n = number[k]
         if n == 0:
             continue
-        h, root, g = rows[k, :n], lower[k, :n, :n], gains[k, :n]
-        u = np.linalg.solve(root.T, innovations[k, :n] - g @ r)
-        inside = np.linalg.solve(root.T, np.eye(n) + g @ tell @ g.T)
-        d = np.linalg.solve(root.T, inside.T)
+        h, root, g = rows[k, :n], lower[k, :n, :n].copy(), gains[k, :n]
+        u = innovations[k, :n] - g @ r
+        _unwhiten_rows(root, u)
+        inside = np.eye(n) + g @ tell @ g.T
+        _unwhiten_rows(root, inside)
+        d = inside.T.copy()
+        _unwhiten_rows(root, d)
         for i in range(n):
             c = which[k, i]
             slope = 0.5 * (np.sum(u[i] ** 2) - d[i, i])
             by_white[c] += slope / count[k] if c < POSE_SIZE else slope
-        r = r + h.T @ u
-        left = np.eye(FILTER_SIZE) - h.T @ np.linalg.solve(root.T, g)
-        whiter = np.linalg.solve(root, h)
-        tell = left @ tell @ left.T + whiter.T @ whiter
+        r += h.T @ u
+        # (1 - h' w) tell (1 - h' w)' + whiter' whiter
+        w, whiter = g.copy(), h.copy()
+        _unwhiten_rows(root, w)
+        whiten_rows(root, whiter)
+        tell -= h.T @ (w @ tell)
+        tell += whiter.T @ whiter - (tell @ w.T) @ h
     for i in range(FADING):
         j = STATE_WIDTH + i
         by_first[i] += 0.5 * (np.sum(r[j] ** 2) - tell[j, j])

@@ -156,6 +156,12 @@ def test_noise_of_forecasts_is_better_than_the_noise_before(
         return measure_errors(linear, [one], prior, HORIZONS)
 
     first = replace(guess, wrench=8.0 * guess.wrench)
+    # Slopes by what flights share change no error
+    own = [one.keep_columns(prior.own) for one in linear]
+    assert 0 < own[0].moved.shape[2] < linear[0].moved.shape[2]
+    assert measure_errors(own, [first], prior.of_flight, HORIZONS) == pytest.approx(
+        measure(first), rel=1e-9
+    )
     (best,) = fit_forecast_noise(linear, [first], prior, HORIZONS)
     assert measure(best) < measure(first) - CLEARLY
     np.testing.assert_array_equal(best.white, guess.white)
