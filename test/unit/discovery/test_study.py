@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from lta_config.files import find_file
+from lta_discovery.calibration.calibrated_file import CALIBRATED_FILE
 from lta_discovery.calibration.first_step import FirstStep
 from lta_discovery.calibration.result import CalibratedValue, Calibration, Correction
 from lta_discovery.discovery.conclusion import draw_conclusion
@@ -16,7 +17,6 @@ from lta_discovery.discovery.overlay import build_overlay
 from lta_discovery.discovery.report import build_report
 from lta_discovery.discovery.run import format_learned_vehicle
 from lta_discovery.discovery.study import (
-    CALIBRATED,
     Discovery,
     estimate_numbers,
     FILE_MODEL,
@@ -158,7 +158,7 @@ def calibrate_study(study: Discovery, error: float, is_start: bool = True) -> Di
     first = FirstStep(calibration) if is_start else FirstStep(alternative=calibration)
     forecasts = {
         FILE_MODEL: study.comparison.forecasts[FILE_MODEL],
-        CALIBRATED: [forecast(study.comparison.flights[0], error)],
+        CALIBRATED_FILE: [forecast(study.comparison.flights[0], error)],
         **study.comparison.forecasts,
     }
     return replace(

@@ -17,7 +17,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-WORSE: Final = 1.05  # relative error on confirming flights that contradicts a calibration
+# Of the position error of a file; another file with more is not advised, and a calibration with
+# more on confirming flights is contradicted
+WORSE: Final = 1.05
 
 
 def forecast_role(

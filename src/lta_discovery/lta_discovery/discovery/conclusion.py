@@ -8,11 +8,12 @@ corrected file is advised. Page, terminal, JSON and vehicle file follow from thi
 from dataclasses import dataclass
 from typing import Final, final, Literal
 
+from lta_discovery.calibration.calibrated_file import CALIBRATED_FILE
 from lta_discovery.calibration.result import Correction
+from lta_discovery.calibration.scores import WORSE
 from lta_discovery.calibration.verdict import format_error, format_in_unit, list_differences
 from lta_discovery.discovery.forecast_comparison import COASTING, HorizonErrors
 from lta_discovery.discovery.study import (
-    CALIBRATED,
     Discovery,
     FILE_MODEL,
     JudgedCorrection,
@@ -31,7 +32,7 @@ from lta_discovery.formatting import (
     SHOWN_UNITS,
 )
 from lta_discovery.model.candidates import vector_components
-from lta_discovery.posterior.settings import UNEXPLAINED, WORSE
+from lta_discovery.posterior.settings import UNEXPLAINED
 from lta_discovery.state_filter.noise_model import average_noise, wrench_floor
 from lta_model.effects.protocol import AXES
 import numpy as np
@@ -39,7 +40,7 @@ import numpy as np
 # Without a name, by the better file
 CONCLUSION_ADVICE: Final = {
     FILE_MODEL: 'Keep the vehicle file.',
-    CALIBRATED: 'Use the calibrated vehicle file, calibrated.yaml in the results folder.',
+    CALIBRATED_FILE: 'Use the calibrated vehicle file, calibrated.yaml in the results folder.',
 }
 Verdict = Literal['none', 'named', 'unexplained', 'named+unexplained', 'not_identifiable']
 
@@ -83,7 +84,7 @@ def draw_conclusion(study: Discovery) -> Conclusion:
             (*details, *_list_possible(study), *_format_tuning(main)),
             CONCLUSION_ADVICE[base],
             writes_file=False,
-            writes_calibrated=base == CALIBRATED,
+            writes_calibrated=base == CALIBRATED_FILE,
         )
     names = join_words([format_element(one) for one in numbers])
     verb = 'lacks' if any(one.present.kind == 'effect' for one in numbers) else 'has wrong'
@@ -104,17 +105,17 @@ def draw_conclusion(study: Discovery) -> Conclusion:
         ))),
         advice,
         writes_file=is_better,
-        writes_calibrated=base == CALIBRATED,
+        writes_calibrated=base == CALIBRATED_FILE,
     )  # fmt: skip
 
 
 def _choose_base(study: Discovery, main: HorizonErrors | None) -> str:
     """Return the file without names that forecasts better: the vehicle file or the calibrated."""
     if study.first.calibration is not None:
-        return CALIBRATED
-    if main is None or CALIBRATED not in main.errors:
+        return CALIBRATED_FILE
+    if main is None or CALIBRATED_FILE not in main.errors:
         return FILE_MODEL
-    return min((FILE_MODEL, CALIBRATED), key=lambda name: main.errors[name].position)
+    return min((FILE_MODEL, CALIBRATED_FILE), key=lambda name: main.errors[name].position)
 
 
 def _is_beaten_by_coasting(main: HorizonErrors) -> bool:
@@ -187,13 +188,13 @@ def _format_errors(main: HorizonErrors, where: str, names: list[str]) -> str:
     sizes = {name: format_error(one.position) for name, one in main.errors.items()}
     words = {
         FILE_MODEL: 'with the vehicle file',
-        CALIBRATED: 'with calibrated.yaml',
+        CALIBRATED_FILE: 'with calibrated.yaml',
         TUNED: 'with fitted tolerances',
         NAMED: 'with what is named as well',
     }
     parts = [
         f'{sizes[name]} {words[name]}'
-        for name in (FILE_MODEL, CALIBRATED, *names)
+        for name in (FILE_MODEL, CALIBRATED_FILE, *names)
         if name in sizes
     ]
     return f'Position error {main.horizon:g} s ahead{where}: {", ".join(parts)}.'

@@ -6,10 +6,11 @@ import math
 from textwrap import wrap
 from typing import Final
 
+from lta_discovery.calibration.calibrated_file import CALIBRATED_FILE
 from lta_discovery.calibration.verdict import format_error
 from lta_discovery.discovery.conclusion import Conclusion
 from lta_discovery.discovery.forecast_comparison import ForecastComparison
-from lta_discovery.discovery.study import CALIBRATED, Discovery, FILE_MODEL, NAMED, TUNED
+from lta_discovery.discovery.study import Discovery, FILE_MODEL, NAMED, TUNED
 from lta_discovery.error_picture import COLOURS, draw_errors, draw_errors_along
 from lta_discovery.flights.measured_flight import GRID_PERIOD, MeasuredFlight
 from lta_discovery.model.quaternions import quaternion_exponential, quaternion_product
@@ -55,7 +56,7 @@ def build_pictures(study: Discovery) -> Iterator[Block]:
     """Yield forecasts along the first judged flight, and what stays unexplained in each flight."""
     comparison = study.comparison
     if comparison.scores:
-        best = (NAMED, CALIBRATED, TUNED)
+        best = (NAMED, CALIBRATED_FILE, TUNED)
         last = next(name for name in best if name in comparison.forecasts)
         horizon = comparison.main.horizon if comparison.main else comparison.scores[0].horizon
         models = {name: comparison.forecasts[name][0] for name in (FILE_MODEL, last)}

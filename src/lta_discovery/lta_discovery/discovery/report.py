@@ -3,13 +3,13 @@
 from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
+from lta_discovery.calibration.calibrated_file import CALIBRATED_FILE
 from lta_discovery.calibration.report import build_first_step_table, encode_calibration
 from lta_discovery.calibration.verdict import format_error
 from lta_discovery.discovery.conclusion import Conclusion, format_names, format_values
 from lta_discovery.discovery.figures import build_forecast_picture, build_pictures
 from lta_discovery.discovery.forecast_comparison import COASTING, ErrorRatio, HorizonErrors
 from lta_discovery.discovery.study import (
-    CALIBRATED,
     Discovery,
     FILE_MODEL,
     NAMED,
@@ -316,7 +316,7 @@ def _encode_score(one: HorizonErrors) -> list[dict[str, Any]]:
     after = NAMED if NAMED in one.errors else TUNED
     models = {
         'before': FILE_MODEL,
-        'calibrated': CALIBRATED,
+        'calibrated': CALIBRATED_FILE,
         'tuned': TUNED,
         'after': after,
         'written': WRITTEN,

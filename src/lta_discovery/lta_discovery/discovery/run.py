@@ -22,7 +22,7 @@ from lta_discovery.discovery.conclusion import draw_conclusion, format_names
 from lta_discovery.discovery.figures import draw_picture, PICTURE
 from lta_discovery.discovery.overlay import build_overlay, OVERLAY_FILE
 from lta_discovery.discovery.report import build_report
-from lta_discovery.discovery.study import Discovery, NamedElement, study_flights
+from lta_discovery.discovery.study import Discovery, NamedElement, study_flights, WRITTEN
 from lta_discovery.flights.bags import read_bags, Role
 from lta_discovery.flights.usable_flights import select_usable_flights, UsableFlights
 from lta_discovery.formatting import format_with_interval, join_words
@@ -35,7 +35,6 @@ from lta_report.request import option, ReportRequest, ROBOT, StudyRun
 import numpy as np
 
 BAGS: Final = 'Bag folders, results folders or .mcap files'
-LEARNED_VEHICLE_FILE: Final = 'vehicle.yaml'
 CALIBRATING: Final = 0.2  # share of the calibration in the progress of a study
 Tell = Callable[[str, float | None], None]
 
@@ -150,7 +149,7 @@ def discover_effects(request: DiscoveryRequest, tell: Tell) -> Report:
     if conclusion.writes_calibrated:
         outputs[CALIBRATED_FILE] = calibrated
     if conclusion.writes_file:
-        outputs[LEARNED_VEHICLE_FILE] = format_learned_vehicle(text, study)
+        outputs[WRITTEN] = format_learned_vehicle(text, study)
     if request.plan:
         report = _add_next_flight(report, outputs, request, study, text, tell)
     return replace(report, outputs=outputs)

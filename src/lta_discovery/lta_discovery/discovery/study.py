@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import math
 from typing import Final, final, NamedTuple
 
+from lta_discovery.calibration.calibrated_file import CALIBRATED_FILE
 from lta_discovery.calibration.first_step import FirstStep
 from lta_discovery.calibration.priors import apply_calibration, free_flight_lifts
 from lta_discovery.calibration.result import Correction, WIDE
@@ -41,9 +42,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Progress = Callable[[str, float | None], None]
 
-# Names of the compared models
+# Names of the compared models, beside CALIBRATED_FILE
 FILE_MODEL: Final = 'vehicle file'
-CALIBRATED: Final = 'calibrated.yaml'
 TUNED: Final = 'tolerances fitted'
 NAMED: Final = 'with what is named'
 WRITTEN: Final = 'vehicle.yaml'
@@ -258,7 +258,7 @@ def _build_models(
     models = [ComparedModel(FILE_MODEL, file, missing.bare_noise)]
     if calibration := first.compared:
         noise = tuple(calibration.noise.values())
-        models.append(ComparedModel(CALIBRATED, calibration.calibrated, noise))
+        models.append(ComparedModel(CALIBRATED_FILE, calibration.calibrated, noise))
     models.append(ComparedModel(TUNED, bare, missing.bare_noise))
     if named:
         whole = apply_parameters(nominal, parameters, all_but_named)[0]
@@ -275,11 +275,11 @@ def _judge_corrections(
     if calibration is None or not calibration.corrections:
         return ()
     noise = tuple(calibration.noise.values())
-    whole = ComparedModel(CALIBRATED, calibration.calibrated, noise)
+    whole = ComparedModel(CALIBRATED_FILE, calibration.calibrated, noise)
     others = [ComparedModel(one.effect, one.without, noise) for one in calibration.corrections]
     forecasts = compare([whole, *others])
     judged = [
-        JudgedCorrection(one, forecasts.compare(CALIBRATED, one.effect))
+        JudgedCorrection(one, forecasts.compare(CALIBRATED_FILE, one.effect))
         for one in calibration.corrections
     ]
     return tuple(sorted(judged, key=lambda one: one.ratio.value))

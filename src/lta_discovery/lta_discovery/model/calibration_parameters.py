@@ -10,6 +10,7 @@ from dataclasses import replace
 import math
 from typing import Final
 
+from lta_config.constants import STANDARD_GRAVITY
 from lta_discovery.model.candidates import DIFF_STEP
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import (
@@ -26,7 +27,6 @@ import numpy as np
 DUTY_PARAMETERS: Final = ('rotor_', 'motor_lag')  # of vehicles that are commanded by duties
 HEADING: Final = 'tracker_misalignment.yaw'
 HEADING_SIZE: Final = 0.2  # rad; heading of the tracker, where the vehicle file has moving air
-GRAVITY: Final = 9.81  # m/s2
 NET_LIFT_TOLERANCE: Final = 0.01  # of the weight; net lift of a flight
 LIFT_TREND: Final = 4e-5  # of the weight per second; change of the lift in a flight
 THRUST: Final = 1.0  # relative; each rotor
@@ -61,7 +61,7 @@ LARGEST_MASS_FACTOR: Final = 1.2  # largest logarithm of a factor on mass and in
 
 def prior_deviation(knob: FreeParameter, nominal: NominalVehicle) -> float:
     """Return the standard deviation of a parameter before a calibration; 0 for an effect."""
-    weight, effect = GRAVITY * nominal.mass, knob.name.partition('.')[0]
+    weight, effect = STANDARD_GRAVITY * nominal.mass, knob.name.partition('.')[0]
     if knob.name == NET_LIFT_FORCE:
         return NET_LIFT_TOLERANCE * weight
     if knob.name == 'helium_leak.rate':

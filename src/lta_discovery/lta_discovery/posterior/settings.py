@@ -40,6 +40,3 @@ LEAST_GAIN: Final = math.log(100.0)
 NEGLIGIBLE: Final = 0.02
 ALIKE: Final = 0.95  # cosine of two columns beside the rest of the model; beyond it, one class
 UNEXPLAINED: Final = 2.5  # noise floors of an unexplained wrench from which on it is reported
-# Of the position error of the vehicle file, or of the calibrated one; a corrected file with more
-# is not written
-WORSE: Final = 1.05

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final, final, Self
 
+from lta_config.constants import STANDARD_GRAVITY
 from lta_discovery.flights.measured_flight import MeasuredFlight
 from lta_discovery.model.nominal import NominalVehicle
 import numpy as np
@@ -20,7 +21,6 @@ CORRELATION: Final = 0.3  # s
 FORCE: Final = 1e-3  # of the weight
 MOMENT_ARM: Final = 0.1  # m
 WRENCH_MEMORY: Final = 3.0  # s
-GRAVITY: Final = 9.81  # m/s2
 # Smallest relevant deviation of an unexplained force [N] and moment [N m], for a blimp of this
 # mass [kg] and inertia [kg m2]; it grows with them (`wrench_floor`)
 WRENCH_FLOOR: Final = np.array([4e-4, 4e-4, 4e-4, 8e-5, 8e-5, 4e-5])
@@ -58,7 +58,7 @@ class NoiseModel:
     @staticmethod
     def guess_wrench(nominal: NominalVehicle) -> Array:
         """Return the logarithms of the six wrenches and their memories, before any reading."""
-        force = FORCE * GRAVITY * nominal.mass
+        force = FORCE * STANDARD_GRAVITY * nominal.mass
         sizes = np.array([force] * 3 + [MOMENT_ARM * force] * 3 + [WRENCH_MEMORY] * 2)
         logarithms: Array = np.log(sizes)
         return logarithms
