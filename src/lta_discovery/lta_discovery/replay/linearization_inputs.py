@@ -29,7 +29,7 @@ class BuiltVehicle(NamedTuple):
 class VehicleStep(NamedTuple):
     """A parameter: the vehicles before and after its step."""
 
-    index: int
+    column: int  # of the parameter
     parameter: FreeParameter
     before: BuiltVehicle
     after: BuiltVehicle
@@ -160,10 +160,10 @@ def prepare_linearization(replay: FlightReplay, point: LinearizationPoint) -> Li
     for one in point.steps:
         # Parameters of readings do not change the motion, and need no simulation.
         if one.parameter.reaches != 'reading' or replay.delays_commands(one.parameter):
-            moving.append(one.index)
+            moving.append(one.column)
             pairs.append(sets.add_pair(point.base, one))
             continue
-        reading.append(one.index)
+        reading.append(one.column)
         before = base if one.before is point.base else replay.adapt_rows(*one.before)
         turned.append(SensorStep(before, replay.adapt_rows(*one.after), one.step))
     turns = sets.stack_parameter_sets(pairs)

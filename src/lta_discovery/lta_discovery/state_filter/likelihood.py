@@ -60,7 +60,8 @@ class ParameterPrior(NamedTuple):
     @property
     def of_flight(self) -> 'ParameterPrior':
         """The assumptions about what each flight has of its own."""
-        return ParameterPrior(*(one[self.own] for one in self))
+        own = self.own
+        return ParameterPrior(self.deviation[own], self.low[own], self.high[own], own[own])
 
     def limit(self, values: Array, longest: float) -> 'ParameterPrior':
         """Return the prior with bounds as near to some values as a step may go."""
