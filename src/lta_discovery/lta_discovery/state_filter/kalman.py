@@ -103,7 +103,7 @@ def describe_noise(noise: NoiseModel) -> tuple[Array, Array, Array]:
 
 
 @njit(error_model='numpy', cache=True, nogil=True)
-def whiten_rows(lower: Array, rows: Array) -> None:
+def whiten_rows(lower: NDArray[np.floating], rows: Array) -> None:
     """Solve `lower @ out = rows`; the rows are written."""
     for i in range(len(lower)):
         for m in range(i):

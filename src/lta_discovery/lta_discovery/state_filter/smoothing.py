@@ -237,7 +237,7 @@ def _filter_run(
 
 
 @njit(error_model='numpy', cache=True, nogil=True)
-def _unwhiten_rows(lower: Array, rows: Array) -> None:
+def _unwhiten_rows(lower: NDArray[np.floating], rows: Array) -> None:
     """Solve `lower.T @ out = rows`; the rows are written."""
     for i in range(len(lower) - 1, -1, -1):
         for m in range(i + 1, len(lower)):
