@@ -36,7 +36,7 @@ sys.path.append(str(ROOT / 'tools'))
 
 from nearest_tests import Imports, nearest, read_imports
 
-COPIED: Final = ('config', 'src', 'test')
+COPIED: Final = ('config', 'firmware', 'src', 'test')
 SPARE: Final = 30  # s of processor time that a mutant has beyond three times that of all tests
 KILLED, SURVIVED, ENDLESS = 'killed', 'survived', 'never ended'
 # The neighbour and the opposite of each comparison

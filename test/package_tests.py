@@ -23,7 +23,6 @@ PACKAGE_TESTS: Final = {
         'bridge/crazyflie/test_firmware_bench.py',
         'bridge/crazyflie/test_firmware_contract.py',
         'bridge/crazyflie/test_noise.py',
-        'bridge/test_mavsdk.py',
     ),
     'lta_energy': ('energy',),
     'lta_flight': ('flight',),

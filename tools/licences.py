@@ -45,7 +45,7 @@ names the GPL for a few of its files beside the public domain and BSD of the res
 (LGPL-3.0, unmodified) generates the code for the light board's messages when LTA is built, and is
 not imported in flight. By its README, what it generates is under the MIT licence; the headers of
 its generator's files name the GPL. cflib (GPL) is a tool of the tests; to fly a real Crazyflie you
-install it yourself. What is asked for by hand (`requirements-bench.txt`, `-dask`, `-docs`, `-gpu`,
+install it yourself. What is asked for by hand (`requirements-dask.txt`, `-docs`, `-gpu`,
 `-pybamm`) is not listed.
 
 The pages that LTA writes contain two libraries of JavaScript with their licence texts: plotly.js

@@ -97,7 +97,7 @@ STARTED = {entry.package for entry in DRONE_NODES} | {
     'lta_graph',
     'ros2launch',
 }
-OPTIONAL = {'mavsdk', 'pvlib', 'pybamm'}  # what a test skips without
+OPTIONAL = {'pvlib', 'pybamm'}  # what a test skips without
 FOLDERS_OF_TESTS = {'campaigns', 'oracle', 'tools', 'vlc'}
 HELPERS = {path.stem for path in (ROOT / 'test').rglob('*.py')} | FOLDERS_OF_TESTS | OPTIONAL
 MODULES = 25  # of one folder

@@ -14,6 +14,4 @@ def test_a_short_soak_is_as_it_should_be(lta, tmp_path):
     assert set(seen.memory) == set(NODES)
     assert seen.legs > 0
     assert seen.flown > SECONDS  # lockstep is faster than real time
-    assert len(seen.begin) > 100
-    assert len(seen.end) > 100
-    assert 0.0 < seen.begin.min() < seen.begin.max() < 5.0
+    assert min(seen.paces) > 0.0

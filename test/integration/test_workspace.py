@@ -288,12 +288,18 @@ def test_a_node_names_the_limit_of_memory_that_keeps_a_library_from_loading(
     )
 
 
-@pytest.mark.parametrize('words', [('--help',), ('-h',), ('--ros-args', '--help')])
-@pytest.mark.parametrize(('package', 'executable'), EXECUTABLES)
+HELP = [
+    *(pytest.param(*each.values, '--help', marks=each.marks) for each in EXECUTABLES),
+    ('lta_control', 'controller', '-h'),
+    ('lta_control', 'controller', '--ros-args --help'),
+]
+
+
+@pytest.mark.parametrize(('package', 'executable', 'words'), HELP)
 def test_an_executable_explains_itself(
     package, executable, words, installed, environment, tmp_path
 ):
-    command = [installed / package / 'lib' / package / executable, *words]
+    command = [installed / package / 'lib' / package / executable, *words.split()]
     done = subprocess.run(
         command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=START,
         check=False,

@@ -9,7 +9,7 @@ import pytest
     ('wind', 'least'), [((0.0, 0.0), 0.1), ((-0.4, 0.0), 0.4), ((0.0, 0.4), 0.4)]
 )
 def test_the_covariance_of_odom_is_honest(wind, least):
-    case = odometry.OdometryScene('', wind=wind)
+    case = odometry.OdometryScene(wind=wind)
     flights = [odometry.measure_flight(case, seed, longest=25.0) for seed in (1, 2, 3, 4)]
     normalised = np.mean([each.normalised for each in flights], axis=0)
     velocity, place = normalised[:3], normalised[3:6]
@@ -25,8 +25,7 @@ def test_the_covariance_of_odom_is_honest(wind, least):
 
 
 def test_without_a_lamp_the_covariance_grows_to_that_of_the_wind():
-    dark = {'scenario.lamp.flux': {'value': 1, 'unit': 'lm'}}
-    case = odometry.OdometryScene('', wind=(0.0, 0.4), changes=dark)
+    case = odometry.CASES['lamp never seen, 0.4 m/s across']
     flights = [odometry.measure_flight(case, seed, longest=40.0) for seed in (1, 2)]
     assert np.mean([each.normalised[:2] for each in flights]) < 2.0
     for each in flights:
