@@ -7,7 +7,7 @@ from typing import TypeVar
 from time_report import spent
 
 Found = TypeVar('Found')
-PATIENCE = 120.0  # s of wall time: what takes milliseconds, on a machine that others use as well
+PATIENCE = 300.0  # s of wall time: what takes milliseconds, on a machine that others use as well
 EVERY = 0.01  # s
 
 

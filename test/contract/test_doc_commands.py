@@ -10,6 +10,7 @@ from lta_cli.app import build_app, join_verb, repeat_options
 from lta_graph.launches import find_launch, LAUNCHES
 import pytest
 from typer.main import get_command
+from waiting import PATIENCE
 
 BLOCKS = blocks()
 TARGETS = set(re.findall(r'^([a-z0-9-]+):', (ROOT / 'Makefile').read_text(), re.MULTILINE))
@@ -118,11 +119,10 @@ def test_pages_have_blocks_and_say_why_some_are_not_run():
 
 
 QUICK = pieces(quick=True)
-LIMIT = 600.0  # s for what takes a second or two on a machine of its own
 
 
 @pytest.mark.parametrize('name', QUICK)
 def test_what_is_quick_runs(name, tmp_path):
     stage(tmp_path)
     for language, text in QUICK[name]:
-        run(language, text, tmp_path, LIMIT)
+        run(language, text, tmp_path, PATIENCE)

@@ -10,6 +10,7 @@ import sys
 import package_tests
 from package_tests import list_tests, PACKAGE_TESTS, UNIT
 import pytest
+from waiting import PATIENCE
 import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -75,7 +76,7 @@ def test_the_tests_run_beside_the_plugins_of_jazzy(tmp_path):
     path = f'{tmp_path}:{os.environ.get("PYTHONPATH", "")}'
     done = subprocess.run(
         words, cwd=ROOT, env={**os.environ, 'PYTHONPATH': path}, capture_output=True, text=True,
-        timeout=120, check=False,
+        timeout=PATIENCE, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stdout + done.stderr
 

@@ -9,6 +9,7 @@ import sys
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message
 from rclpy.type_support import check_for_type_support
+from waiting import PATIENCE
 
 ROOT = Path(__file__).resolve().parents[2]
 MESSAGES = ROOT / 'src/lta_msgs'
@@ -55,7 +56,7 @@ def workspace(tmp_path):
 def build(workspace, status):
     (workspace / 'status').write_text(str(status), 'utf-8')
     words = ['env', 'PYTHONPATH=/opt/ros', workspace / 'tools/build.sh']
-    return subprocess.run(words, capture_output=True, text=True, timeout=60, check=False)
+    return subprocess.run(words, capture_output=True, text=True, timeout=PATIENCE, check=False)
 
 
 def test_a_failure_to_build_messages_ends_the_build(workspace):
@@ -168,7 +169,7 @@ def test_two_builds_at_once_build_once(workspace):
     colcon.write_text(f'{COLCON}echo built >>calls\nsleep 1\n', 'utf-8')
     (workspace / 'status').write_text('0', 'utf-8')
     both = [subprocess.Popen(['env', workspace / 'tools/build.sh']) for _ in range(2)]
-    assert [each.wait(60) for each in both] == [0, 0]
+    assert [each.wait(PATIENCE) for each in both] == [0, 0]
     assert (workspace / 'calls').read_text() == 'built\n'
     assert (workspace / 'install/.lta').exists()
 
@@ -182,7 +183,7 @@ def test_a_compiler_that_fails_is_reported_and_changes_nothing(messages, tmp_pat
     words = [sys.executable, ROOT / 'tools/messages.py', ROOT / 'tools/messages/tf2_msgs']
     done = subprocess.run(
         words, env={'PATH': str(tmp_path), 'AMENT_PREFIX_PATH': str(messages.VENV)},
-        capture_output=True, text=True, timeout=120, check=False,
+        capture_output=True, text=True, timeout=PATIENCE, check=False,
     )  # fmt: skip
     assert done.returncode == 1
     assert 'no stdlib.h' in done.stderr

@@ -4,6 +4,8 @@ import signal
 import subprocess
 import sys
 
+from waiting import PATIENCE
+
 # A compiler calls back into Python, and the signal arrives there: ctypes prints and forgets it
 PROGRAM = """
 import ctypes, os, signal, time
@@ -32,7 +34,11 @@ command.main()
 
 def test_a_signal_in_a_callback_from_c_stops_the_command() -> None:
     done = subprocess.run(
-        [sys.executable, '-c', PROGRAM], capture_output=True, text=True, timeout=120, check=False
+        [sys.executable, '-c', PROGRAM],
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+        check=False,
     )
     assert done.returncode == 128 + signal.SIGTERM
     assert done.stderr == 'Stopped.\n'
