@@ -274,3 +274,4 @@ def test_without_a_barrier_its_test_fails(name, copy):
         Path(barrier.source), without, [barrier.test], LIMIT, compiled=True
     )
     assert (fate, failed.partition('::')[0]) == (KILLED, barrier.test)
+    assert '::' in failed  # a test of it, not its imports
