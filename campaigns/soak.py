@@ -202,7 +202,6 @@ def soaked(lta: Lta, folder: Path, seconds: float) -> Soaked:
         graph.interrupt()
         graph.end()
     memory = {name: fit_slope(looks.times, each) for name, each in looks.held.items()}
-    wrong += [f'the memory of {name} grows' for name, one in memory.items() if not one.flat]
     size = 1e-9 * sum(each.stat().st_size for each in (folder / 'bag').rglob('*'))
     found = Soaked(far, looks.paces, memory, looks.legs, size, wrong)
     if gap := lost(folder / 'bag', found.steps):
@@ -218,7 +217,9 @@ def run(case: Case, options: Namespace) -> Row:
             seen = soaked(lta, Path(name), 60.0 * options.minutes)
         finally:
             lta.kill()
-    return {**seen._asdict(), 'steps': seen.steps, 'wrong': '; '.join(seen.wrong)}
+    grows = [f'the memory of {name} grows' for name, one in seen.memory.items() if not one.flat]
+    wrong = '; '.join([*seen.wrong, *grows])
+    return {**seen._asdict(), 'steps': seen.steps, 'wrong': wrong}
 
 
 def list_table(rows: Rows, options: Namespace) -> Iterator[str]:
