@@ -122,6 +122,13 @@ class LoopView:
         return np.array(self._truth)[:, :4]
 
     @property
+    def true_poses(self) -> Array:
+        """Times, true positions and attitudes x y z w, shape (n, 8). [s, m]"""
+        table = np.array(self._truth)
+        state = table[:, 1:]
+        return np.column_stack([table[:, 0], state[:, POSITION], state[:, QUATERNION]])
+
+    @property
     def warning(self) -> str:
         """A warning if the flight leaves the region of validity of its vehicle file, else ''."""
         state = np.array(self._truth)[:, 1:]

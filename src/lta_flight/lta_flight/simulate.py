@@ -29,7 +29,7 @@ from lta_flight.flight_spec import (
 from lta_flight.loop_view import LoopView
 from lta_flight.progress import FlightProgress
 from lta_flight.report.results import compute_results, FlightResults
-from lta_report.results_folder import resolve_folder
+from lta_report.results_folder import check_creatable, resolve_folder
 from lta_sim.simulated_vehicle import is_compiled
 from lta_sim.world import World
 import numpy as np
@@ -70,6 +70,8 @@ def simulate_once(
     """
     if record:
         require_messages()
+        if out is not None:
+            check_creatable(out.absolute())  # before half a minute of compiling
     if commands is None:
         announce_compilation(watcher)
         loop = build_loop(spec, seed)

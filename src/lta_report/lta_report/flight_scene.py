@@ -34,6 +34,7 @@ NO_WEBGL: Final = (
     'This browser has no WebGL, so the 3-D view is left out; '
     'the figures below show the same flight.'
 )
+FAN_READOUT: Final = {'time': ('time', '\N{NO-BREAK SPACE}s', 1, 1.0)}
 PACES: Final = (0.25, 0.5, 1, 2, 4)  # speeds of play, by the usual one
 SCENE_TRACKS: Final = ('position', 'turn', 'thrust', 'bearing', 'wind')
 
@@ -76,6 +77,17 @@ class SceneSet:
     columns: Mapping[str, Sequence[float | None]] = field(default_factory=dict)
 
 
+@final
+@dataclass(frozen=True, slots=True)
+class FanFlight:
+    """One of several flights of a vehicle."""
+
+    name: str  # shown beside the view
+    colour: str  # light colour of the palette
+    # Time since the start [s], position [m, map] and attitude x y z w, shape (n, 8)
+    track: Array
+
+
 def sample_times(first: float, last: float) -> Array:
     """Return the times at which tracks are sampled. [s]"""
     return np.linspace(
@@ -88,7 +100,7 @@ def render_scene(
     static_shapes: Sequence[ShapeEntity],
     caption: str,
     reach: float,
-    follow: bool = False,
+    follow: bool | None = None,
 ) -> str:
     """
     Return the panel of a 3-D view; empty without flights.
@@ -103,8 +115,8 @@ def render_scene(
         Plain text.
     reach : float
         Largest extent of a vehicle from its centre. [m]
-    follow : bool
-        Whether the view follows the vehicle at first, as it does on long flights.
+    follow : bool, optional
+        Whether the view follows the vehicle at first; by default on long flights.
 
     """
     sets = [each for each in sets if len(each.time)]
@@ -134,6 +146,38 @@ def render_scene(
         f'<figcaption>{escape(caption)} <span class="scene-keys">{KEYS_HELP}</span></figcaption>'
         f'{embed_data("scene", data)}</figure>'
     )
+
+
+def render_fan(
+    flights: Sequence[FanFlight],
+    file: VehicleFile,
+    static_shapes: Sequence[ShapeEntity],
+    caption: str,
+) -> tuple[str, str, dict[str, Sequence[float | None]]]:
+    """
+    Return the 3-D view, the time bar and the track of a page with several flights of one vehicle.
+
+    They begin at the same time, and one that has ended stays where it ended. All are empty without
+    flights.
+    """
+    if not flights:
+        return '', '', {}
+    body, reach, _ = draw_vehicle(file)
+    time = sample_times(0.0, max(each.track[-1, 0] for each in flights))
+    shown = [
+        SceneFlight(
+            each.name,
+            each.colour,
+            body,
+            interpolate_columns(time, each.track[:, 0], each.track[:, 1:4]),
+            interpolate_attitude(time, each.track[:, 0], each.track[:, 4:]),
+            ghost=True,
+        )
+        for each in flights
+    ]
+    scene_set = SceneSet(time, shown)
+    panel = render_scene([scene_set], static_shapes, caption, reach, follow=False)
+    return panel, render_time_bar(FAN_READOUT, 'flights'), build_scene_track(scene_set)
 
 
 def render_time_bar(readout: Mapping[str, tuple[str, str, int, float]], what: str) -> str:

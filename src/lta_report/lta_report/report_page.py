@@ -32,6 +32,7 @@ NUMERIC_CELL: Final = re.compile(
     rf'(?!\d+\. )[-+\N{{MINUS SIGN}}<>≤≥±~]?\s?(?:\.?\d|[∞{MISSING}])|-?$|none$|never\b'
 )
 MARKS: Final = re.compile(r'\*\*(.+?)\*\*|\*(.+?)\*|`(.+?)`')  # strong, emphasis, code
+LEAST_LISTED_SECTIONS: Final = 5  # sections of a page that get a list of contents
 NOSCRIPT: Final = (
     '<noscript><p class="absent">The figures need JavaScript; the tables do not.</p></noscript>\n'
 )
@@ -44,7 +45,7 @@ def render_report(report: Report) -> str:
     style, script = split_template(read_asset(report.asset)) if report.asset else ('', '')
     parts = {
         'tile_width': f'{choose_tile_width(report.tiles)}',
-        'blocks': '\n'.join(map(render_block, report.blocks)),
+        'blocks': '\n'.join([render_contents(report.blocks), *map(render_block, report.blocks)]),
         'scene': report.scene,
         'bar': report.time_bar,
         'more_style': style,
@@ -84,6 +85,22 @@ def choose_tile_width(tiles: Sequence[Tile]) -> int:
     return max(usual, min(28 + 6 * longest, 200))
 
 
+def render_contents(blocks: Sequence[Block]) -> str:
+    """Return links to the sections of a long page; empty on a short one."""
+    headings = [each.heading for each in blocks if isinstance(each, ReportSection)]
+    if len(headings) < LEAST_LISTED_SECTIONS:
+        return ''
+    links = ''.join(
+        f'<li><a href="#{name_section(each)}">{escape(each)}</a></li>' for each in headings
+    )
+    return f'<nav class="panel contents"><h2>Contents</h2><ul>{links}</ul></nav>'
+
+
+def name_section(heading: str) -> str:
+    """Return the id of a section on the page."""
+    return 'section-' + re.sub(r'\W+', '-', heading.lower()).strip('-')
+
+
 def render_block(block: Block) -> str:
     """Return one block as HTML."""
     match block:
@@ -109,14 +126,15 @@ def render_block(block: Block) -> str:
             if block.folded:
                 summary = f'<summary>{escape(block.heading)}</summary>'
                 return f'<details class="group">{summary}\n{inside}</details>'
-            return render_panel(block.heading, inside, 'panel group')
+            return render_panel(block.heading, inside, 'panel group', name_section(block.heading))
 
 
-def render_panel(heading: str, body: str, kind: str = 'panel') -> str:
-    """Return a panel; without a heading if that is empty."""
+def render_panel(heading: str, body: str, kind: str = 'panel', name: str = '') -> str:
+    """Return a panel; without a heading or an id if that is empty."""
     words = escape(heading)
     named = (f' aria-label="{words}"', f'<h2>{words}</h2>') if heading else ('', '')
-    return f'<section class="{kind}"{named[0]}>{named[1]}{body}</section>'
+    place = f' id="{name}"' if name else ''
+    return f'<section class="{kind}"{place}{named[0]}>{named[1]}{body}</section>'
 
 
 def render_table_section(table: TextTable) -> str:

@@ -59,7 +59,7 @@ def build_tiles(results: FlightResults) -> list[Tile]:
              'in cruise'),
         Tile('Altitude', format_number(r.altitude), 'm',
              f'RMS error to the set-point {format_amount(r.altitude_error, "cm", 1, 100.0)}'),
-        Tile('Direction of the lamp', format_number(r.lamp_error, 1, DEGREES), '° RMS error',
+        Tile('Direction of the lamp', format_number(r.lamp_median, 1, DEGREES), '° median error',
              explain_direction_errors(r)),
         Tile('Signal to noise', f'{format_number(r.snr_start, 0)} → '
         f'{format_number(r.snr_end, 0)}', '',
@@ -75,14 +75,12 @@ def build_tiles(results: FlightResults) -> list[Tile]:
 def explain_direction_errors(results: FlightResults) -> str:
     """Return the errors of the direction used for steering and of the paper's bearing, briefly."""
     r = results
-    error, middle, usual = (
+    lamp, bearing, usual = (
         format_amount(each, '°', 1, DEGREES)
-        for each in (r.bearing_error, r.bearing_median, r.lamp_median)
+        for each in (r.lamp_error, r.bearing_error, r.bearing_median)
     )
-    if r.lamp_median is None or r.bearing_median is None:
-        return f"paper's bearing {error}"
     # Near a lamp above the diodes the hull hides it, and these last blocks make the RMS
-    return f"median {usual}; paper's bearing {error}, median {middle}"
+    return f"RMS {lamp} with the blocks near the lamp; paper's bearing: median {usual}, RMS {bearing}"
 
 
 def build_result_table(results: FlightResults) -> TextTable:

@@ -6,6 +6,7 @@ from operator import attrgetter
 import time
 from typing import Any, Final, final
 
+from lta_config.compilation.flat import Array
 from lta_config.errors import BadInput
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_spec import build_loop, FlightSpec
@@ -15,9 +16,11 @@ from lta_flight.sweep.plan import convert_to_si, SweepJob
 from lta_report.json_value import replace_nonfinite
 from lta_report.study_store import StoreFormat, StudyStore
 from lta_report.workers import ItemFailure
+import numpy as np
 from pydantic import TypeAdapter
 
 FAILED = 'failed'
+TRACK_PERIOD = 0.5  # s between two poses of a track, enough for a slow blimp
 
 
 @final
@@ -34,6 +37,8 @@ class SweepRow:
     wall: float = 0.0  # computing time [s]
     # `FlightResults` by name; None if unknown
     figures: dict[str, Any] = field(default_factory=dict)
+    # Time [s], position [m, map] and attitude x y z w; empty unless the 3-D view shows the flight
+    track: list[list[float]] = field(default_factory=list)
 
 
 # Each line is a row; the row of a failed flight has its values too
@@ -90,4 +95,14 @@ def run_job(job: SweepJob, begin: Callable[[], ClosedLoop]) -> SweepRow:
         time.monotonic() - begun,
         # JSON has no NaN
         replace_nonfinite(figures),
+        thin_track(view.true_poses) if job.tracked else [],
     )
+
+
+def thin_track(poses: Array) -> list[list[float]]:
+    """Return rows of times and poses about `TRACK_PERIOD` apart, and the last."""
+    stretches = np.floor(poses[:, 0] / TRACK_PERIOD)
+    # The first row of each stretch of time
+    kept = np.append(np.unique(stretches, return_index=True)[1], len(poses) - 1)
+    rows: list[list[float]] = poses[kept].round(3).tolist()
+    return rows

@@ -22,6 +22,7 @@ from lta_flight.flight_spec import build_loop, FlightSpec, load_spec, SPEC_FILES
 from lta_flight.sweep.parameter_sampling import sample_parameter
 
 MOST_FLIGHTS = 10_000_000  # flights; the table of more does not fit into memory
+MOST_TRACKED_FLIGHTS = 12  # flights whose motion is stored for the 3-D view
 
 
 @final
@@ -35,6 +36,7 @@ class SweepJob:
     # Varied parameters by path, and the name of the case if there are cases
     values: Mapping[str, Any]
     case: Mapping[str, Any] = field(default_factory=dict)  # parameters that the case sets, by path
+    tracked: bool = False  # whether its motion is stored for the 3-D view
 
     @property
     def changes(self) -> dict[str, Any]:
@@ -139,7 +141,9 @@ class SweepPlan:
                 values[path] = self.lists[path][place]
         ordered = {path: values[path] for path in self.units}
         case = self.cases[ordered[CASE_COLUMN]] if self.cases else {}
-        return SweepJob(index, self.file.seeds.first + turn, ordered, case)
+        # Flights at even distances come from all parts of the grid
+        tracked = index % math.ceil(self.count / MOST_TRACKED_FLIGHTS) == 0
+        return SweepJob(index, self.file.seeds.first + turn, ordered, case, tracked)
 
     def iterate_jobs(self, done: set[int]) -> Iterator[SweepJob]:
         """Yield the flights that have not been flown yet."""

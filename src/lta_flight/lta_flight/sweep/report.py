@@ -6,17 +6,21 @@ from dataclasses import replace
 from statistics import median, quantiles
 from typing import Any, Final
 
+from lta_bridge.description.scene import draw_static_scene
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.schema.sweep_file import Distribution
-from lta_flight.flight_spec import to_set_args
+from lta_flight.flight_spec import build_vehicle_scenario_stack, to_set_args
 from lta_flight.sweep.heat_map import find_map_parameters, plot_heat_map
 from lta_flight.sweep.job_runner import FAILED, SweepRow
 from lta_flight.sweep.pictures import MEASURES, plot_by_parameter, plot_histogram, plot_outcomes
-from lta_flight.sweep.plan import SweepPlan
+from lta_flight.sweep.plan import MOST_TRACKED_FLIGHTS, SweepPlan
 from lta_flight.sweep.run import describe_origin, SweepRun
 from lta_flight.sweep.statistics import collect_result_values, format_value, REACHED, reached_share
+from lta_report.flight_scene import FanFlight, render_fan
 from lta_report.formatting import format_count, format_number, Tile
+from lta_report.palette import ESTIMATE, TRUTH
 from lta_report.report import Block, Grid, Picture, Report, TextSection, TextTable
+import numpy as np
 import yaml
 
 SMALL_MASS: Final = 0.5  # kg; smaller masses are shown in grams
@@ -25,6 +29,11 @@ MEASURE_HEADINGS: Final = {
     'search_time': 'Time from the first forward command',
     'path_length': 'Path',
 }
+SCENE_CAPTION: Final = (
+    f'At most {MOST_TRACKED_FLIGHTS} flights, spread evenly over the table, all from their start. '
+    'Blue reached their goal, orange did not. Room, lamps and hull are those of the sweep file '
+    'without its variations.'
+)
 LOST_HEADING: Final = 'Flights that did not reach their goal'
 BY_PARAMETER: Final = (
     'Share of flights that reached the goal with its 95 % Wilson interval, and their time and '
@@ -37,6 +46,10 @@ def build_report(done: SweepRun) -> Report:
     """Return the report of a sweep, which may have been stopped."""
     plan, rows, file = done.plan, done.rows, done.plan.file
     figures = list(draw_parameters(plan, rows))
+    vehicle, scenario, _ = build_vehicle_scenario_stack(plan.base)
+    scene, time_bar, track = render_fan(
+        list_tracked_flights(plan, rows), vehicle.file, draw_static_scene(scenario), SCENE_CAPTION
+    )
     return Report(
         command='sweep',
         subject=f'{file.name} · {file.vehicle} · {file.scenario} · {file.strategy}',
@@ -55,7 +68,26 @@ def build_report(done: SweepRun) -> Report:
         files={'Sweep file': yaml.safe_dump(file.model_dump(exclude_none=True), sort_keys=False)},
         closing=describe_run(done),
         status=find_status(done),
+        scene=scene,
+        time_bar=time_bar,
+        track=track,
     )
+
+
+def list_tracked_flights(plan: SweepPlan, rows: Sequence[SweepRow]) -> list[FanFlight]:
+    """Return the flights of the 3-D view, named by their parameters, seed and outcome."""
+    flights = []
+    for row in rows:
+        if not row.track:
+            continue
+        values = [
+            f'{path.rpartition(".")[2]} {format_value(row.values[path])} {unit}'.rstrip()
+            for path, unit in plan.units.items()
+        ]
+        name = ', '.join([*values, f'seed {row.seed}: {row.outcome}'])
+        colour = TRUTH if row.outcome == REACHED else ESTIMATE
+        flights.append(FanFlight(name, colour, np.array(row.track)))
+    return flights
 
 
 def find_status(done: SweepRun) -> int:

@@ -259,7 +259,7 @@ class Scene {
     this.flown = shown.flights.map((flight) => new Flown(flight, this.data.reach));
     this.world.add(...this.flown.map((one) => one.root));
     this.measure();
-    this.follow(this.data.follow || this.size > 16 * this.data.reach);
+    this.follow(this.data.follow ?? this.size > 16 * this.data.reach);
   }
 
   // The sphere around all paths and lamps, and a grid on the ground

@@ -39,6 +39,7 @@ from lta_studies.mission.leg_state import (
 from lta_studies.mission.legs import LegPilot
 from lta_studies.mission.scene import MissionScene
 import numpy as np
+from numpy.typing import NDArray
 
 ASSUMED_FLIGHT_POWER: Final = 2.2  # W, assumed flight power before the first flight
 AWARE, NAIVE, DOZING = 'by light', 'duty cycle', 'duty cycle, asleep'
@@ -111,6 +112,8 @@ FLIGHT_ENDINGS = {
     RESERVE: 'away',
     LATE: 'lost',
 }
+MOST_TRACKED_FLIGHTS = 8  # first flights of a mission, whose motion is stored for the page
+MOST_TRACK_ROWS = 2400  # poses of a flight, two in a second
 BEACON_CLEARANCE = 0.3  # m from the lantern of the perch, so that it is in view at the start
 
 
@@ -123,6 +126,7 @@ class OngoingFlight:
     light: PanelIrradiance
     lux: float
     seed: int
+    track: NDArray[np.float64]  # see `leg_state.fly_leg`; NaN where nothing was flown
     visits: int = 0
 
     def distance_to(self, x: float, y: float) -> float:
@@ -170,6 +174,7 @@ class MissionFlyer:
             EnergyTotals(supply.harvested, 0.0, supply.consumed, supply.lost),
             departure.store.charge, supply.flow.charge, memory.charge, memory.lowest,
             FLIGHT_ENDINGS.get(outcome, 'home'),
+            going.track[np.isfinite(going.track[:, 0])].round(3).tolist(),
         )  # fmt: skip
         return Landing(supply.flow, flight)
 
@@ -185,7 +190,9 @@ class MissionFlyer:
         )
         light = departure.light
         sun, lamps, _ = self._light.efficacies
-        return OngoingFlight(memory, light, light.sun * sun + light.lamps * lamps, seed)
+        rows = MOST_TRACK_ROWS if departure.number < MOST_TRACKED_FLIGHTS else 0
+        track = np.full((rows, 8), np.nan)
+        return OngoingFlight(memory, light, light.sun * sun + light.lamps * lamps, seed, track)
 
     def _fly_round(self, going: OngoingFlight) -> int:
         """Fly to each beacon and dwell there; return the outcome."""
@@ -247,5 +254,5 @@ class MissionFlyer:
         flight = memory.flight._replace(mission=mission)
         begin = memory._replace(flight=flight, outcome=FLYING, first_step=flight.step)
         constants = self._pilot.pack_constants(beacon_flight)
-        going.memory = self._pilot.fly_leg(constants, leg, begin, going.seed)
+        going.memory = self._pilot.fly_leg(constants, leg, begin, going.seed, going.track)
         return going.memory.outcome

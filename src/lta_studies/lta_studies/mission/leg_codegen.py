@@ -76,12 +76,12 @@ def generate_leg_source(
     light = f'np.empty(({LAMP_ROWS + 1}, {diodes}))'
     lines = [
         ENTRY_DECORATOR.replace('cache=True', 'nogil=True, cache=True'),
-        'def fly_leg(fixed, c, g, m, seed):',
+        'def fly_leg(fixed, c, g, m, seed, track):',
         f'    work = {work}(np.empty({SCRATCH}), {light}, {light}, np.empty({scratch_size(1)}))',
         f'    constants = {constants.render_expression("c")}',
         f'    leg = {leg.render_expression("g")}',
         f'    before = {memory.render_expression("m")}',
-        f'    after = {name}(constants, leg, before, fixed, np.empty((0, 6)), seed, work)',
+        f'    after = {name}(constants, leg, before, fixed, np.empty((0, 6)), seed, work, track)',
         *(f'    m[{k}] = after.{path}' for k, path in enumerate(memory.paths)),
     ]
     return write_flight_source(

@@ -32,6 +32,7 @@ from lta_sim.termination import is_indoors
 import numpy as np
 from numpy.typing import NDArray
 
+TRACK_STEPS = 50  # control steps between two poses of a track
 ON_FOOT = 0.02  # m above the standing height that still counts as on the ground
 
 FLYING, DONE, LATE, RESERVE, EMPTY, ESCAPED, STOPPED = range(7)
@@ -78,8 +79,14 @@ def fly_leg(
     recorded: NDArray[np.float64],
     seed: int,
     work: WorkArrays,
+    track: NDArray[np.float64],
 ) -> LegState:
-    """Fly one leg; `numbers` are those of the vehicle's model, `recorded` is empty."""
+    """
+    Fly one leg; `numbers` are those of the vehicle's model, `recorded` is empty.
+
+    `track`, shape (n, 8): receives time [s], position [m, map] and attitude x y z w of every
+    `TRACK_STEPS`-th step of the flight, as far as it has rows.
+    """
     inputs = FlightInputs(
         numbers, recorded, draw_errors(constants.sensors, seed), seed, leg.payload
     )
@@ -90,6 +97,11 @@ def fly_leg(
             kernel, schedule, strategy, law, constants, now.flight, inputs, work
         )
         now = update_leg(schedule, constants, leg, now, flight)
+        row = flight.step // TRACK_STEPS
+        if flight.step % TRACK_STEPS == 0 and row < len(track):
+            track[row, 0] = flight.step * schedule.period
+            for k in range(7):
+                track[row, 1 + k] = flight.state[k]
     return now
 
 

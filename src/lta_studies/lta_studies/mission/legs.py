@@ -28,6 +28,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
+NO_TRACK = np.empty((0, 8))
+
+
 @cache
 def _compile_leg(
     names: tuple[str, ...],
@@ -125,16 +128,19 @@ class LegPilot:
         )
         return ground_leg_state(flight, charge)
 
-    def fly_leg(self, constants: Array, leg: LegPlan, memory: LegState, seed: int) -> LegState:
+    def fly_leg(
+        self, constants: Array, leg: LegPlan, memory: LegState, seed: int, track: Array = NO_TRACK
+    ) -> LegState:
         """
         Return the state after a leg.
 
         `constants`: from `pack_constants`. `memory`: state after the leg before, with the outcome
-        reset to `FLYING`. `seed`: random seed of the flight; only 32 bits are used.
+        reset to `FLYING`. `seed`: random seed of the flight; only 32 bits are used. `track`: see
+        `leg_state.fly_leg`.
         """
         if leg.kind == LAND:
             mission = memory.flight.mission._replace(phase=Phase.LAND)
             memory = memory._replace(flight=memory.flight._replace(mission=mission))
         numbers = self._memory.write(memory)
-        self._fly(self._fixed, constants, self._leg.write(leg), numbers, seed & 0xFFFFFFFF)
+        self._fly(self._fixed, constants, self._leg.write(leg), numbers, seed & 0xFFFFFFFF, track)
         return self._memory.read(numbers)

@@ -5,11 +5,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from typing import Any, Final
 
+from lta_bridge.description.scene import draw_static_scene
 from lta_config.command_line import format_lta_command
+from lta_report.flight_scene import FanFlight, render_fan
 from lta_report.formatting import format_count, Tile
+from lta_report.palette import ESTIMATE, TRUTH
 from lta_report.report import Picture, Report, TextSection, TextTable
 from lta_report.result_table import build_table, Column, format_value
 from lta_studies.mission.figures import MissionFigures
+from lta_studies.mission.flyer import MOST_TRACKED_FLIGHTS
 from lta_studies.mission.gas import (
     describe_gas,
     draw_slack,
@@ -32,6 +36,7 @@ from lta_studies.mission.run import (
     MissionResult,
     ratio_to_rival,
 )
+import numpy as np
 
 LIGHT_AND_CHARGE_CAPTION: Final = (
     'Top: light on the level panel, averaged over the flicker of a beacon. Bottom: true state of '
@@ -45,6 +50,10 @@ HOURS: Final = (
 BOOKS: Final = (
     'Where the energy of the light went: used in flight, used on the perch, lost as heat in '
     'the cell, or stored. The last part could not be harvested because the cell was full.'
+)
+SCENE_CAPTION: Final = (
+    f'The first flights of the mission, at most {MOST_TRACKED_FLIGHTS}, all from their take-off. '
+    'Blue came home, orange did not.'
 )
 MISSION_METHOD: Final = (
     'On the perch, panel, charger, cell and loads are simulated in steps of half a minute. '
@@ -67,6 +76,12 @@ def build_report(request: MissionRequest, results: Sequence[MissionResult]) -> R
     # The plots show the first seed only; tiles and tables average over all.
     selected = [each for each in results if each.seed == seed]
     light, gas = request.simulate_light(seed), estimate_gas(request)
+    scene, time_bar, track = render_fan(
+        list_tracked_flights(select_main_result(selected)),
+        request.scenes.vehicle.file,
+        draw_static_scene(request.scenes.scenario),
+        SCENE_CAPTION,
+    )
     return Report(
         command='mission',
         subject=mission.name,
@@ -98,7 +113,27 @@ def build_report(request: MissionRequest, results: Sequence[MissionResult]) -> R
             ),
             "The paper's ratios of charging to flight": format_lta_command('reproduce', 'energy'),
         },
+        scene=scene, time_bar=time_bar, track=track,
     )  # fmt: skip
+
+
+def list_tracked_flights(result: MissionResult) -> list[FanFlight]:
+    """Return the flights of the 3-D view, named by the time of day and how they ended."""
+    return [
+        FanFlight(
+            f'{format_clock(flight.start)}: {flight.ending}',
+            TRUTH if flight.ending == 'home' else ESTIMATE,
+            np.array(flight.track),
+        )
+        for flight in result.diary.flights
+        if flight.track
+    ]
+
+
+def format_clock(time: float) -> str:
+    """Return a time since the first midnight [s] as a time of day."""
+    hours, minutes = divmod(int(time // 60), 60)
+    return f'{hours % 24:02}:{minutes:02}'
 
 
 def estimate_gas(request: MissionRequest) -> GasOverDay:
