@@ -76,7 +76,8 @@ def compile_kernel(function: Function) -> Function:
     # Beside the sources, numba's default, is not writable where LTA is installed for all users
     config.CACHE_DIR = str(find_cache_folder('functions'))  # type: ignore[attr-defined]
     try:
-        return cast('Function', njit(error_model='numpy', fastmath=False, cache=True)(function))
+        compiled = njit(error_model='numpy', fastmath=False, cache=True, nogil=True)(function)
+        return cast('Function', compiled)
     finally:
         # Other kernels are cached in their own folders
         config.CACHE_DIR = before  # type: ignore[attr-defined]

@@ -1,12 +1,17 @@
 """The data of the 3-D view: tracks at common times, and their encoding."""
 
 import base64
+import json
+import re
 
+from lta_model.vehicle import load_vehicle
 from lta_report.flight_scene import (
     draw_vehicle,
+    FanFlight,
     hold_columns,
     interpolate_attitude,
     pack_column,
+    render_fan,
     render_scene,
     sample_times,
     SceneFlight,
@@ -60,3 +65,22 @@ def test_names_of_strangers_are_words_in_the_view():
     panel = render_scene([SceneSet(time, [flight])], [], 'About.', reach)
     assert '<script>alert' not in panel
     assert render_scene([], [], 'About.', reach) == ''
+
+
+def test_flights_of_a_fan_begin_together_and_stay_where_they_ended():
+    level = [0.0, 0.0, 0.0, 1.0]
+    short = FanFlight('short', '#0b62a8', np.array([[0.0, 1.0, 0.0, 1.0, *level],
+                                                    [1.0, 2.0, 0.0, 1.0, *level]]))  # fmt: skip
+    long = FanFlight('long', '#c8500a', np.array([[0.0, 1.0, 0.0, 1.0, *level],
+                                                  [4.0, 9.0, 0.0, 1.0, *level]]))  # fmt: skip
+    panel, bar, track = render_fan([short, long], load_vehicle('gtmab').file, [], 'About.')
+    assert 'Play the flights' in bar
+    assert (track['time'][0], track['time'][-1]) == (0.0, 4.0)
+    (text,) = re.findall(r'<script[^>]*id="scene"[^>]*>(.*?)</script>', panel, re.DOTALL)
+    (fan,) = json.loads(text)['sets']
+    ends = []
+    for flight in fan['flights']:
+        along = flight['position'][0]
+        ends.append(np.frombuffer(base64.b64decode(along['data']), '<i2')[-1] * along['scale'])
+    assert ends == pytest.approx([2.0, 9.0], abs=1e-3)
+    assert render_fan([], load_vehicle('gtmab').file, [], 'About.') == ('', '', {})

@@ -224,7 +224,7 @@ SECTION = ReportSection('1. Forces', [CLAIMS, FINDINGS, ReportSection('All 3', [
 
 def test_a_section_is_one_panel_and_its_folded_part_opens_on_a_click():
     page = render_report(make_report(SECTION, TextTable('Wrong', ('case',), [])))
-    assert '<section class="panel group" aria-label="1. Forces"><h2>1. Forces</h2>' in page
+    assert '<section class="panel group" id="section-1-forces" aria-label="1. Forces"><h2>1. Forces</h2>' in page
     assert '<details class="group"><summary>All 3</summary>' in page
     assert '<span class="bad">differs</span>' in page
     assert '<i>Mass &lt;m&gt;.</i> It is <code>271 g</code>. <b>A row is missing.</b>' in page
@@ -234,6 +234,15 @@ def test_a_section_is_one_panel_and_its_folded_part_opens_on_a_click():
     assert 'gtmab' in shown
     assert 'thrust' not in shown
     assert 'gtmab' not in show(make_report(SECTION), 80, False)
+
+
+def test_a_page_of_many_sections_has_a_list_that_leads_to_each():
+    sections = [ReportSection(f'{k}. Drag & lift', [TABLE]) for k in range(1, 6)]
+    page = render_report(make_report(*sections))
+    for k in range(1, 6):
+        assert f'<a href="#section-{k}-drag-lift">{k}. Drag &amp; lift</a>' in page
+        assert page.count(f'id="section-{k}-drag-lift"') == 1
+    assert 'Contents' not in render_report(make_report(*sections[1:]))
 
 
 def test_a_picture_has_its_command():

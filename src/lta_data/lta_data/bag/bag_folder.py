@@ -50,7 +50,9 @@ def wrong_format_error(file: Path, head: bytes) -> BadInput:
     for magic, description in OTHER_FORMATS.items():
         if head.startswith(magic):
             return BadInput(f"'{file}' is {description}.")
-    return BadInput(f"'{file}' is not an MCAP recording; {ADVICE}.")
+    return BadInput(
+        f"'{file}' is not an MCAP recording; {ADVICE}, or convert a log with `lta import`."
+    )
 
 
 def find_bag(folder: Path) -> Path:

@@ -15,12 +15,12 @@ from dataclasses import dataclass
 import math
 from typing import Final, final
 
+from lta_config.compilation.compiler import compile_kernel
 from lta_discovery.flights.measured_flight import GRID_PERIOD
 from lta_discovery.replay.replay import AXIS_COUNT
 from lta_discovery.replay.variational_equation import STATE_WIDTH
 from lta_discovery.state_filter.linear_flight import LinearFlight, POSE_SIZE
 from lta_discovery.state_filter.noise_model import NoiseModel
-from numba import njit
 import numpy as np
 from numpy.typing import NDArray
 
@@ -102,7 +102,7 @@ def describe_noise(noise: NoiseModel) -> tuple[Array, Array, Array]:
     return first, added, fading
 
 
-@njit(error_model='numpy', cache=True, nogil=True)
+@compile_kernel
 def whiten_rows(lower: NDArray[np.floating], rows: Array) -> None:
     """Solve `lower @ out = rows`; the rows are written."""
     for i in range(len(lower)):
@@ -113,7 +113,7 @@ def whiten_rows(lower: NDArray[np.floating], rows: Array) -> None:
             rows[i, j] /= lower[i, i]
 
 
-@njit(error_model='numpy', cache=True, nogil=True)
+@compile_kernel
 def advance_filter(
     x: Array, s: Array, step: Array, push: Array, fading: Array, added: Array
 ) -> None:
@@ -136,7 +136,7 @@ def advance_filter(
         s[i, i] += added[i]
 
 
-@njit(error_model='numpy', cache=True, nogil=True)
+@compile_kernel
 def _filter_run(
     step: Array,
     push: Array,
@@ -245,7 +245,7 @@ def _filter_run(
     products += rows[:filled].T @ rows[:filled]
 
 
-@njit(error_model='numpy', cache=True, nogil=True)
+@compile_kernel
 def _forecast(
     x: Array,
     step: Array,

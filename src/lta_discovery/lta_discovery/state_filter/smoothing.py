@@ -9,6 +9,7 @@ tells how the likelihood changes with the noise (Koopman and Shephard, Biometrik
 from collections.abc import Sequence
 from typing import Final, final, NamedTuple
 
+from lta_config.compilation.compiler import compile_kernel
 from lta_discovery.flights.measured_flight import GRID_PERIOD
 from lta_discovery.replay.replay import AXIS_COUNT
 from lta_discovery.replay.variational_equation import apply_state_changes, STATE_WIDTH
@@ -22,7 +23,6 @@ from lta_discovery.state_filter.kalman import (
 )
 from lta_discovery.state_filter.linear_flight import LinearFlight, POSE_SIZE
 from lta_discovery.state_filter.noise_model import NoiseModel
-from numba import njit
 import numpy as np
 from numpy.typing import NDArray
 
@@ -175,7 +175,7 @@ def log_slopes(noise: NoiseModel, runs: NoiseSlopes) -> Array:
     ])  # fmt: skip
 
 
-@njit(error_model='numpy', cache=True, nogil=True)
+@compile_kernel
 def _filter_run(
     step: Array,
     push: Array,
@@ -236,7 +236,7 @@ def _filter_run(
         x[:STATE_WIDTH] += moved[k]
 
 
-@njit(error_model='numpy', cache=True, nogil=True)
+@compile_kernel
 def _unwhiten_rows(lower: NDArray[np.floating], rows: Array) -> None:
     """Solve `lower.T @ out = rows`; the rows are written."""
     for i in range(len(lower) - 1, -1, -1):
@@ -247,7 +247,7 @@ def _unwhiten_rows(lower: NDArray[np.floating], rows: Array) -> None:
             rows[i, j] /= lower[i, i]
 
 
-@njit(error_model='numpy', cache=True, nogil=True)
+@compile_kernel
 def _pull_back(r: Array, step: Array, push: Array, fading: Array) -> Array:
     """Return the transpose of a period's transition times some columns."""
     out = np.empty_like(r)
@@ -259,7 +259,7 @@ def _pull_back(r: Array, step: Array, push: Array, fading: Array) -> Array:
     return out
 
 
-@njit(error_model='numpy', cache=True, nogil=True)
+@compile_kernel
 def _go_back(
     step: Array,
     push: Array,

@@ -80,7 +80,7 @@ def explain_direction_errors(results: FlightResults) -> str:
         for each in (r.lamp_error, r.bearing_error, r.bearing_median)
     )
     # Near a lamp above the diodes the hull hides it, and these last blocks make the RMS
-    return f"RMS {lamp} with the blocks near the lamp; paper's bearing: median {usual}, RMS {bearing}"
+    return f"RMS {lamp} with the last blocks; paper's bearing: median {usual}, RMS {bearing}"
 
 
 def build_result_table(results: FlightResults) -> TextTable:

@@ -120,10 +120,11 @@ def format_headline(plan: SweepPlan, rows: Sequence[SweepRow]) -> str:
 def build_tiles(rows: Sequence[SweepRow]) -> list[Tile]:
     """Return tiles with the main results."""
     share = reached_share(rows)
-    ends = f'{100 * share.low:.1f} to {100 * share.high:.1f} % (Wilson, 95 %)'
     broken = sum(row.outcome == FAILED for row in rows)
-    wall = sum(row.wall for row in rows)
     completed = len(rows) - broken
+    interval = f'{100 * share.low:.1f} to {100 * share.high:.1f} % (Wilson, 95 %)'
+    ends = f'of {format_count(completed, "flight")}; {interval}'
+    wall = sum(row.wall for row in rows)
     return [
         Tile('Reached', format_number(100 * share.value if completed else None, 1), '%', ends),
         *(build_summary_tile(rows, *words) for words in (
@@ -142,11 +143,14 @@ def build_summary_tile(
     # Quartiles need two values
     if len(values) < 2:
         return Tile(
-            words, format_number(values[0] if values else None, digits), unit, 'one flight or none'
+            words,
+            format_number(values[0] if values else None, digits),
+            unit,
+            format_count(len(values), 'flight'),
         )
     low, _, high = quantiles(values, n=4)
     note = (
-        f'median; half of the flights between {format_number(low, digits)} and '
+        f'median of {len(values)} flights; half of them between {format_number(low, digits)} and '
         f'{format_number(high, digits)}'
     )
     return Tile(words, format_number(median(values), digits), unit, note)

@@ -158,10 +158,11 @@ def describe_tuning(tuned: TuningResult) -> str:
 def build_tiles(tuned: TuningResult) -> list[Tile]:
     """Return the tiles with the key figures."""
     old, new = tuned.old, tuned.new
+    median = f'median of {len(new.flights.reports)} flights'
 
     def both(name: str, words: str, unit: str, factor: float, digits: int) -> Tile:
         a, b = (side.flights.compute_metric_quartiles(name).median * factor for side in (old, new))
-        return Tile(words, f'{b:.{digits}f}', unit, f'median; before {a:.{digits}f}')
+        return Tile(words, f'{b:.{digits}f}', unit, f'{median}; before {a:.{digits}f}')
 
     # Overshoot of one step with old and new gains [%]
     def over(step: int) -> tuple[float, float]:
@@ -173,13 +174,13 @@ def build_tiles(tuned: TuningResult) -> list[Tile]:
     held = new.limit.grams
     return [
         both('cost', 'Cost', '', 1.0, 3),
-        Tile('Overshoot of a climb', f'{climb[1]:.0f}', '%', f'median; before {climb[0]:.0f}'),
+        Tile('Overshoot of a climb', f'{climb[1]:.0f}', '%', f'{median}; before {climb[0]:.0f}'),
         both('swing', 'Swing at the end', '\N{DEGREE SIGN}', 180.0 / math.pi, 2),
         Tile(
             'Missions at the goal',
             f'{100 * new.flights.reached_share.value:.0f}',
             '%',
-            f'before {format_share(old.flights.reached_share)}',
+            f'of {len(new.flights.reports)}; before {format_share(old.flights.reached_share)}',
         ),
         Tile(
             'Holds up to',

@@ -11,7 +11,8 @@ from lta_vehicle.views.projection import RotorArrow, Two, VIEWS
 from lta_vehicle.views.three_views import draw_rotor
 
 FRONT: Final = VIEWS[1]
-GONDOLA_WIDTH: Final = 660.0  # px; of the whole drawing
+GONDOLA_WIDTH: Final = 660.0  # px; of the whole drawing, unless a label is longer
+LETTER_WIDTH: Final = 7.2  # px, mean width of a letter of a label
 MOST_WIDTH, MOST_HEIGHT = 400.0, 260.0  # px; limits of the enlarged part
 LEFT_MARGIN, TOP_MARGIN, LOWER_MARGIN = 40.0, 64.0, 26.0  # px; margins
 TITLE_HEIGHT: Final = 28.0  # px for the title
@@ -69,6 +70,8 @@ def draw_gondola(vehicle: Vehicle) -> str:
         return LEFT_MARGIN + (place[0] - low[0]) * scale, TOP_MARGIN + (high[1] - place[1]) * scale
 
     edge = to_pixels(high)[0]
+    longest = max(len(layer.words) for layer in layers)
+    width = max(GONDOLA_WIDTH, edge + LEFT_MARGIN + LETTER_WIDTH * longest)
     body = [
         # A nested SVG clips the hull, which is larger than the picture
         f'<svg x="0" y="{TITLE_HEIGHT}" width="{edge + LEFT_MARGIN:.0f}" '
@@ -82,7 +85,7 @@ def draw_gondola(vehicle: Vehicle) -> str:
         '<text class="of" x="4" y="16">Below the hull, from ahead, enlarged</text>',
     ]
     return (
-        f'<svg class="views detail" viewBox="0 0 {GONDOLA_WIDTH:.0f} {height:.0f}" role="img" '
+        f'<svg class="views detail" viewBox="0 0 {width:.0f} {height:.0f}" role="img" '
         f'aria-label="Layers below the hull, enlarged.">{"".join(body)}</svg>'
     )
 

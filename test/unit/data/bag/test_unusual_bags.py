@@ -137,7 +137,11 @@ def test_bags_without_messages(tmp_path):
         (b'#ROSBAG V2.0\n', 'is a ROS 1 bag; convert it with `lta import`.'),
         (b'ULog\x01\x12\x35\x01', 'is a PX4 log; convert it with `lta import`.'),
         (b'\x28\xb5\x2f\xfd', 'is compressed with zstd; decompress it with `zstd -d` first.'),
-        (b'hello, world', 'is not an MCAP recording; give a rosbag2 folder or an .mcap file.'),
+        (
+            b'hello, world',
+            'is not an MCAP recording; give a rosbag2 folder or an .mcap file, or convert a log '
+            'with `lta import`.',
+        ),
     ],
 )
 def test_other_files_are_told_by_what_they_are(tmp_path, head, sentence):

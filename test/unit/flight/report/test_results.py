@@ -59,7 +59,7 @@ def test_the_tile_is_of_what_the_drone_steers_by(found):
     (tile,) = [each for each in build_tiles(found) if each.name == 'Direction of the lamp']
     assert (tile.value, tile.unit) == ('1.1', '° median error')
     # The errors of the scene are constant, so that medians and RMS are equal
-    assert tile.note == "RMS 1.1° with the blocks near the lamp; paper's bearing: median 2.9°, RMS 2.9°"
+    assert tile.note == "RMS 1.1° with the last blocks; paper's bearing: median 2.9°, RMS 2.9°"
 
 
 def test_estimator_errors(found):

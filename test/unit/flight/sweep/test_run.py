@@ -63,6 +63,9 @@ def test_a_sweep_is_flown_kept_and_not_flown_again(sweep, tmp_path):
     again = run(file, folder)
     assert again.new_flights == 0
     assert again.rows == done.rows
+    report = build_report(done)
+    assert report.scene.count('seed ') > 1
+    assert report.track['time'][-1] == pytest.approx(max(row.track[-1][0] for row in done.rows))
 
 
 @pytest.mark.long

@@ -64,6 +64,18 @@ def test_a_dwell_in_two_pieces_is_one_dwell(pilot, made, scenes):
     assert memory.flight.supply.consumed == pytest.approx(whole.supply.consumed, rel=1e-4)
 
 
+def test_a_track_has_a_pose_each_half_second(pilot, made, scenes):
+    track = np.full((12, 8), np.nan)
+    first, leg = begun(pilot, scenes), LEG._replace(limit=8.0)
+    after = pilot.fly_leg(pilot.pack_constants(made), leg, first, 3, track)
+    assert track[1:, 0] == pytest.approx(np.arange(0.5, 5.6, 0.5))
+    assert np.linalg.norm(track[1:, 4:], axis=1) == pytest.approx(1.0, abs=1e-6)
+    # It climbs from where it stood, and flies as without a track
+    assert track[1, 1:3] == pytest.approx(first.flight.state[:2], abs=0.05)
+    assert track[-1, 3] > first.flight.state[2] + 0.1
+    assert pilot.fly_leg(pilot.pack_constants(made), leg, first, 3) == after
+
+
 def test_a_leg_ends_by_its_reserve_and_by_an_empty_cell(pilot, made, scenes):
     memory = go_on(pilot, made, LEG._replace(reserve=0.795), begun(pilot, scenes))
     assert memory.outcome == RESERVE

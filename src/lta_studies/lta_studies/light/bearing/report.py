@@ -156,8 +156,9 @@ def build_tiles(results: Sequence[BearingTrialResult]) -> list[Tile]:
             ),
             format_degrees(each.score.ours),
             '°',
-            f'median error; paper: {format_degrees(each.score.paper)}°; truth within the 95 '
-            f'% interval: {format_percent(each.score.holds)} %',
+            f'median error of {len(each.readings)} readings; paper: '
+            f'{format_degrees(each.score.paper)}°; truth within the 95 % interval: '
+            f'{format_percent(each.score.holds)} %',
         )
         for each in results[:8]
     ]

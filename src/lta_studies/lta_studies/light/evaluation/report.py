@@ -128,7 +128,8 @@ def build_tiles(status: EvaluationStatus) -> list[Tile]:
     return [
         Tile(
             tables.label_strategy(cell.strategy), f'{100 * cell.reached_share.value:.0f}', '%',
-            f'reached; path {format_value(cell.mean("path_length"), 1)} m',
+            f'of {format_count(len(cell.rows), "flight")} reached; path '
+            f'{format_value(cell.mean("path_length"), 1)} m',
         )
         for cell in cells
         if cell.strategy != PILOT and cell.rows and cell.case == cells[0].case
