@@ -22,7 +22,7 @@ from plotly.graph_objects import Figure
 from scipy.special import ndtri
 
 ERROR_CAPTION: Final = (
-    'Dots: median error of the bearing. Lines above them: up to the 95 % quantile. Orange: '
+    'Dots: median error of the bearing. Lines beside them: up to the 95 % quantile. Orange: '
     'the weighted mean of the paper (Huang et al. 2025). Blue: our fit.'
 )
 HONEST: Final = (
@@ -58,7 +58,7 @@ def build_report(results: Sequence[BearingTrialResult], request: BearingTrialReq
         tiles=build_tiles(results),
         blocks=(
             Picture('errors', 'Error of the bearing', ERROR_CAPTION, plot_errors(results),
-                    height=420),
+                    height=500),
             build_table('Comparison of the estimators', BEARING_COLUMNS, results),
             build_table('Elevation, and readings without an estimate', ELEVATION_COLUMNS, results),
             Picture(
@@ -166,8 +166,9 @@ def build_tiles(results: Sequence[BearingTrialResult]) -> list[Tile]:
 
 def plot_errors(results: Sequence[BearingTrialResult]) -> Figure:
     """Plot median and 95 % quantile of both estimators."""
+    # Places one below the other: beside each other, their names would overlap on a phone
     names = [
-        f'{each.place}<br>{each.count} diodes<br>{format_distance(each.range)}' for each in results
+        f'{each.place}<br>{each.count} diodes, {format_distance(each.range)}' for each in results
     ]
     pairs = (
         ('weighted mean of the paper', ESTIMATE, -0.12,
@@ -179,12 +180,17 @@ def plot_errors(results: Sequence[BearingTrialResult]) -> Figure:
     for name, colour, aside, quantiles in pairs:
         middle, most = np.degrees(np.array(quantiles)).T
         places = np.arange(len(results)) + aside
-        # Bars only upwards, from the median to the quantile
-        bars = {'above': most - middle, 'below': 0.0 * middle}
-        curves.append(Curve(name, places, middle, colour, '%{y:.2f}°', 'markers', size=9, **bars))
-    places_axis = ChartAxis('', ticks=range(len(results)), words=names, more={'tickfont_size': 10})
-    error_axis = ChartAxis('bearing error [°]', log=True, ticks=ERROR_TICKS)
-    return draw_curves(curves, places_axis, error_axis).update_layout(margin_b=70)
+        # From the median to the quantile
+        bars = {
+            'type': 'data', 'symmetric': False, 'array': most - middle, 'arrayminus': 0.0 * middle,
+            'thickness': 1.4, 'width': 3,
+        }  # fmt: skip
+        curves.append(Curve(name, middle, places, colour, '%{x:.2f}°', 'markers', size=9,
+                            more={'error_x': bars}))  # fmt: skip
+    order = {'tickfont_size': 11, 'automargin': True, 'autorange': 'reversed'}
+    places_axis = ChartAxis('', ticks=range(len(results)), words=names, more=order)
+    error_axis = ChartAxis('bearing error [°]', log=True, ticks=ERROR_TICKS, more={'tickangle': 0})
+    return draw_curves(curves, error_axis, places_axis).update_layout(margin_r=16)
 
 
 def plot_calibration(results: Sequence[BearingTrialResult]) -> Figure:
