@@ -139,18 +139,17 @@ def _list_runs(tests: Sequence[PlannedTest]) -> list[tuple[str, PlannedTest]]:
 
 def _build_test_table(tests: Sequence[PlannedTest], plan: LabPlan, vehicle: Vehicle) -> TextTable:
     """Return what to do."""
-    rows = [[f'{BOX} 1 weigh', 'on scales, without gas', '', '']]
+    rows = [[f'{BOX} 1 weigh', 'on scales, without gas', '', '', '']]
     for number, (title, planned) in enumerate(_list_runs(tests), start=2):
         duties = _test_duties(plan, vehicle, planned.test)
-        level, height = planned.room
         free = planned.test.kind == 'free_flight'
         rows.append([
             f'{BOX} {number} {title}',
             format_amplitude(planned.test, vehicle.rotor_names, duties),
-            f'{planned.test.seconds:.0f} s',
-            'as the pilot wants' if free else f'{level:.1f} m along, {height:.1f} m up or down',
+            f'{planned.test.seconds:.0f}',
+            *('' if free else f'{way:.1f}' for way in planned.room),
         ])  # fmt: skip
-    heads = ('test', 'how', 'how long', 'moves')
+    heads = ('test', 'how', 'time [s]', 'moves along [m]', 'up or down [m]')
     note = (
         f'Steps begin at rest. Add the size of the vehicle and {PATH_CLEARANCE:g} m on each side '
         'to the motion; the pilot keeps a free flight within the room.'

@@ -58,7 +58,7 @@ def build_report(results: Sequence[BearingTrialResult], request: BearingTrialReq
         tiles=build_tiles(results),
         blocks=(
             Picture('errors', 'Error of the bearing', ERROR_CAPTION, plot_errors(results),
-                    height=500),
+                    height=140 + 22 * len(results)),
             build_table('Comparison of the estimators', BEARING_COLUMNS, results),
             build_table('Elevation, and readings without an estimate', ELEVATION_COLUMNS, results),
             Picture(
@@ -167,9 +167,7 @@ def build_tiles(results: Sequence[BearingTrialResult]) -> list[Tile]:
 def plot_errors(results: Sequence[BearingTrialResult]) -> Figure:
     """Plot median and 95 % quantile of both estimators."""
     # Places one below the other: beside each other, their names would overlap on a phone
-    names = [
-        f'{each.place}<br>{each.count} diodes, {format_distance(each.range)}' for each in results
-    ]
+    names = [f'{each.place}, {each.count}, {format_distance(each.range)}' for each in results]
     pairs = (
         ('weighted mean of the paper', ESTIMATE, -0.12,
          [(e.score.paper, e.score.paper_most) for e in results]),
@@ -188,7 +186,8 @@ def plot_errors(results: Sequence[BearingTrialResult]) -> Figure:
         curves.append(Curve(name, middle, places, colour, '%{x:.2f}°', 'markers', size=9,
                             more={'error_x': bars}))  # fmt: skip
     order = {'tickfont_size': 11, 'automargin': True, 'autorange': 'reversed'}
-    places_axis = ChartAxis('', ticks=range(len(results)), words=names, more=order)
+    title = 'place, number of diodes, range'
+    places_axis = ChartAxis(title, ticks=range(len(results)), words=names, more=order)
     error_axis = ChartAxis('bearing error [°]', log=True, ticks=ERROR_TICKS, more={'tickangle': 0})
     return draw_curves(curves, error_axis, places_axis).update_layout(margin_r=16)
 
