@@ -224,10 +224,8 @@ SECTION = ReportSection('1. Forces', [CLAIMS, FINDINGS, ReportSection('All 3', [
 
 def test_a_section_is_one_panel_and_its_folded_part_opens_on_a_click():
     page = render_report(make_report(SECTION, TextTable('Wrong', ('case',), [])))
-    assert (
-        '<section class="panel group" id="section-1-forces" aria-label="1. Forces"><h2>1. Forces</h2>'
-        in page
-    )
+    panel = '<section class="panel group" id="section-1-forces" aria-label="1. Forces">'
+    assert f'{panel}<h2>1. Forces</h2>' in page
     assert '<details class="group"><summary>All 3</summary>' in page
     assert '<span class="bad">differs</span>' in page
     assert '<i>Mass &lt;m&gt;.</i> It is <code>271 g</code>. <b>A row is missing.</b>' in page
