@@ -5,7 +5,7 @@ Time on the perch advances in steps of 30 s. Flights are simulated by the `fly` 
 the same cell (`lta_energy.circuit`).
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
 import math
 from typing import final, NamedTuple
@@ -51,7 +51,7 @@ class MissionFlight(NamedTuple):
     # (did not find the next beacon in time), 'escaped', 'stopped'
     ending: str
     # Time since take-off [s], position [m, map] and attitude x y z w; only of the first flights
-    track: Sequence[Sequence[float]] = ()
+    track: tuple[tuple[float, ...], ...] = ()
 
 
 @final

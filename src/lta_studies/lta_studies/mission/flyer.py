@@ -174,7 +174,7 @@ class MissionFlyer:
             EnergyTotals(supply.harvested, 0.0, supply.consumed, supply.lost),
             departure.store.charge, supply.flow.charge, memory.charge, memory.lowest,
             FLIGHT_ENDINGS.get(outcome, 'home'),
-            going.track[np.isfinite(going.track[:, 0])].round(3).tolist(),
+            tuple(map(tuple, going.track[np.isfinite(going.track[:, 0])].round(3).tolist())),
         )  # fmt: skip
         return Landing(supply.flow, flight)
 
