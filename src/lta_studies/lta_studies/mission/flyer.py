@@ -134,6 +134,11 @@ class OngoingFlight:
         return math.hypot(self.memory.flight.state[0] - x, self.memory.flight.state[1] - y)
 
 
+def list_poses(track: NDArray[np.float64]) -> tuple[tuple[float, ...], ...]:
+    """Return the rows of a track that were flown; those of a state that diverged are left out."""
+    return tuple(map(tuple, track[np.isfinite(track).all(axis=1)].round(3).tolist()))
+
+
 @final
 class MissionFlyer:
     """
@@ -174,7 +179,7 @@ class MissionFlyer:
             EnergyTotals(supply.harvested, 0.0, supply.consumed, supply.lost),
             departure.store.charge, supply.flow.charge, memory.charge, memory.lowest,
             FLIGHT_ENDINGS.get(outcome, 'home'),
-            tuple(map(tuple, going.track[np.isfinite(going.track[:, 0])].round(3).tolist())),
+            list_poses(going.track),
         )  # fmt: skip
         return Landing(supply.flow, flight)
 
