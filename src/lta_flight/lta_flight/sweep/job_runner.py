@@ -103,6 +103,6 @@ def thin_track(poses: Array) -> list[list[float]]:
     """Return rows of times and poses about `TRACK_PERIOD` apart, and the last."""
     stretches = np.floor(poses[:, 0] / TRACK_PERIOD)
     # The first row of each stretch of time
-    kept = np.append(np.unique(stretches, return_index=True)[1], len(poses) - 1)
-    rows: list[list[float]] = poses[kept].round(3).tolist()
+    index = np.append(np.unique(stretches, return_index=True)[1], len(poses) - 1)
+    rows: list[list[float]] = poses[index].round(3).tolist()
     return rows
