@@ -164,7 +164,7 @@ def render_fan(
         return '', '', {}
     body, reach, _ = draw_vehicle(file)
     time = sample_times(0.0, max(each.track[-1, 0] for each in flights))
-    drawn_flights = [
+    scene_flights = [
         SceneFlight(
             each.name,
             each.colour,
@@ -175,7 +175,7 @@ def render_fan(
         )
         for each in flights
     ]
-    scene_set = SceneSet(time, drawn_flights)
+    scene_set = SceneSet(time, scene_flights)
     panel = render_scene([scene_set], static_shapes, caption, reach, follow=False)
     return panel, render_time_bar(FAN_READOUT, 'flights'), build_scene_track(scene_set)
 
