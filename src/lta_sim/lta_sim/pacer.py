@@ -40,9 +40,9 @@ class Pacer:
         """Whether a noticeable part of the wall time is lost."""
         return self.lost > LOST_TIME_SHARE * (time.monotonic() - self.began)
 
-    def count_due(self, flown: int) -> int:
-        """Return how many steps to fly now, where `flown` have been."""
-        due = round((time.monotonic() - self._anchor) / self.period) - flown
+    def count_due(self, steps: int) -> int:
+        """Return how many steps to fly now, after so many."""
+        due = round((time.monotonic() - self._anchor) / self.period) - steps
         if due > LARGEST_CATCH_UP:
             self._anchor += (due - 1) * self.period
             self.lost += (due - 1) * self.period

@@ -278,11 +278,11 @@ def _judge_corrections(
     whole = ComparedModel(CALIBRATED_FILE, calibration.calibrated, noise)
     others = [ComparedModel(one.effect, one.without, noise) for one in calibration.corrections]
     forecasts = compare([whole, *others])
-    judged = [
+    ratios = [
         JudgedCorrection(one, forecasts.compare(CALIBRATED_FILE, one.effect))
         for one in calibration.corrections
     ]
-    return tuple(sorted(judged, key=lambda one: one.ratio.value))
+    return tuple(sorted(ratios, key=lambda one: one.ratio.value))
 
 
 def _build_possible_models(

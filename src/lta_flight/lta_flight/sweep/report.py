@@ -29,7 +29,7 @@ MEASURE_HEADINGS: Final = {
     'search_time': 'Time from the first forward command',
     'path_length': 'Path',
 }
-SCENE_CAPTION: Final = (
+SWEEP_SCENE_CAPTION: Final = (
     f'At most {MOST_TRACKED_FLIGHTS} flights, spread evenly over the table, all from their start. '
     'Blue reached their goal, orange did not. Room, lamps and hull are those of the sweep file '
     'without its variations.'
@@ -48,7 +48,10 @@ def build_report(done: SweepRun) -> Report:
     figures = list(draw_parameters(plan, rows))
     vehicle, scenario, _ = build_vehicle_scenario_stack(plan.base)
     scene, time_bar, track = render_fan(
-        list_tracked_flights(plan, rows), vehicle.file, draw_static_scene(scenario), SCENE_CAPTION
+        list_tracked_flights(plan, rows),
+        vehicle.file,
+        draw_static_scene(scenario),
+        SWEEP_SCENE_CAPTION,
     )
     return Report(
         command='sweep',

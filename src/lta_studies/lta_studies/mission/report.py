@@ -51,7 +51,7 @@ BOOKS: Final = (
     'Where the energy of the light went: used in flight, used on the perch, lost as heat in '
     'the cell, or stored. The last part could not be harvested because the cell was full.'
 )
-SCENE_CAPTION: Final = (
+MISSION_SCENE_CAPTION: Final = (
     f'The first flights of the mission, at most {MOST_TRACKED_FLIGHTS}, all from their take-off. '
     'Blue came home, orange did not.'
 )
@@ -80,7 +80,7 @@ def build_report(request: MissionRequest, results: Sequence[MissionResult]) -> R
         list_tracked_flights(select_main_result(selected)),
         request.scenes.vehicle.file,
         draw_static_scene(request.scenes.scenario),
-        SCENE_CAPTION,
+        MISSION_SCENE_CAPTION,
     )
     return Report(
         command='mission',

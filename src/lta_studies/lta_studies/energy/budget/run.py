@@ -272,8 +272,12 @@ class BudgetRequest(StudyRequest, command='energy budget', quick={'seeds': 1, 's
         fly_all = partial(run.run_study, Study(fly_task, str, BUDGET_STORE, 'flights'), identity)
         budget = measure_budget(self.vehicle, self.multirotor, self.seeds, fly_all)
         hover = HoverStudy(self.vehicle, self.multirotor, self.seconds)
-        flown = hash_inputs(self.seconds, *(spec.contents for spec in hover.build_specs()))
-        hovers = run.run_study(Study(hover.fly, str, HOVER_STORE, 'hovers'), flown, range(2))
+        hover_identity = hash_inputs(
+            self.seconds, *(spec.contents for spec in hover.build_specs())
+        )
+        hovers = run.run_study(
+            Study(hover.fly, str, HOVER_STORE, 'hovers'), hover_identity, range(2)
+        )
         return build_report(budget, hover.compare(hovers))
 
 
