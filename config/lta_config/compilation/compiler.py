@@ -8,6 +8,8 @@ and plain functions return the same bits on every processor.
 
 from collections.abc import Callable
 from functools import cache
+import hashlib
+from pathlib import Path
 from typing import Any, cast, TypeVar
 
 from lta_config.compilation.extract import SourceExtract
@@ -68,16 +70,24 @@ def compile_kernel(function: Function) -> Function:
     """
     Return a function of numbers and arrays compiled at its first call.
 
-    Numba keeps it on disk until its own file changes, so what it calls must stand in that file.
+    Numba keeps it on disk until a file of its folder changes, so what it calls must stand there.
     """
     from numba import config, njit
 
     before = config.CACHE_DIR  # type: ignore[attr-defined]
     # Beside the sources, numba's default, is not writable where LTA is installed for all users
-    config.CACHE_DIR = str(find_cache_folder('functions'))  # type: ignore[attr-defined]
+    name = f'functions/{_hash_sources(Path(function.__code__.co_filename).parent)}'
+    config.CACHE_DIR = str(find_cache_folder(name))  # type: ignore[attr-defined]
     try:
         compiled = njit(error_model='numpy', fastmath=False, cache=True, nogil=True)(function)
         return cast('Function', compiled)
     finally:
         # Other kernels are cached in their own folders
         config.CACHE_DIR = before  # type: ignore[attr-defined]
+
+
+@cache
+def _hash_sources(folder: Path) -> str:
+    """Return a hash of the Python files of a folder; numba itself looks at one file only."""
+    text = b''.join(path.read_bytes() for path in sorted(folder.glob('*.py')))
+    return hashlib.sha256(text).hexdigest()[:16]
