@@ -62,6 +62,8 @@ def fit_frame_transform(
     a, b = a[finite], b[finite]
     even = np.ones(len(a))
     fit = fit_shift(a, b, fit_yaw(a, b, even), even)
+    # Heights need no rotation, so that their median begins where most of the flight is
+    fit = replace(fit, z=float(np.median(a[:, 2] - b[:, 2])))
     for _ in range(REWEIGHTING_ROUNDS):
         apart = np.linalg.norm(a - fit.transform_positions(b), axis=1)
         # 1.4826: standard deviation from the median absolute deviation of normal noise.
