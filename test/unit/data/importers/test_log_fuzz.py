@@ -10,6 +10,7 @@ from pathlib import Path
 import random
 from typing import Any
 
+from lta_data.bag.table import stack_components
 from lta_data.importers.draft.draft_mapping import draft_mapping
 import numpy as np
 import pytest
@@ -125,9 +126,10 @@ def write_log(seed: int) -> tuple[Flight, bytes]:
 
 def compare(series: Any, f: Flight) -> None:
     """Compare place and attitude with those that were flown at these times."""
-    rows = np.round((series.time - series.time[0]) / 0.02).astype(int)
-    np.testing.assert_allclose(series.vector('pose.pose.position'), f['p'][rows], atol=0.01)
-    attitude = Rotation.from_quat(series.vector('pose.pose.orientation'))
+    rows = np.round((series.index - series.index[0]) / 0.02).astype(int)
+    place = stack_components(series, 'pose.pose.position')
+    np.testing.assert_allclose(place, f['p'][rows], atol=0.01)
+    attitude = Rotation.from_quat(stack_components(series, 'pose.pose.orientation'))
     apart = (attitude.inv() * Rotation.from_quat(f['q'][rows])).magnitude()
     assert np.degrees(apart).max() < 1.0
 

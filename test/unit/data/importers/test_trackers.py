@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from lta_data.bag.table import stack_components
 from lta_data.importers.draft.draft_mapping import draft_mapping
 import numpy as np
 import pytest
@@ -63,11 +64,10 @@ def test_bodies_units_and_the_rate_are_those_of_the_file(
     assert draft.choices.questions == []
     assert draft.text.count('- topic:') == 1
     series = import_draft(draft, source, tmp_path)
-    np.testing.assert_allclose(np.diff(series.time), 0.02, atol=1e-6)
-    np.testing.assert_allclose(series.vector('pose.pose.position'), f['p'], atol=1e-5)
-    apart = Rotation.from_quat(series.vector('pose.pose.orientation')).inv() * Rotation.from_quat(
-        f['q']
-    )
+    np.testing.assert_allclose(np.diff(series.index), 0.02, atol=1e-6)
+    np.testing.assert_allclose(stack_components(series, 'pose.pose.position'), f['p'], atol=1e-5)
+    attitude = Rotation.from_quat(stack_components(series, 'pose.pose.orientation'))
+    apart = attitude.inv() * Rotation.from_quat(f['q'])
     assert np.degrees(apart.magnitude()).max() < 0.01
 
 
