@@ -220,8 +220,8 @@ def test_a_file_without_a_launch_is_one_sentence(write, text, sentence):
         find_launch(str(write(text)))
 
 
-def test_a_fleet_of_one_is_the_flight_with_a_recorder_of_its_own():
-    fleet = FLEET.build_plan({'n': '1'})
-    alone = FLY.build_plan({'frame_prefix': 'lta1/', 'recorder': 'false'})
-    assert fleet.processes[:-1] == alone.processes
-    assert (fleet.processes[-1].name, fleet.processes[-1].namespace) == ('recorder', '/')
+def test_a_fleet_of_one_is_a_flight_with_simulator_and_recorder_in_common():
+    *own, simulator, recorder = FLEET.build_plan({'n': '1'}).processes
+    assert own == list(FLY.build_plan({'frame_prefix': 'lta1/', 'fleet': 'true'}).processes)
+    assert (simulator.name, simulator.namespace) == ('simulator', '/')
+    assert (recorder.name, recorder.namespace) == ('recorder', '/')
