@@ -28,7 +28,7 @@ def flown(monkeypatch, tmp_path):
 
     def ends(outcome, sentence):
         end = FlightRun(tmp_path, tmp_path / 'bag', outcome, sentence, 2.5)
-        monkeypatch.setattr('lta_flight.flight.fly_once', lambda order, watcher: end)
+        monkeypatch.setattr('lta_flight.flight.fly_once', lambda *_, **__: end)
 
     return ends
 
