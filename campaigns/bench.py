@@ -26,10 +26,11 @@ from lta_config.topics import load_topic_table
 from lta_control.gains_file import load_gains
 from lta_control.strategies import find_navigation_strategy
 from lta_flight.closed_loop import ClosedLoop
-from lta_flight.flight import FlightRequest, fly_once
+from lta_flight.flight import fly_once
+from lta_flight.flight_spec import load_spec
 from lta_flight.flight_stack import FlightStack
 from lta_flight.progress import FlightProgress
-from lta_flight.simulate import simulate_once, SimulationRequest
+from lta_flight.simulate import simulate_once
 from lta_model.effects import initial_memory
 from lta_model.scenario import load_scenario
 from lta_model.state import pack_state
@@ -144,8 +145,9 @@ def fly(processes: Any) -> float:
     """Return the pace of a flight through the graph. [s/s]"""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / 'flight'
-        request = FlightRequest('gtmab', 'lamp_room', 'bag', 1, 'lockstep', out, None, processes)
-        return fly_once(request, FlightProgress(Console(quiet=True))).pace
+        watcher = FlightProgress(Console(quiet=True))
+        flight = fly_once('gtmab', 'lamp_room', 'bag', 1, watcher, processes=processes, out=out)
+        return flight.pace
 
 
 def tabulate() -> float:
@@ -160,8 +162,8 @@ def tabulate() -> float:
 def simulate_flight() -> Path:
     """Return the bag of a flight."""
     out = Path(tempfile.mkdtemp(prefix='lta-bench-')) / 'flight'
-    request = SimulationRequest('gtmab', 'lamp_room', 'bag', '', 1, out=out)
-    return simulate_once(request, FlightProgress(Console(quiet=True)))[0].bag
+    spec = load_spec('gtmab', 'lamp_room', 'bag', '')
+    return simulate_once(spec, 1, out, FlightProgress(Console(quiet=True)))[0].bag
 
 
 def run_command(*words: str, cache: str = '') -> float:

@@ -202,10 +202,10 @@ def test_transposing_twice_gives_the_same_table():
 def test_files_of_a_report(tmp_path):
     page = write_report(make_report(TABLE), tmp_path)
     assert page == tmp_path / 'report.html'
-    assert (tmp_path / 'hover.json').read_text() == '{\n "power": 0.58\n}\n'
+    assert (tmp_path / 'budget.json').read_text() == '{\n "power": 0.58\n}\n'
     page.unlink()
     assert write_report(make_report(TABLE), tmp_path, page=False) is None
-    assert [each.name for each in tmp_path.iterdir()] == ['hover.json']
+    assert [each.name for each in tmp_path.iterdir()] == ['budget.json']
 
 
 CLAIMS = TextTable(
