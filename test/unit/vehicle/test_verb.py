@@ -137,7 +137,7 @@ def test_show_gives_numbers_to_scripts(call):
 @pytest.mark.parametrize('name', list_shipped_names('vehicles'))
 def test_every_vehicle_is_shown_in_a_narrow_window(name):
     sheet, window = build_sheet(load_vehicle(name)), io.StringIO()
-    console = Console(file=window, force_terminal=True, no_color=True, width=60)
+    console = Console(file=window, force_terminal=True, no_color=True, width=60, height=40)
     report = build_report(sheet, [], name)
     show_sheet(sheet, replace(report, headline='', closing=[]), console)
     lines = re.sub('\x1b\\[[0-9;]*m', '', window.getvalue()).splitlines()
