@@ -38,7 +38,11 @@ class LinearSystem:
             for k, deviation in enumerate(DEVIATIONS)
         ]  # fmt: skip
 
-    def linearize(self, _nominal: NominalVehicle, values: Array) -> LinearFlight:
+    def build_point(self, _nominal: NominalVehicle, values: Array, _columns: object) -> Array:
+        """Return what flights with these parameters have in common."""
+        return values
+
+    def linearize_about(self, values: Array) -> LinearFlight:
         """Return the flight as seen from some values."""
         at = self._flight
         return replace(
