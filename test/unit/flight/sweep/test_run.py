@@ -120,6 +120,7 @@ def test_the_lines_of_the_store_are_the_rows(tmp_path):
     assert line == {
         'index': 0, 'seed': 1, 'values': {HEAVY: 1e-3}, 'outcome': 'reached',
         'sentence': 'It did.', 'wall': 0.25, 'figures': {'end': 1.5, 'power': None},
+        'track': [],
     }  # fmt: skip
 
 
