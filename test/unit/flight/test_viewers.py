@@ -72,14 +72,14 @@ def test_what_is_no_port_is_refused(port):
 def test_a_live_flight_is_one_at_the_pace_of_those_who_look(monkeypatch, given, expected):
     orders = []
 
-    def refuse(order, watcher):
-        orders.append(order)
+    def refuse(*_, time, live_port, **__):
+        orders.append((time, live_port))
         raise BadInput('Enough.')
 
     monkeypatch.setattr('lta_flight.flight.fly_once', refuse)
     with pytest.raises(BadInput, match='Enough'):
         FlyRequest(**given).run(Console(quiet=True))
-    assert [(order.time, order.live_port) for order in orders] == [expected]
+    assert orders == [expected]
 
 
 def test_of_several_views_each_has_its_own_port_and_says_whose_it_is():
