@@ -205,7 +205,7 @@ def test_the_page_lists_the_afternoon(plan: LabPlan, gtmab: Vehicle) -> None:
         'smaller step in yaw', 'reverse step in yaw', 'spin-down', 'free flight 1',
         'free flight 2',
     ]  # fmt: skip
-    assert table.rows[2][1:3] == ['released from 20 degrees; once more from 5', '40 s']
+    assert table.rows[2][1:3] == ['released from 20 degrees; once more from 5', '40']
     assert dict(why.rows)['swing in pitch'].startswith('damping in pitch')
     (sketches,) = (block.html for block in report.blocks if isinstance(block, HtmlBlock))
     assert sketches.count('<svg') == 12  # a free flight is drawn once, the scales are not
