@@ -6,7 +6,7 @@ The forecasts that judge its result are those of flights that it has not seen, w
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import math
 from typing import Final, final, NamedTuple
 
@@ -189,7 +189,7 @@ def study_flights(
         held_out,
         (*warnings, *remarks),
         first,
-        _judge_corrections(first, compare),
+        _judge_corrections(first, comparison, compare),
     )
 
 
@@ -268,18 +268,25 @@ def _build_models(
 
 
 def _judge_corrections(
-    first: FirstStep, compare: Callable[[Sequence[ComparedModel]], ForecastComparison]
+    first: FirstStep,
+    comparison: ForecastComparison,
+    compare: Callable[[Sequence[ComparedModel]], ForecastComparison],
 ) -> tuple[JudgedCorrection, ...]:
-    """Return what each correction of the calibration is worth, the most useful first."""
+    """
+    Return what each correction of the calibration is worth, the most useful first.
+
+    `comparison`: has the forecasts of the calibrated vehicle. `compare`: forecasts other models.
+    """
     calibration = first.compared
-    if calibration is None or not calibration.corrections:
+    if calibration is None or comparison.main is None or not calibration.corrections:
         return ()
     noise = tuple(calibration.noise.values())
-    whole = ComparedModel(CALIBRATED_FILE, calibration.calibrated, noise)
     others = [ComparedModel(one.effect, one.without, noise) for one in calibration.corrections]
-    forecasts = compare([whole, *others])
+    whole = comparison.forecasts[CALIBRATED_FILE]
+    forecasts = {**compare(others).forecasts, CALIBRATED_FILE: whole}
+    both = replace(comparison, forecasts=forecasts)
     ratios = [
-        JudgedCorrection(one, forecasts.compare(CALIBRATED_FILE, one.effect))
+        JudgedCorrection(one, both.compare(CALIBRATED_FILE, one.effect))
         for one in calibration.corrections
     ]
     return tuple(sorted(ratios, key=lambda one: one.ratio.value))

@@ -112,7 +112,7 @@ FLIGHT_ENDINGS = {
     RESERVE: 'away',
     LATE: 'lost',
 }
-MOST_TRACKED_FLIGHTS = 8  # first flights of a mission, whose motion is stored for the page
+MOST_TRACKED_MISSION_FLIGHTS = 8  # first flights of a mission, whose motion is stored for the page
 MOST_TRACK_ROWS = 2400  # poses of a flight, two in a second
 BEACON_CLEARANCE = 0.3  # m from the lantern of the perch, so that it is in view at the start
 
@@ -195,7 +195,7 @@ class MissionFlyer:
         )
         light = departure.light
         sun, lamps, _ = self._light.efficacies
-        rows = MOST_TRACK_ROWS if departure.number < MOST_TRACKED_FLIGHTS else 0
+        rows = MOST_TRACK_ROWS if departure.number < MOST_TRACKED_MISSION_FLIGHTS else 0
         track = np.full((rows, 8), np.nan)
         return OngoingFlight(memory, light, light.sun * sun + light.lamps * lamps, seed, track)
 

@@ -13,7 +13,7 @@ from lta_report.palette import ESTIMATE, TRUTH
 from lta_report.report import Picture, Report, TextSection, TextTable
 from lta_report.result_table import build_table, Column, format_value
 from lta_studies.mission.figures import MissionFigures
-from lta_studies.mission.flyer import MOST_TRACKED_FLIGHTS
+from lta_studies.mission.flyer import MOST_TRACKED_MISSION_FLIGHTS
 from lta_studies.mission.gas import (
     describe_gas,
     draw_slack,
@@ -52,8 +52,8 @@ BOOKS: Final = (
     'the cell, or stored. The last part could not be harvested because the cell was full.'
 )
 MISSION_SCENE_CAPTION: Final = (
-    f'The first flights of the mission, at most {MOST_TRACKED_FLIGHTS}, all from their take-off. '
-    'Blue came home, orange did not.'
+    f'The first flights of the mission, at most {MOST_TRACKED_MISSION_FLIGHTS}, all from their '
+    'take-off. Blue came home, orange did not.'
 )
 MISSION_METHOD: Final = (
     'On the perch, panel, charger, cell and loads are simulated in steps of half a minute. '
