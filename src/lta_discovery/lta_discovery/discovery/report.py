@@ -117,7 +117,8 @@ def _build_correction_tables(study: Discovery) -> Iterator[TextTable]:
     ]
     note = (
         "Position error of calibrated.yaml by that with the vehicle file's values of an effect, "
-        'and all other values as they are then most probable. Confirmed: the interval is below 1.'
+        'and all other values as they are then most probable, without a new fit. Confirmed: the '
+        'interval is below 1.'
     )
     if rows:
         heads = ('calibrated', 'clear values', 'error with it / without', 'confirmed')
