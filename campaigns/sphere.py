@@ -18,10 +18,9 @@ from typing import Final, final
 
 from lta_config.machine import count_cores
 from lta_windtunnel.flow_plan import Air, MIDDLE_SPEED, TRANSIENT_LENGTHS, TUNNEL_AIR, TunnelFlow
-from lta_windtunnel.flow_solvers import split_failed_points, ThreadedFlowSolver
-from lta_windtunnel.openfoam.case import cache_folder
-from lta_windtunnel.openfoam.programs import require_openfoam
+from lta_windtunnel.openfoam.case import cache_folder, require_openfoam
 from lta_windtunnel.shape import ellipse_profile, revolve_profile
+from lta_windtunnel.solve import split_failed_points, ThreadedFlowSolver
 from lta_windtunnel.sweep_table import Blow, SweepPoint
 from lta_windtunnel.tunnel import (
     build_steady_wind_case,
