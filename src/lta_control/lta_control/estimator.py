@@ -46,7 +46,7 @@ from lta_control.per_rotor import NO_ROTORS, PerRotor
 
 GYRO_REACH = math.radians(3000.0)  # rad/s; the BMI088 measures 2000 deg/s
 HARDEST_PULL = 400.0  # m/s2; it measures 24 g
-LEVEL_COSINE = 0.1  # cosine of the tilt below which climb and heave are not separated
+UPRIGHT_COSINE = 0.1  # cosine of the tilt below which climb and heave are not separated
 REST_PATIENCE = 5.0  # rest times without motion, after which a tilt is accepted and a turn refused
 
 
@@ -130,7 +130,11 @@ def air_relative_velocity(estimate: MotionEstimate) -> Vector:
     surge, sway = estimate.airspeed.surge, estimate.airspeed.sway
     climb = estimate.altitude.climb
     # Solve climb = up . velocity for the heave
-    return surge, sway, (climb - (ux * surge + uy * sway)) / uz if uz > LEVEL_COSINE else climb
+    return (
+        surge,
+        sway,
+        (climb - (ux * surge + uy * sway)) / uz if uz > UPRIGHT_COSINE else climb,
+    )
 
 
 def is_any_motor_turning(duties: PerRotor) -> bool:

@@ -5,7 +5,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final, final
 
-ROBOT = 'lta1'
+SIMULATED_ROBOT = 'lta1'
 # Exit status of a command by the outcome of its flight; 2 is bad input. A flight is still `flying`
 # where another node ends its run as planned, and `flown` where recorded commands are at their end.
 EXIT_STATUSES: Final = MappingProxyType(

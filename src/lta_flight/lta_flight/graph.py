@@ -15,7 +15,7 @@ from lta_graph.launcher import Launcher
 from lta_graph.ros.listener import DiagnosticsListener
 
 GRAPH_POLL_PERIOD = 0.1  # wall seconds between polls of the processes and the diagnostics
-RECORDER = ('lta_bridge', 'recorder')
+RECORDER_PROGRAM = ('lta_bridge', 'recorder')
 TELLERS = (('lta_sim', 'simulator'), ('lta_bridge', 'player'))  # executables with a /clock
 
 
@@ -75,7 +75,7 @@ def list_bags(plan: LaunchPlan) -> list[Path]:
     values = [
         process.parameters
         for process in plan.processes
-        if (process.package, process.executable) == RECORDER
+        if (process.package, process.executable) == RECORDER_PROGRAM
     ]
     return [Path(str(each['bag'])) for each in values if 'bag' in each]
 

@@ -18,7 +18,7 @@ from lta_graph.ament import find_executable, OUR_PREFIX
 from lta_graph.launch_plan import LaunchProcess
 
 KEPT_LINES = 20  # last lines of each stream, for error messages
-LONGEST_LINE = 65536  # bytes; a longer line is cut
+LONGEST_OUTPUT_LINE = 65536  # bytes; a longer line is cut
 # s after an exit to read what is left: a surviving grandchild may hold the pipe open
 LAST_LINES_TIME = 0.5
 PR_SET_PDEATHSIG = 1  # linux/prctl.h
@@ -118,7 +118,7 @@ class ChildProcess:
 
     def _read_lines(self, pipe: IO[bytes], kept: deque[str], on_line: OnLine) -> None:
         with pipe:
-            while line := pipe.readline(LONGEST_LINE):
+            while line := pipe.readline(LONGEST_OUTPUT_LINE):
                 text = line.decode(errors='replace').rstrip('\r\n')
                 kept.append(text)
                 on_line(self.name, text)
