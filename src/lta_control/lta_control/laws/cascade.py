@@ -113,6 +113,6 @@ def deliver_demand(
     return CascadeLawMemory(LawCommand(duties, UNMOVED), cascade, thrusts, shortfall)
 
 
-LAW = ControlLaw(
+CASCADE_LAW = ControlLaw(
     'cascade', CascadeGains, Feedback.ESTIMATOR, build_constants, CascadeLawMemory(), step
 )

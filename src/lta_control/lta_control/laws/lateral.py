@@ -182,6 +182,6 @@ def clamp_thrust(thrust: float, full: float) -> float:
     return min(max(thrust, 0.0), full)
 
 
-LAW = ControlLaw(
+LATERAL_LAW = ControlLaw(
     'lateral', LateralGains, Feedback.ESTIMATOR, build_constants, LateralLawMemory(), step
 )

@@ -122,7 +122,7 @@ def step(
     return OmnidirectionalLawMemory(command, True, (gx, gy), (ix, iy, iz), thrusts)
 
 
-LAW = ControlLaw(
+OMNIDIRECTIONAL_LAW = ControlLaw(
     'omnidirectional',
     OmnidirectionalGains,
     Feedback.TRACKER,

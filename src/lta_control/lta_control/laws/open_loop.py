@@ -95,6 +95,6 @@ def step(
     )
 
 
-LAW = ControlLaw(
+OPEN_LOOP_LAW = ControlLaw(
     'open_loop', OpenLoopGains, Feedback.ESTIMATOR, build_constants, OpenLoopLawMemory(), step
 )

@@ -148,6 +148,6 @@ def tilt_moments(
     return mx, my, (roll, pitch)
 
 
-LAW = ControlLaw(
+QUADROTOR_LAW = ControlLaw(
     'quadrotor', QuadrotorGains, Feedback.TRACKER, build_constants, QuadrotorLawMemory(), step
 )

@@ -94,6 +94,6 @@ def step(
     return VelocityLawMemory(command, climb, east, north, missing, thrusts)
 
 
-LAW = ControlLaw(
+VELOCITY_LAW = ControlLaw(
     'velocity', VelocityGains, Feedback.TRACKER, build_constants, VelocityLawMemory(), step
 )

@@ -13,7 +13,7 @@ from typing import Final, final
 
 from lta_config.schema.mission_file import LightDay, MissionFile
 from lta_control.phases import Phase
-from lta_control.strategies.homing import STRATEGY
+from lta_control.strategies.homing import HOMING_STRATEGY
 from lta_energy.circuit import EnergyTotals
 from lta_energy.harvest import HarvestCurve
 from lta_energy.irradiance import IrradianceSeries, PanelIrradiance, simulate_irradiance
@@ -255,7 +255,7 @@ class MissionFlyer:
         if leg.kind == GO:
             # On the ground it has to climb first; dwelling and landing keep the lamp.
             phase = Phase.SEEK if mission.phase == Phase.ARRIVED else mission.phase
-            mission = mission._replace(phase=phase, memory=STRATEGY.onward(mission.memory))
+            mission = mission._replace(phase=phase, memory=HOMING_STRATEGY.onward(mission.memory))
         flight = memory.flight._replace(mission=mission)
         begin = memory._replace(flight=flight, outcome=FLYING, first_step=flight.step)
         constants = self._pilot.pack_constants(beacon_flight)
