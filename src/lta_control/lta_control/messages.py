@@ -34,7 +34,7 @@ from lta_control.sighting import build_sight, LampPosition
 from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy
 from lta_graph.blank_message import create_message
 from lta_graph.health import HealthLevel, stamp_age
-from lta_graph.inbox import InboxStep
+from lta_graph.lockstep import InboxStep
 from lta_graph.ros.stamps import from_stamp, MessagePairing
 from lta_msgs.msg import ActuatorDuty, LampPeaks
 from nav_msgs.msg import Odometry

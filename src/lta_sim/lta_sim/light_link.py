@@ -25,7 +25,7 @@ from typing import NamedTuple
 from lta_model.light.direct_light import DiodeResponse, LampBeam
 from lta_model.light.field import LightField
 from lta_model.light.flicker import BlockSampling, sample_lamp_wave, sample_mains_wave
-from lta_model.light.ray_integration import (
+from lta_model.light.reflected_light import (
     DAYLIGHT_ROW,
     gather_indirect_light,
     LAMP_ROWS,

@@ -30,7 +30,7 @@ from lta_control.reserve import (
     ReserveReport,
     ReserveResponseSettings,
 )
-from lta_graph.inbox import InboxStep
+from lta_graph.lockstep import InboxStep
 from lta_msgs.msg import ActuatorDuty, EnergyStatus
 from lta_vlc.demodulation import Peaks
 from lta_vlc.messages import from_peaks

@@ -22,7 +22,7 @@ from lta_bridge.crazyflie.messages import (
 from lta_bridge.parameters import CrazyflieBridgeSettings
 from lta_config.errors import BadInput
 from lta_graph.health import HealthLevel
-from lta_graph.inbox import InboxStep
+from lta_graph.lockstep import InboxStep
 from lta_graph.reach import describe_reach
 from lta_graph.ros.contained_node import NodeOptions
 from lta_graph.ros.device import DeviceNode

@@ -19,7 +19,7 @@ from lta_control.odometry.ground_state import GroundMotion, rotate_covariance
 from lta_control.per_rotor import pad_to_slots, PerRotor
 from lta_control.sighting import build_sighting, LampSighting
 from lta_graph.blank_message import create_message
-from lta_graph.inbox import InboxStep
+from lta_graph.lockstep import InboxStep
 from lta_msgs.msg import ActuatorDuty, LampPeaks
 from nav_msgs.msg import Odometry
 import numpy as np

@@ -26,7 +26,7 @@ from lta_flight.batch.flight import amplitude_error
 from lta_flight.batch.flight_loop import fly
 from lta_flight.batch.targets import BatchSchedule, CompileTarget, MODEL
 from lta_model.effects import EFFECTS, initial_memory
-from lta_model.light.ray_integration import DAYLIGHT_ROW, LAMP_ROWS, scratch_size
+from lta_model.light.reflected_light import DAYLIGHT_ROW, LAMP_ROWS, scratch_size
 from lta_model.state import RIGID
 from lta_sim.compiled_sensors import draw_turbulence_memory
 from lta_sim.kernels.compose import KernelTarget, render_kernel_source

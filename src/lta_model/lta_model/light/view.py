@@ -20,7 +20,7 @@ from lta_model.electrical.panel import array_spectral_factor
 from lta_model.light.direct_light import build_beam, DiodeResponse, direct_light, LampBeam
 from lta_model.light.field import LightField, PlaneIlluminance
 from lta_model.light.lamp import BeaconLamp
-from lta_model.light.ray_integration import (
+from lta_model.light.reflected_light import (
     gather_indirect_light,
     LAMP_ROWS,
     reflected_luminance,

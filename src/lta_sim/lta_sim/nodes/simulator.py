@@ -15,7 +15,7 @@ import time
 from typing import Unpack
 
 from lta_graph.health import HealthLevel
-from lta_graph.inbox import InboxStep
+from lta_graph.lockstep import InboxStep
 from lta_graph.reach import describe_reach
 from lta_graph.ros.contained_node import NodeOptions
 from lta_graph.ros.node import GraphNode, LONG_ACKNOWLEDGE_TIME

@@ -17,7 +17,7 @@ from lta_control.strategies.homing import HOMING_STRATEGY
 from lta_flight.batch.codegen import build_kernel, write_flight_source
 from lta_flight.batch.control_period import WorkArrays
 from lta_flight.batch.targets import BatchSchedule, CPU, SCRATCH, SENSOR_STEP
-from lta_model.light.ray_integration import LAMP_ROWS, scratch_size
+from lta_model.light.reflected_light import LAMP_ROWS, scratch_size
 from lta_studies.mission.leg_state import fly_leg
 
 COARSE = 2  # steps of the full loop per step here; a Runge-Kutta step of 5 ms is as accurate

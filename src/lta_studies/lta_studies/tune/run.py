@@ -30,7 +30,7 @@ from lta_studies.tune.compare import (
     ResponseMetrics,
     SEARCH_STORE,
 )
-from lta_studies.tune.gain_search import (
+from lta_studies.tune.cma_search import (
     GainSearchResult,
     replace_parameters,
     round_gain,

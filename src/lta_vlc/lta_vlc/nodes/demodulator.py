@@ -5,7 +5,7 @@ from typing import Unpack
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.settings import setting
 from lta_graph.health import HealthLevel
-from lta_graph.inbox import InboxStep
+from lta_graph.lockstep import InboxStep
 from lta_graph.ros.contained_node import NodeOptions
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters

@@ -12,7 +12,7 @@ from lta_control.gains_file import load_gains
 from lta_model.sensors.pressure import PressureErrors, PressureSettings
 from lta_model.sensors.range import RangeErrors, RangeSettings
 from lta_sim.world import World
-from lta_studies.tune.gain_search import replace_parameters
+from lta_studies.tune.cma_search import replace_parameters
 from lta_studies.tune.loop_cut import linearize_loop, LoopCut
 from lta_studies.tune.margins import compute_loop_margins, compute_margins, to_decibels
 from lta_studies.tune.step_response import TuningScene

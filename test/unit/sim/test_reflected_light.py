@@ -18,7 +18,7 @@ from lta_model.light.field import (
     uniform_albedo,
 )
 from lta_model.light.lamp import BeaconLamp, direct_illuminance, SquareWave
-from lta_model.light.ray_integration import (
+from lta_model.light.reflected_light import (
     DAYLIGHT_ROW,
     gather_indirect_light,
     LAMP_ROWS,
