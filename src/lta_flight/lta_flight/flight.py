@@ -19,7 +19,7 @@ from lta_flight.domain_lock import DomainLock
 from lta_flight.flight_run import FlightRun, SIMULATED_ROBOT
 from lta_flight.preflight import check_plan
 from lta_flight.progress import FlightProgress
-from lta_flight.stall_monitor import FLIGHT, StallMonitor
+from lta_flight.stall_watchdog import FLIGHT, StallMonitor
 from lta_flight.unflown_bag import remove_unflown_bags
 from lta_flight.viewers import find_viewers, report_live_views, require_free_live_ports
 from lta_graph.child_process import ProcessExit

@@ -11,8 +11,8 @@ from pathlib import Path
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_model.effects.drag import CROSS_FLOW
 from lta_model.effects.added_mass import MUNK_MOMENT
+from lta_model.effects.drag import CROSS_FLOW
 from lta_model.effects.hull_lift import HULL_LIFT, OBLIQUE_LIFT, SMALL_SPEED
 from lta_model.effects.protocol import VehicleMotion
 from lta_model.mass_properties import half_axes

@@ -11,11 +11,11 @@ from importlib.metadata import entry_points
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.quantity import SI_UNITS
 from lta_model.effects import (
+    added_mass,
     air,
     commands,
     drag,
     gas,
-    added_mass,
     hull_lift,
     motors,
     rotors,

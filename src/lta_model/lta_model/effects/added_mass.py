@@ -6,7 +6,6 @@ from lta_model.effects.protocol import (
     EffectParameter,
     InertiaEffect,
     Values,
-    Vector,
     VehicleMotion,
     Wrench,
     WrenchEffect,

@@ -3,10 +3,8 @@
 import math
 
 from lta_model.effects.protocol import (
-    AXES,
     declare_each,
     EffectParameter,
-    InertiaEffect,
     Values,
     Vector,
     VehicleMotion,

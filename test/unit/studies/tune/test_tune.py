@@ -12,17 +12,6 @@ from lta_report.study_store import StudyStore
 from lta_report.workers import ItemFailure, LocalWorkers
 from lta_studies.tune import compare, helium_limit
 from lta_studies.tune import run as tuning
-from lta_studies.tune.compare import (
-    compare_costs,
-    compute_quartiles,
-    compute_step_metrics,
-    evaluate_jobs,
-    fly_to_lamp,
-    GainEvaluation,
-    LampFlightResult,
-    ResponseMetrics,
-    SEARCH_STORE,
-)
 from lta_studies.tune.cma_search import (
     format_gains,
     GainSearchResult,
@@ -33,6 +22,17 @@ from lta_studies.tune.cma_search import (
     select_parameters,
     TunableParameter,
     write_gains,
+)
+from lta_studies.tune.compare import (
+    compare_costs,
+    compute_quartiles,
+    compute_step_metrics,
+    evaluate_jobs,
+    fly_to_lamp,
+    GainEvaluation,
+    LampFlightResult,
+    ResponseMetrics,
+    SEARCH_STORE,
 )
 from lta_studies.tune.step_response import fly_steps, SetpointStep, TuningCase, TuningScene
 import numpy as np
