@@ -14,6 +14,7 @@ from lta_sim.simulator_settings import DroneSettings
 from lta_sim.world import World
 
 STALE_NS = 300_000_000  # commands older or newer than this stop the motors, as on the real vehicle
+STANDING_HEIGHT = 0.03  # m above the standing height that still counts as on the ground
 REPORTED_CHARACTERS = 100  # characters of a refused command that are reported
 
 
@@ -117,6 +118,17 @@ class SimulatedDrone:
                 'the motors are off until light has charged it',
             )
 
+    @property
+    def _is_landed(self) -> bool:
+        """Whether it stands on the ground at the end of a flight that nothing else has ended."""
+        floor = self.world.vehicle.hull_height_on_floor
+        return (
+            self._finished is not None
+            and self.world.outcome is FlightOutcome.FLYING
+            and not any(self._duties)
+            and bool(self.world.state[2] < floor + STANDING_HEIGHT)
+        )
+
     def report_flight(self, pacer: Pacer) -> dict[str, str]:
         """Report and return the state of the flight, which a pacer has kept to the wall clock."""
         world = self.world
@@ -124,8 +136,8 @@ class SimulatedDrone:
         # Simulated seconds per wall second
         pace = world.elapsed / wall if wall else 0.0
         state = {
-            'outcome': world.outcome.name.lower(),
-            'sentence': str(world.outcome),
+            'outcome': 'landed' if self._is_landed else world.outcome.name.lower(),
+            'sentence': 'on the ground' if self._is_landed else str(world.outcome),
             'time_s': f'{world.elapsed:.2f}',
             'distance_m': f'{world.goal_distance:.3f}',
             'pace': f'{pace:.2f}',

@@ -135,6 +135,8 @@ class Simulator(GraphNode):
 
     def close(self) -> None:
         """Report the outcomes, also to the launcher, and let the last messages leave."""
+        for drone in self._flying.values():
+            drone.finish()
         self.health.changed = True  # the outcome does not wait for the next report
         self._monitor_inputs()
         # Lines of JSON, which the launcher parses; a flight that never began has no outcome
