@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from lta_config.constants import AIR_DENSITY, STANDARD_GRAVITY
 from lta_config.settings import setting, Settings
-from lta_control.allocation import Columns
+from lta_control.allocation import Columns, NO_ROTORS, PerRotor
 from lta_control.altitude import (
     AltitudeEstimate,
     AltitudeSettings,
@@ -42,7 +42,6 @@ from lta_control.odometry.airspeed import (
     HullDragModel,
 )
 from lta_control.odometry.ground_state import GroundSettings
-from lta_control.per_rotor import NO_ROTORS, PerRotor
 
 GYRO_REACH = math.radians(3000.0)  # rad/s; the BMI088 measures 2000 deg/s
 HARDEST_PULL = 400.0  # m/s2; it measures 24 g

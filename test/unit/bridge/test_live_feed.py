@@ -4,8 +4,8 @@ import struct
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_bridge.live.feed import RateLimiter, SCREEN_RATE, TopicThrottle
 from lta_bridge.live.origin_gate import build_app_url, check_port_available
+from lta_bridge.live.server import RateLimiter, SCREEN_RATE, TopicThrottle
 from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table
 import pytest

@@ -3,7 +3,7 @@
 import math
 
 from lta_control import flight_step as rules
-from lta_control.allocation import create_working_array
+from lta_control.allocation import create_working_array, NO_ROTORS
 from lta_control.autopilot import Autopilot, build_drone_constants, ESTIMATE_LAYOUT, MEMORY_LAYOUT
 from lta_control.cascade import FLOOR_SETPOINT, Setpoint
 from lta_control.estimator import EstimatorSettings
@@ -20,7 +20,6 @@ from lta_control.flight_step import (
 from lta_control.gains_file import load_gains
 from lta_control.laws.cascade import CASCADE_LAW, CascadeLawMemory
 from lta_control.laws.protocol import ControlMotion
-from lta_control.per_rotor import NO_ROTORS
 from lta_control.sighting import DeadReckonedMotion
 from lta_model.vehicle import load_vehicle
 import numpy as np

@@ -2,9 +2,7 @@
 
 from lta_config.topics import load_topic_table
 from lta_graph.health import Health
-from lta_sim.drone import SimulatedDrone
-from lta_sim.pacer import Pacer
-from lta_sim.simulator_settings import DroneSettings
+from lta_sim.drone import DroneSettings, Pacer, SimulatedDrone
 
 
 def test_a_commanded_flight_that_ends_on_the_ground_has_landed():

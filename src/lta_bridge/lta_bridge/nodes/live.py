@@ -12,8 +12,7 @@ from collections.abc import Callable
 from typing import Final, Unpack
 
 from lta_bridge.bag.schemas import generate_definition
-from lta_bridge.live.feed import TopicThrottle
-from lta_bridge.live.server import LiveServer
+from lta_bridge.live.server import LiveServer, TopicThrottle
 from lta_bridge.log_time_assigner import read_stamp
 from lta_bridge.parameters import LiveSettings
 from lta_config.topics import robot_topic, Topic

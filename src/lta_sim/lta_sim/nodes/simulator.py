@@ -24,10 +24,8 @@ from lta_graph.ros.process import run_node
 from lta_graph.ros.stamps import from_stamp, to_stamp
 from lta_graph.ros.startup import wait_for_graph
 from lta_graph.ros.transforms import from_start
-from lta_sim.drone import SimulatedDrone
+from lta_sim.drone import DroneSettings, Pacer, SimulatedDrone, SimulatorSettings
 from lta_sim.messages import sense_motion, sense_rest
-from lta_sim.pacer import Pacer
-from lta_sim.simulator_settings import DroneSettings, SimulatorSettings
 from rosgraph_msgs.msg import Clock as ClockMessage
 from tf2_msgs.msg import TFMessage
 

@@ -19,7 +19,7 @@ from lta_energy.harvest import HarvestCurve
 from lta_energy.irradiance import IrradianceSeries, PanelIrradiance, simulate_irradiance
 from lta_energy.mission import Departure, Landing, MissionFlight, MissionSimulation, PerchConfig
 from lta_energy.schedule import build_fixed_schedule, Schedule, schedule_by_light
-from lta_sim.power_meter import draw_errors, PowerMeterSettings
+from lta_sim.supply import draw_meter_errors, PowerMeterSettings
 from lta_sim.termination import build_goal, is_at_lamp
 from lta_studies.mission.gas import draw_slack, find_brightest_light
 from lta_studies.mission.leg_state import (
@@ -57,7 +57,7 @@ def build_schedule(name: str, mission: MissionFile) -> Schedule:
 def build_perch_power_config(mission: MissionFile, scenes: MissionScene, seed: int) -> PerchConfig:
     """Return the configuration on the perch, with meter errors and slack drawn from the seed."""
     vehicle = scenes.vehicle
-    meter = draw_errors(
+    meter = draw_meter_errors(
         # 219 (the meter is an INA219) only keeps this stream independent of other draws.
         PowerMeterSettings(),
         np.random.default_rng(np.random.SeedSequence([seed, 219])),

@@ -13,8 +13,7 @@ from random import Random
 from typing import NamedTuple
 
 from bench_body import BenchBody
-from lta_emulation.crazyflie.firmware import Firmware
-from lta_emulation.crazyflie.packet import CrtpPacket, unpack_datagram
+from lta_emulation.crazyflie.firmware import CrtpPacket, Firmware, unpack_datagram
 from lta_emulation.crazyflie.parameters import APP, ARMING, list_parameters
 import pytest
 
