@@ -6,7 +6,6 @@ import math
 
 from geometry_msgs.msg import PoseWithCovarianceStamped, Vector3, Vector3Stamped
 from lta_config.covariances import UNKNOWN_VARIANCE
-from lta_graph.blank_message import create_message
 from lta_graph.health import HealthFact, HealthLevel
 from lta_msgs.msg import BeaconPeaks, LampPeaks, LightBlock
 from lta_vlc.bearing import Bearing
@@ -67,7 +66,7 @@ def from_bearing(header: Header, bearing: Bearing | None) -> Vector3Stamped:
 
 def from_lamp(header: Header, lamp: LampEstimate | None) -> PoseWithCovarianceStamped:
     """Return the lamp in the body frame; its variances are huge if none is detected."""
-    message = create_message(PoseWithCovarianceStamped)
+    message = PoseWithCovarianceStamped()
     message.header = header
     covariance = np.zeros((6, 6))
     if lamp is None:

@@ -18,7 +18,6 @@ from lta_control.messages import to_diodes, to_lamp
 from lta_control.odometry.ground_motion import ground_velocity
 from lta_control.odometry.ground_state import GroundMotion, rotate_covariance
 from lta_control.sighting import build_sighting, LampSighting
-from lta_graph.blank_message import create_message
 from lta_graph.lockstep import InboxStep
 from lta_msgs.msg import ActuatorDuty, LampPeaks
 from nav_msgs.msg import Odometry
@@ -98,7 +97,7 @@ def to_sighting(
 
 def from_estimate(stamp: Time, estimate: MotionEstimate, ground: GroundMotion) -> Odometry:
     """Return the motion over ground; variances are huge while the biases are calibrated."""
-    message = create_message(Odometry)
+    message = Odometry()
     message.header.stamp = stamp
     message.header.frame_id = 'odom'
     message.child_frame_id = 'base_link'
@@ -134,7 +133,7 @@ def from_airspeed(
     stamp: Time, estimate: MotionEstimate, ground: GroundMotion
 ) -> TwistWithCovarianceStamped:
     """Return the velocity through the air and the rates; the covariance accounts for wind."""
-    message = create_message(TwistWithCovarianceStamped)
+    message = TwistWithCovarianceStamped()
     message.header.stamp = stamp
     message.header.frame_id = 'base_link'
     twist = message.twist.twist
