@@ -91,11 +91,11 @@ class ChildProcess:
         `on_line`: called with its name and each line. `stopping`: set when the launcher stops its
         processes. `exits`: gets its exit once it is reaped.
         """
-        kept, readers = [], []
+        outputs, readers = [], []
         for pipe in (self.popen.stdout, self.popen.stderr):
             assert pipe is not None
             lines = deque[str](maxlen=KEPT_LINES)
-            kept.append(lines)
+            outputs.append(lines)
             words = (pipe, lines, on_line)
             readers.append(threading.Thread(target=self._read_lines, args=words, daemon=True))
 
@@ -109,18 +109,18 @@ class ChildProcess:
             deadline = time.monotonic() + LAST_LINES_TIME
             for reader in readers:
                 reader.join(max(0.0, deadline - time.monotonic()))
-            stdout, stderr = map(tuple, kept)
+            stdout, stderr = map(tuple, outputs)
             exits.put(self._build_exit(stdout, stderr, stopped))
 
         self._watcher = threading.Thread(target=wait_for_end, daemon=True)
         for thread in (*readers, self._watcher):
             thread.start()
 
-    def _read_lines(self, pipe: IO[bytes], kept: deque[str], on_line: OnLine) -> None:
+    def _read_lines(self, pipe: IO[bytes], last_lines: deque[str], on_line: OnLine) -> None:
         with pipe:
             while line := pipe.readline(LONGEST_OUTPUT_LINE):
                 text = line.decode(errors='replace').rstrip('\r\n')
-                kept.append(text)
+                last_lines.append(text)
                 on_line(self.name, text)
 
     def has_exited(self) -> bool:
