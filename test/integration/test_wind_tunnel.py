@@ -2,9 +2,8 @@
 
 from campaigns.sphere import build_sphere_model, compare_sphere_drag
 from lta_windtunnel.flow_plan import TunnelFlow
-from lta_windtunnel.solve import ThreadedFlowSolver
 from lta_windtunnel.openfoam.case import has_openfoam
-from lta_windtunnel.solve import solve_sweep
+from lta_windtunnel.solve import solve_sweep, ThreadedFlowSolver
 from lta_windtunnel.tunnel import build_steady_wind_case, COARSE_MESH
 import pytest
 
