@@ -14,10 +14,9 @@ import sys
 from lta_config.constants import AIR_DENSITY, HELIUM_DENSITY
 from lta_windtunnel.analytic import drag_force
 from lta_windtunnel.flow_plan import TunnelFlow
-from lta_windtunnel.flow_solvers import ThreadedFlowSolver
 from lta_windtunnel.openfoam.case import cache_folder
 from lta_windtunnel.shape import ellipse_profile, mylar_profile, revolve_profile, Z_TURNED_TO
-from lta_windtunnel.solve import solve_sweep
+from lta_windtunnel.solve import solve_sweep, ThreadedFlowSolver
 from lta_windtunnel.tunnel import build_steady_wind_case, PREVIEW
 from lta_windtunnel.tunnel_model import TunnelModel
 import plotly.graph_objects as go

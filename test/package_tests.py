@@ -44,7 +44,7 @@ PACKAGE_TESTS: Final = {
         'sim/test_measurement_effects.py',
         'sim/test_pressure.py',
         'sim/test_range.py',
-        'sim/test_ray_integration.py',
+        'sim/test_reflected_light.py',
         'sim/test_rotor_effects.py',
         'sim/test_rotor_wrenches.py',
         'sim/test_scenario.py',

@@ -9,7 +9,7 @@ from lta_bridge.bag.metadata import build_offered_qos
 from lta_bridge.bag.writer import BagWriter
 from lta_config.topics import load_topic_table, robot_topic
 from lta_data.importers.entry_plan import CdrTemplate, WRENCH
-from lta_flight.flight_run import ROBOT
+from lta_flight.flight_run import SIMULATED_ROBOT
 import numpy as np
 from numpy.typing import NDArray
 
@@ -63,7 +63,7 @@ def _encode_messages(
         **{path: values[:, k] for k, path in enumerate(columns)},
     }
     data, size = layout.serialize_messages(len(time), numbers), layout.size
-    name = robot_topic(ROBOT, topic)
+    name = robot_topic(SIMULATED_ROBOT, topic)
     messages = (
         (stamp, name, data[k * size : (k + 1) * size]) for k, stamp in enumerate(stamps.tolist())
     )
@@ -95,7 +95,7 @@ def write_bag(
         all_made = []
         for topic, (time, values) in streams.items():
             kind, messages = _encode_messages(topic, rotors, time, values)
-            writer.add_topic(robot_topic(ROBOT, topic), kind, QOS)
+            writer.add_topic(robot_topic(SIMULATED_ROBOT, topic), kind, QOS)
             all_made.append(messages)
         # A bag is written in the order of time; each stream is sorted already
         for stamp, name, data in merge(*all_made, key=lambda one: one[0]):

@@ -1,5 +1,9 @@
-"""Physical constants that more than one package needs."""
+"""Physical constants, and factors of units, that more than one package needs."""
 
+import math
+
+RADIANS_PER_DEGREE = math.pi / 180.0
+DEGREES_PER_RADIAN = 180.0 / math.pi
 STANDARD_GRAVITY = 9.80665  # m/s2 (CGPM 1901)
 
 # The air that a model is built with; the three numbers belong together

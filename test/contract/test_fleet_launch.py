@@ -8,7 +8,7 @@ from lta_flight.preflight import check_plan
 from lta_graph.launches import FLEET, FLY
 from lta_graph.ros.node import GraphSettings
 from lta_graph.ros.parameters import iterate_fields
-from lta_sim.simulator_settings import DroneSettings, SimulatorSettings
+from lta_sim.drone import DroneSettings, SimulatorSettings
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -22,7 +22,7 @@ def steer(settings, memory, sight):
     return SteeringCommand(memory[0], settings.speed, False), memory
 
 
-STRATEGY = NavigationStrategy('straight', start, steer)
+STRAIGHT_STRATEGY = NavigationStrategy('straight', start, steer)
 """
 VERB = """
 from lta_analysis.console import plain_console

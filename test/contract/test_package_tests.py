@@ -85,7 +85,7 @@ def test_a_failing_test_fails_colcon_test_and_a_long_one_is_not_run(tmp_path):
     unit = tmp_path / 'test/unit'
     (unit / 'graph').mkdir(parents=True)
     names = ['colcon.meta', 'conftest.py', 'pyproject.toml', 'test/unit/conftest.py']
-    names += [f'test/unit/{place}' for place in ('report_flight.py', 'graph/test_inbox.py')]
+    names += [f'test/unit/{place}' for place in ('report_flight.py', 'graph/test_lockstep.py')]
     names += [f'test/{path.name}' for path in (ROOT / 'test').glob('*.py')]
     for name in names:
         shutil.copy(ROOT / name, tmp_path / name)

@@ -28,7 +28,7 @@ from lta_graph.ros.parameters import build_descriptor, iterate_fields
 from lta_graph.ros.qos import select_profile, select_reader_profile
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
-from lta_sim.simulator_settings import SimulatorSettings
+from lta_sim.drone import SimulatorSettings
 from lta_vlc.nodes.demodulator import DemodulatorParameters
 import pytest
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy

@@ -4,6 +4,7 @@ from collections import Counter
 from contextlib import ExitStack
 import signal
 
+from bench_body import BenchBody
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from domain import free_domain
 from lifecycle_msgs.msg import Transition
@@ -11,7 +12,6 @@ from lifecycle_msgs.srv import ChangeState
 from lta_config.schema.crazyflie_file import load_crazyflie
 from lta_config.topics import load_topic_table
 from lta_control.messages import from_duties
-from lta_emulation.crazyflie.commander import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
 from lta_emulation.crazyflie.server import CrazyflieServer
 from lta_graph.health import HealthLevel

@@ -14,9 +14,9 @@ import shutil
 import subprocess
 from xml.etree import ElementTree
 
+from bench_body import BenchBody
 from domain import free_domain
 from lta_config.topics import load_topic_table
-from lta_emulation.crazyflie.commander import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
 from lta_emulation.crazyflie.server import CrazyflieServer
 from lta_graph.launches import FLY

@@ -1,11 +1,10 @@
 """OpenFOAM itself, where it is installed: a sphere on a coarse mesh, from shape to coefficient."""
 
+from campaigns.sphere import build_sphere_model, compare_sphere_drag
 from lta_windtunnel.flow_plan import TunnelFlow
-from lta_windtunnel.flow_solvers import ThreadedFlowSolver
-from lta_windtunnel.openfoam.programs import has_openfoam
-from lta_windtunnel.solve import solve_sweep
+from lta_windtunnel.openfoam.case import has_openfoam
+from lta_windtunnel.solve import solve_sweep, ThreadedFlowSolver
 from lta_windtunnel.tunnel import build_steady_wind_case, COARSE_MESH
-from lta_windtunnel.validation import build_sphere_model, compare_sphere_drag
 import pytest
 
 AIR = (1.2, 1.5e-5)

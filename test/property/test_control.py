@@ -9,6 +9,8 @@ from lta_control.allocation import (
     create_working_array,
     DUTY_SCRATCH,
     EQUAL_WEIGHTS,
+    NO_ROTORS,
+    pad_to_slots,
     RIDGE,
     Rotors,
     thrusts_to_duties,
@@ -17,7 +19,6 @@ from lta_control.allocation import (
 from lta_control.cascade import CascadeMeasurement, Setpoint, steer_to_course, wrap_angle
 from lta_control.gains_file import load_gains
 from lta_control.laws.cascade import CascadeLawConstants, CascadeLawMemory, control_step
-from lta_control.per_rotor import NO_ROTORS, pad_to_slots
 from lta_control.pid import pid_step, PidGains
 from lta_control.vehicle_parameters import build_rotors
 from lta_model.vehicle import load_vehicle

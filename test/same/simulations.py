@@ -9,7 +9,7 @@ from lta_config.errors import BadInput
 from lta_config.files import list_shipped_names
 from lta_config.topics import load_topic_table
 from lta_control.strategies import STRATEGIES
-from lta_flight.flight_run import ROBOT
+from lta_flight.flight_run import SIMULATED_ROBOT
 from lta_flight.flight_spec import build_loop, load_spec
 from lta_flight.messages import LoopRecorder
 
@@ -50,7 +50,7 @@ def simulate_flight(vehicle: str, scenario: str, strategy: str) -> dict[str, str
     except BadInput:
         return {name: 'refused'}
     hashed = Hash()
-    recorder = LoopRecorder(hashed, loop, load_topic_table(), ROBOT)
+    recorder = LoopRecorder(hashed, loop, load_topic_table(), SIMULATED_ROBOT)
     for _, _outcome in zip(range(STEPS), loop.iterate_steps(), strict=False):
         recorder.record_step()
     return {name: f'{hashed} {loop.world.outcome.name.lower()}'}

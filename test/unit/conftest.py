@@ -10,7 +10,7 @@ from lta_bridge.bag.schemas import load_jazzy_types
 from lta_config.compilation.flat import render_core_source
 from lta_config.compilation.kernel_cache import load_kernel
 from lta_control import autopilot
-from lta_windtunnel.openfoam.programs import OPENFOAM_PROGRAMS
+from lta_windtunnel.openfoam.case import OPENFOAM_PROGRAMS
 from numba.core import config
 import numpy as np
 import pytest

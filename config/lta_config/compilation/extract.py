@@ -26,7 +26,6 @@ from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any, final, NamedTuple, TypeGuard
 
-from lta_config.compilation.source_file import SourceFile, store_results
 from lta_config.errors import BadInput
 
 TUPLE_PREFIX = 'core'  # prefix of the named tuples
@@ -34,10 +33,18 @@ REPLACE_METHOD = '_replace'
 
 
 @cache
-def _read_source(path: Path, changed_ns: int, size: int) -> SourceFile:
-    """Return a file; time and size are only keys: an edited file is read again."""
+def _read_definitions(path: Path, changed_ns: int, size: int) -> dict[str, ast.FunctionDef]:
+    """
+    Return the top-level functions of a file by name.
+
+    Time and size are only keys: an edited file is read again.
+    """
     del changed_ns, size
-    return SourceFile(path.read_bytes(), Path(__file__).read_bytes(), _strip_annotations)
+    return {
+        node.name: _strip_annotations(node)
+        for node in ast.parse(path.read_bytes()).body
+        if isinstance(node, ast.FunctionDef)
+    }
 
 
 def _strip_annotations(node: ast.FunctionDef) -> ast.FunctionDef:
@@ -157,69 +164,36 @@ class GeneratedFunction:
         )
 
 
-class _FunctionSource(NamedTuple):
-    """Where a function is defined."""
-
-    file: SourceFile
-    name: str
-
-    @property
-    def node(self) -> ast.FunctionDef:
-        """The function's syntax tree, which is shared."""
-        return self.file.definitions[self.name]
-
-
-def _locate_source(function: FunctionType) -> _FunctionSource:
-    """Return where a function is defined."""
+def _find_definition(function: FunctionType) -> ast.FunctionDef:
+    """Return the syntax tree of a function, which is shared."""
     path = Path(inspect.getsourcefile(function) or '')
     state = path.stat()
-    source = _FunctionSource(
-        _read_source(path, state.st_mtime_ns, state.st_size), function.__qualname__
-    )
-    if source.name in source.file.recall(lambda: list(source.file.definitions), 'functions'):
-        return source
+    definitions = _read_definitions(path, state.st_mtime_ns, state.st_size)
+    if function.__qualname__ in definitions:
+        return definitions[function.__qualname__]
     raise BadInput(
         f'{function.__name__} cannot be compiled, because it is not defined at the top level of '
         f'{path}; move it there.'
     )
 
 
-def _list_globals(source: _FunctionSource, variables: tuple[str, ...]) -> list[str]:
+def _list_globals(node: ast.FunctionDef, variables: tuple[str, ...]) -> list[str]:
     """Return the sorted names that a function with these variables takes from its module."""
-
-    def find_names() -> list[str]:
-        names = [item for item in ast.walk(source.node) if isinstance(item, ast.Name)]
-        # Variables of a comprehension are not in co_varnames
-        bound = {item.id for item in names if isinstance(item.ctx, ast.Store)}
-        return sorted({item.id for item in names} - bound - {*variables, REPLACE_METHOD})
-
-    return source.file.recall(find_names, 'globals', source.name, *variables)
+    names = [item for item in ast.walk(node) if isinstance(item, ast.Name)]
+    # Variables of a comprehension are not in co_varnames
+    bound = {item.id for item in names if isinstance(item.ctx, ast.Store)}
+    return sorted({item.id for item in names} - bound - {*variables, REPLACE_METHOD})
 
 
-def _list_attributes(source: _FunctionSource, name: str) -> list[str]:
+def _list_attributes(node: ast.FunctionDef, name: str) -> list[str]:
     """Return the attributes of a name that a function uses."""
-
-    def find_attributes() -> list[str]:
-        return sorted(
-            {
-                item.attr
-                for item in ast.walk(source.node)
-                if isinstance(item, ast.Attribute) and getattr(item.value, 'id', None) == name
-            }
-        )
-
-    return source.file.recall(find_attributes, 'attributes', source.name, name)
-
-
-def _render_function(source: _FunctionSource, own: str, rewriter: '_Rewriter') -> str:
-    """Return the text of a function called `own` whose globals have the rewriter's names."""
-
-    def rewrite() -> str:
-        node = rewriter.copy(source.node)
-        node.name = own
-        return ast.unparse(node)
-
-    return source.file.recall(rewrite, 'text', source.name, own, *rewriter)
+    return sorted(
+        {
+            item.attr
+            for item in ast.walk(node)
+            if isinstance(item, ast.Attribute) and getattr(item.value, 'id', None) == name
+        }
+    )
 
 
 def _describe_clash(own: str) -> str:
@@ -257,15 +231,15 @@ class SourceExtract:
                 f'{function!r} of {prefix} cannot be compiled, because it is not a plain '
                 'function; define it with def.'
             )
-        source = _locate_source(function)
-        own = self._claim_name(prefix, function.__name__, function.__module__, source)
+        node = _find_definition(function)
+        own = self._claim_name(prefix, function.__name__, function.__module__, node)
         if own in self._pieces:
             return own
         names, attributes, fields = {}, {}, {}
-        for name in _list_globals(source, function.__code__.co_varnames):
+        for name in _list_globals(node, function.__code__.co_varnames):
             value = function.__globals__.get(name)
             if isinstance(value, type) and issubclass(value, IntEnum):
-                for member in _list_attributes(source, name):
+                for member in _list_attributes(node, name):
                     attributes[f'{name}.{member}'] = str(int(value[member]))
                 continue
             names[name] = self._add_global(function, name, prefix)
@@ -275,7 +249,7 @@ class SourceExtract:
         arguments = code.co_varnames[: code.co_argcount + code.co_kwonlyargcount]
         bound = [name for name in self._bound if name in arguments]
         for name in bound:
-            for attribute in _list_attributes(source, name):
+            for attribute in _list_attributes(node, name):
                 text = self._add_bound(name, attribute)
                 if text in code.co_varnames:
                     raise BadInput(
@@ -284,8 +258,9 @@ class SourceExtract:
                         'variable.'
                     )
                 attributes[f'{name}.{attribute}'] = text
-        rewriter = _Rewriter(names, attributes, fields, bound)
-        self._pieces[own] = _render_function(source, own, rewriter)
+        copy = _Rewriter(names, attributes, fields, bound).copy(node)
+        copy.name = own
+        self._pieces[own] = ast.unparse(copy)
         return own
 
     def _add_bound(self, name: str, attribute: str) -> str:
@@ -360,7 +335,6 @@ class SourceExtract:
 
     def render_pieces(self, decorator: str, entry: str = '', entries: Collection[str] = ()) -> str:
         """Return all pieces, the functions with `decorator`, those in `entries` with `entry`."""
-        store_results()
         return '\n\n\n'.join(
             f'{entry if own in entries else decorator}\n{piece}'
             if piece.startswith('def ')

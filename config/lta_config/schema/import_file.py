@@ -36,7 +36,7 @@ FIELD_AXES: dict[str, tuple[str, str, str]] = {
     'Y_UP': ('x', '-z', 'y'),  # OptiTrack, right-handed
     'OPTICAL': ('z', '-x', '-y'),  # a camera: x right, y down, z forward; to FLU
 }
-LATEST_STAMP = 2.0**31  # s; the first time after those that a ROS time stamp can hold
+LAST_SECOND = 2.0**31  # s; the first time after those that a ROS time stamp can hold
 NANOSECOND = 1e-9  # s; the resolution of a ROS time stamp
 SOURCE_AXES = ('x', 'y', 'z', '-x', '-y', '-z')
 
@@ -279,18 +279,18 @@ class TimeColumn(StrictModel):
                 raise ValueError(f'has an invalid {name}; give a positive number in {unit}')
             # Of a rate, the time between two rows
             period = None if quantity is None else quantity.si if unit == 's' else 1 / quantity.si
-            if period is not None and not NANOSECOND <= period < LATEST_STAMP:
+            if period is not None and not NANOSECOND <= period < LAST_SECOND:
                 raise ValueError(
                     f'has rows that are {period:g} s apart; give a {name} with {NANOSECOND:g} s '
-                    f'to {LATEST_STAMP:g} s between two rows'
+                    f'to {LAST_SECOND:g} s between two rows'
                 )
         if self.start is not None and self.start.dimension != 's':
             raise ValueError(
                 f'has a start in {self.start.unit}, but it must be a time, as in "1 s"'
             )
-        if self.start is not None and abs(self.start.si) >= LATEST_STAMP:
+        if self.start is not None and abs(self.start.si) >= LAST_SECOND:
             raise ValueError(
-                f'has a start at {self.start.si:g} s; a ROS time stamp is below {LATEST_STAMP:g} s'
+                f'has a start at {self.start.si:g} s; a ROS time stamp is below {LAST_SECOND:g} s'
             )
         return self
 

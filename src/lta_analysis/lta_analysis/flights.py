@@ -17,8 +17,7 @@ from lta_control.strategies import STRATEGIES
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.recorded_flight import open_flight, RecordedFlight, select_robot
 from lta_data.importers.draft.choices import Answers
-from lta_flight.flight_run import EXIT_STATUSES, FlightRun
-from lta_flight.flight_run import ROBOT as SIMULATED_ROBOT
+from lta_flight.flight_run import EXIT_STATUSES, FlightRun, SIMULATED_ROBOT
 from lta_flight.progress import FlightProgress
 from lta_report.formatting import format_count
 from lta_report.request import (

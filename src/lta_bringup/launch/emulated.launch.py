@@ -5,9 +5,7 @@ ros2 launch lta_bringup emulated.launch.py vehicle:=multirotor  where ROS 2 Jazz
 lta launch emulated vehicle:=multirotor  where it is not
 """
 
-from lta_graph.launches import EMULATED
-
-LAUNCH = EMULATED
+from lta_graph.launches import EMULATED as LAUNCH
 
 
 def generate_launch_description() -> object:

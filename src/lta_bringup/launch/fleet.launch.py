@@ -5,9 +5,7 @@ ros2 launch lta_bringup fleet.launch.py n:=3  where ROS 2 Jazzy is installed
 lta launch fleet n:=3  where it is not
 """
 
-from lta_graph.launches import FLEET
-
-LAUNCH = FLEET
+from lta_graph.launches import FLEET as LAUNCH
 
 
 def generate_launch_description() -> object:

@@ -5,9 +5,7 @@ ros2 launch lta_bringup fly.launch.py seed:=2  where ROS 2 Jazzy is installed
 lta launch fly seed:=2  where it is not
 """
 
-from lta_graph.launches import FLY
-
-LAUNCH = FLY
+from lta_graph.launches import FLY as LAUNCH
 
 
 def generate_launch_description() -> object:

@@ -7,15 +7,39 @@ Wright 2006, Numerical Optimization, section 16.5) solves this exactly, starting
 solution: rotors at a limit stay there while the others take the best step. For up to eight rotors
 this needs no library. The working numbers are in an array from the caller, so that the code also
 compiles for a GPU.
+
+One number per rotor has eight slots: with a fixed length, one compiled form serves every vehicle.
+Slots beyond a vehicle's rotors hold 0 and are ignored.
 """
 
-from collections.abc import MutableSequence
+from collections.abc import Iterable, MutableSequence
 import math
-from typing import NamedTuple
+from typing import cast, NamedTuple
 
-from lta_control.per_rotor import PerRotor, SLOTS
+from lta_config.errors import BadInput
 import numpy as np
 from numpy.typing import NDArray
+
+SLOTS = 8
+
+PerRotor = tuple[float, float, float, float, float, float, float, float]
+NO_ROTORS: PerRotor = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+def pad_to_slots(values: Iterable[float]) -> PerRotor:
+    """
+    Return up to eight numbers, padded with zeros.
+
+    Raise `BadInput` if there are more than eight.
+    """
+    numbers = tuple(values)
+    if len(numbers) > SLOTS:
+        raise BadInput(
+            f'The vehicle has {len(numbers)} rotors, but at most {SLOTS} are supported; remove '
+            'some from the vehicle file.'
+        )
+    return cast('PerRotor', numbers + NO_ROTORS[len(numbers) :])
+
 
 WRENCH_AXES = 6
 

@@ -49,7 +49,7 @@ def build_drone_constants(
     gains: Settings,
     dt: float,
     tilt_limit: float = TILT_LIMIT,
-    law: ControlLaw = cascade.LAW,
+    law: ControlLaw = cascade.CASCADE_LAW,
 ) -> DroneConstants:
     """
     Return the values that stay constant during a flight.
@@ -114,7 +114,7 @@ class Autopilot:
     def __init__(
         self,
         drone: DroneConstants,
-        law: ControlLaw = cascade.LAW,
+        law: ControlLaw = cascade.CASCADE_LAW,
         mass_rest: Vector = (0.0, 0.0, 0.0),
     ) -> None:
         self.law, self._mass_rest = law, mass_rest

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from lta_config.constants import AIR_DENSITY, STANDARD_GRAVITY
 from lta_config.settings import setting, Settings
-from lta_control.allocation import Columns
+from lta_control.allocation import Columns, NO_ROTORS, PerRotor
 from lta_control.altitude import (
     AltitudeEstimate,
     AltitudeSettings,
@@ -42,11 +42,10 @@ from lta_control.odometry.airspeed import (
     HullDragModel,
 )
 from lta_control.odometry.ground_state import GroundSettings
-from lta_control.per_rotor import NO_ROTORS, PerRotor
 
 GYRO_REACH = math.radians(3000.0)  # rad/s; the BMI088 measures 2000 deg/s
 HARDEST_PULL = 400.0  # m/s2; it measures 24 g
-LEVEL_COSINE = 0.1  # cosine of the tilt below which climb and heave are not separated
+UPRIGHT_COSINE = 0.1  # cosine of the tilt below which climb and heave are not separated
 REST_PATIENCE = 5.0  # rest times without motion, after which a tilt is accepted and a turn refused
 
 
@@ -130,7 +129,11 @@ def air_relative_velocity(estimate: MotionEstimate) -> Vector:
     surge, sway = estimate.airspeed.surge, estimate.airspeed.sway
     climb = estimate.altitude.climb
     # Solve climb = up . velocity for the heave
-    return surge, sway, (climb - (ux * surge + uy * sway)) / uz if uz > LEVEL_COSINE else climb
+    return (
+        surge,
+        sway,
+        (climb - (ux * surge + uy * sway)) / uz if uz > UPRIGHT_COSINE else climb,
+    )
 
 
 def is_any_motor_turning(duties: PerRotor) -> bool:

@@ -32,9 +32,8 @@ from lta_control.odometry.tracked_motion import (
 from lta_control.reserve import ReserveReport, ReserveResponseSettings
 from lta_control.sighting import build_sight, LampPosition
 from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy
-from lta_graph.blank_message import create_message
 from lta_graph.health import HealthLevel, stamp_age
-from lta_graph.inbox import InboxStep
+from lta_graph.lockstep import InboxStep
 from lta_graph.ros.stamps import from_stamp, MessagePairing
 from lta_msgs.msg import ActuatorDuty, LampPeaks
 from nav_msgs.msg import Odometry
@@ -131,13 +130,13 @@ def to_setpoint(pose: PoseStamped, velocity: TwistStamped) -> Setpoint:
 
 def from_setpoint(stamp: Time, setpoint: Setpoint) -> tuple[PoseStamped, TwistStamped]:
     """Return the messages for heading and altitude, and for forward speed."""
-    pose = create_message(PoseStamped)
+    pose = PoseStamped()
     pose.header.stamp = stamp
     pose.header.frame_id = 'odom'
     pose.pose.position.z = setpoint.altitude
     q = pose.pose.orientation
     q.x, q.y, q.z, q.w = level_quaternion(setpoint.heading)
-    velocity = create_message(TwistStamped)
+    velocity = TwistStamped()
     velocity.header.stamp = stamp
     velocity.header.frame_id = 'base_link'
     velocity.twist.linear.x = setpoint.speed
@@ -146,7 +145,7 @@ def from_setpoint(stamp: Time, setpoint: Setpoint) -> tuple[PoseStamped, TwistSt
 
 def from_duties(stamp: Time, names: list[str], duties: tuple[float, ...]) -> ActuatorDuty:
     """Return the duties by actuator name, -1 to 1; unused slots are left out."""
-    message = create_message(ActuatorDuty)
+    message = ActuatorDuty()
     message.header.stamp = stamp
     message.header.frame_id = 'base_link'
     message.name = names

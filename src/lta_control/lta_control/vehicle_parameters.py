@@ -4,11 +4,20 @@ from collections.abc import Mapping, Sequence
 import math
 from typing import cast
 
-from lta_control.allocation import Column, Columns, EQUAL_WEIGHTS, Rotors, WEIGHTS, Wrench
+from lta_control.allocation import (
+    Column,
+    Columns,
+    EQUAL_WEIGHTS,
+    pad_to_slots,
+    PerRotor,
+    Rotors,
+    SLOTS,
+    WEIGHTS,
+    Wrench,
+)
 from lta_control.attitude import Vector
 from lta_control.estimator import EstimatorModel
 from lta_control.odometry.airspeed import HullDragModel
-from lta_control.per_rotor import pad_to_slots, PerRotor, SLOTS
 from lta_model.propulsion import RotorModel
 from lta_model.vehicle import Vehicle
 

@@ -80,9 +80,9 @@ def _keep_first_resistor(content: Any) -> None:  # noqa: ANN401 - a file as plai
 
 TRACKERS: Final = ('ground_truth/odom', 'ground_truth/pose', 'pose', 'mocap/pose', 'vrpn/pose')
 NO_TRACKER: Final = ('odom', 'setpoint', 'light', 'estimate')  # poses that are not measurements
-POSITION: Final = 'position.x'
-COMMAND: Final = 'motors/effort.'
-MASS: Final = tuple(f'motors/position.moving_mass_{axis}' for axis in 'xyz')
+POSITION_CHANNEL: Final = 'position.x'
+COMMAND_CHANNEL: Final = 'motors/effort.'
+MASS_CHANNELS: Final = tuple(f'motors/position.moving_mass_{axis}' for axis in 'xyz')
 NEWTONS: Final = frozenset({'N', 'mN'})  # units of imported thrust commands
 
 
@@ -93,9 +93,10 @@ def find_tracker_prefix(channels: Collection[str]) -> str:
     Raise `BadInput` if no measured pose was recorded.
     """
     prefixes = [
-        name.removesuffix(POSITION)
+        name.removesuffix(POSITION_CHANNEL)
         for name in channels
-        if name.endswith(POSITION) and f'{name.removesuffix(POSITION)}orientation.yaw' in channels
+        if name.endswith(POSITION_CHANNEL)
+        and f'{name.removesuffix(POSITION_CHANNEL)}orientation.yaw' in channels
     ]
     # Estimates and setpoints also have poses, but are not measurements
     free = [name for name in prefixes if not name.startswith(NO_TRACKER)]
@@ -139,7 +140,7 @@ def _list_dicts(holder: object, name: str) -> list[dict[str, Any]]:
 Array = NDArray[np.float64]
 
 SHARE: Final = 0.05  # of a flight; a shorter time outside is not reported
-TRUTH: Final = 'ground_truth/odom'
+TRUTH_TOPIC: Final = 'ground_truth/odom'
 COMMANDS: Final = 'motors'
 
 
@@ -187,9 +188,9 @@ def describe_exceeded_region(vehicle: VehicleFile, motion: Mapping[str, Array]) 
 def describe_exceeded_region_of_bag(flight: RecordedFlight) -> str:
     """Return the same for a recorded flight; '' without its vehicle file or motion."""
     vehicle = read_scene(flight.provenance).vehicle
-    if vehicle is None or vehicle.validity is None or TRUTH not in flight.topics:
+    if vehicle is None or vehicle.validity is None or TRUTH_TOPIC not in flight.topics:
         return ''
-    truth = flight[TRUTH]
+    truth = flight[TRUTH_TOPIC]
     motion = list_motion(
         stack_components(truth, 'pose.pose.orientation'),
         stack_components(truth, 'twist.twist.linear'),

@@ -68,7 +68,7 @@ def step_circuit(
     )
 
 
-METER_GAIN_ERROR = 0.002  # of the current: INA219 data sheet, as `lta_sim.power_meter`
+METER_GAIN_ERROR = 0.002  # of the current: INA219 data sheet, as `lta_sim.supply`
 METER_OFFSET = 4e-4  # A: the same
 # V, error of a resting voltage: meter, chart and relaxation (assumed)
 RESTING_VOLTAGE_ERROR = 0.01

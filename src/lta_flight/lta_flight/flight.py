@@ -16,10 +16,10 @@ from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
 from lta_control.strategies import find_navigation_strategy
 from lta_flight.domain_lock import DomainLock
-from lta_flight.flight_run import FlightRun, ROBOT
+from lta_flight.flight_run import FlightRun, SIMULATED_ROBOT
 from lta_flight.preflight import check_plan
 from lta_flight.progress import FlightProgress
-from lta_flight.stall_monitor import FLIGHT, StallMonitor
+from lta_flight.stall_watchdog import FLIGHT, StallMonitor
 from lta_flight.unflown_bag import remove_unflown_bags
 from lta_flight.viewers import find_viewers, report_live_views, require_free_live_ports
 from lta_graph.child_process import ProcessExit
@@ -64,7 +64,7 @@ def fly_once(
     control = load_vehicle(vehicle).file.control
     gains = control.gains if control else None
     arguments = {
-        'robot': ROBOT,
+        'robot': SIMULATED_ROBOT,
         **({'gains': gains} if gains else {}),
         'vehicle': vehicle,
         'scenario': scenario,
@@ -81,7 +81,7 @@ def fly_once(
     # Imported late: flights in one process do not need ROS
     from lta_graph.ros.listener import DiagnosticsListener
 
-    with DomainLock(ROBOT), DiagnosticsListener(ROBOT) as listener:
+    with DomainLock(SIMULATED_ROBOT), DiagnosticsListener(SIMULATED_ROBOT) as listener:
         require_free_live_ports(plan)
         # An existing empty folder belongs to the user and stays
         new = not folder.exists()

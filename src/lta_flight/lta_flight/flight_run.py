@@ -5,11 +5,20 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final, final
 
-ROBOT = 'lta1'
+SIMULATED_ROBOT = 'lta1'
 # Exit status of a command by the outcome of its flight; 2 is bad input. A flight is still `flying`
-# where another node ends its run as planned, and `flown` where recorded commands are at their end.
+# or `landed` where another node ends its run as planned, and `flown` where recorded commands are
+# at their end.
 EXIT_STATUSES: Final = MappingProxyType(
-    {'reached': 0, 'flown': 0, 'flying': 0, 'failed': 1, 'timeout': 3, 'escaped': 4}
+    {
+        'reached': 0,
+        'flown': 0,
+        'flying': 0,
+        'landed': 0,
+        'failed': 1,
+        'timeout': 3,
+        'escaped': 4,
+    }
 )
 
 

@@ -6,16 +6,16 @@ from pathlib import Path
 
 from lta_flight.domain_lock import DomainLock
 from lta_flight.flight import is_refusal
-from lta_flight.stall_monitor import StallMonitor
+from lta_flight.stall_watchdog import StallMonitor
 from lta_flight.unflown_bag import remove_unflown_bags
 from lta_flight.viewers import find_viewers, report_live_views, require_free_live_ports
-from lta_graph.child_process import ProcessExit
+from lta_graph.child_process import OnLine, ProcessExit
 from lta_graph.launch_plan import LaunchPlan
-from lta_graph.launcher import Launcher, OnLine
+from lta_graph.launcher import Launcher
 from lta_graph.ros.listener import DiagnosticsListener
 
 GRAPH_POLL_PERIOD = 0.1  # wall seconds between polls of the processes and the diagnostics
-RECORDER = ('lta_bridge', 'recorder')
+RECORDER_PROGRAM = ('lta_bridge', 'recorder')
 TELLERS = (('lta_sim', 'simulator'), ('lta_bridge', 'player'))  # executables with a /clock
 
 
@@ -75,7 +75,7 @@ def list_bags(plan: LaunchPlan) -> list[Path]:
     values = [
         process.parameters
         for process in plan.processes
-        if (process.package, process.executable) == RECORDER
+        if (process.package, process.executable) == RECORDER_PROGRAM
     ]
     return [Path(str(each['bag'])) for each in values if 'bag' in each]
 

@@ -21,7 +21,7 @@ from lta_data.bag.recorded_flight import open_flight, RecordedFlight
 from lta_data.bag.table import DENSE
 from lta_data.even_grid import check_time_span, median_period
 from lta_data.flight import Channel
-from lta_data.scene import COMMAND, find_tracker_prefix, has_newton_commands, MASS
+from lta_data.scene import COMMAND_CHANNEL, find_tracker_prefix, has_newton_commands, MASS_CHANNELS
 from lta_model.effects import EFFECTS
 from lta_model.measurement_chain import apply_chain, build_chains
 from lta_model.state import POSITION, QUATERNION, RATES, RIGID, VELOCITY
@@ -245,12 +245,12 @@ def _read_duties(flight: RecordedFlight, vehicle: Vehicle) -> tuple[Array, Array
         if 'motors' in flight.topics
         else {}
     )
-    names = [f'{COMMAND}{name}' for name in vehicle.rotor_names]
-    if missing := [name.removeprefix(COMMAND) for name in names if name not in channels]:
+    names = [f'{COMMAND_CHANNEL}{name}' for name in vehicle.rotor_names]
+    if missing := [name.removeprefix(COMMAND_CHANNEL) for name in names if name not in channels]:
         there = [
-            name.removeprefix(COMMAND)
+            name.removeprefix(COMMAND_CHANNEL)
             for name in channels
-            if name.startswith(COMMAND) and 'moving_mass' not in name
+            if name.startswith(COMMAND_CHANNEL) and 'moving_mass' not in name
         ]
         raise BadInput(
             f'The recording has no commands for {", ".join(missing)} of {vehicle.file.name} in '
@@ -271,8 +271,8 @@ def _read_duties(flight: RecordedFlight, vehicle: Vehicle) -> tuple[Array, Array
             'to 1; import the log again with the right unit of its motors.'
         )
     places = None
-    if vehicle.file.moving_mass and all(name in channels for name in MASS):
-        places = np.column_stack([channels[name].values for name in MASS])[first]
+    if vehicle.file.moving_mass and all(name in channels for name in MASS_CHANNELS):
+        places = np.column_stack([channels[name].values for name in MASS_CHANNELS])[first]
     return times, duties, places
 
 

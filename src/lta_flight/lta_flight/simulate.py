@@ -19,7 +19,7 @@ from lta_config.errors import BadInput
 from lta_config.parameter_override import format_value
 from lta_config.topics import load_topic_table
 from lta_flight.closed_loop import ClosedLoop
-from lta_flight.flight_run import FlightRun, ROBOT
+from lta_flight.flight_run import FlightRun, SIMULATED_ROBOT
 from lta_flight.flight_spec import (
     build_loop,
     build_vehicle_scenario_stack,
@@ -91,7 +91,7 @@ def simulate_once(
                     # Its page would judge the flight by a lamp that was not there
                     del origin['scenario'], origin['scenario_file']
                 writer = closing.enter_context(BagWriter(folder / 'bag', origin))
-                recorder = LoopRecorder(writer, loop, loop.table, ROBOT)
+                recorder = LoopRecorder(writer, loop, loop.table, SIMULATED_ROBOT)
             view, pace = simulate_closed_loop(loop, recorder, watcher)
     # For example a full disk
     except StorageFault as fault:

@@ -9,7 +9,7 @@ from lta_config.files import share_folder
 from lta_graph.launch_plan import LaunchPlan, LaunchProcess
 
 LIVE = ('lta_bridge', 'live')
-DESCRIPTION = ('lta_bridge', 'description')
+DESCRIPTION_PROGRAM = ('lta_bridge', 'description')
 LAYOUT_FILE = 'foxglove/lta.json'  # in the folder of LTA's own data
 
 
@@ -35,7 +35,7 @@ def find_viewers(plan: LaunchPlan) -> frozenset[str]:
     return frozenset(
         plan.label(process)
         for process in plan.processes
-        if (process.package, process.executable) in (LIVE, DESCRIPTION)
+        if (process.package, process.executable) in (LIVE, DESCRIPTION_PROGRAM)
     )
 
 

@@ -25,13 +25,13 @@ from typing import NamedTuple
 from lta_model.light.direct_light import DiodeResponse, LampBeam
 from lta_model.light.field import LightField
 from lta_model.light.flicker import BlockSampling, sample_lamp_wave, sample_mains_wave
-from lta_model.light.ray_integration import (
+from lta_model.light.readings import add_direct_readings
+from lta_model.light.reflected_light import (
     DAYLIGHT_ROW,
     gather_indirect_light,
     LAMP_ROWS,
     UNIFORM_ROW,
 )
-from lta_model.light.readings import add_direct_readings
 from lta_model.light.scene_geometry import is_in_room, SceneGeometry
 from lta_model.light.view import build_field_geometry, build_reflecting_beam
 from lta_model.sensors.photodiode import noise_variances, PhotodiodeArray, voltage_sensitivity

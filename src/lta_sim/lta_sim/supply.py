@@ -1,10 +1,11 @@
 """
-Simulate the electric supply of a flight: power path, solar array, meters, energy totals.
+Simulate the electric supply of a flight: power path, solar array, power meters, energy totals.
 
 `advance_supply` is one control period, compiled for `Supply` and for batches.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 import struct
 from typing import Any, final, NamedTuple
 
@@ -22,9 +23,66 @@ from lta_model.electrical.loads import LoadModel, power_demand
 from lta_model.electrical.panel import current_at_voltage, find_max_power_point, SolarArrayModel
 from lta_model.scenario import FaultTimes, is_cut_off, is_shorted
 from lta_model.vehicle import Vehicle
-from lta_sim import power_meter
 import numpy as np
 from numpy.random import Generator
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class PowerMeterSettings:
+    """Steps, limits and errors of the meter; errors are bounds of uniform distributions."""
+
+    # Of voltage and current: one count, and standard deviation of the noise before rounding [V, A]
+    voltage_step: float = 4e-3
+    voltage_noise: float = 2e-3
+    current_step: float = 1e-4
+    current_noise: float = 5e-5
+    current_range: float = 3.2  # largest current in either direction [A]
+    scale: float = 0.002  # largest relative scale error of voltage and current [1]
+    current_offset: float = 4e-4  # largest zero offset of the current [A]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class PowerMeterErrors:
+    """Errors that stay constant during a flight: two gains, and the current offset. [A]"""
+
+    voltage_gain: float
+    current_gain: float
+    current_offset: float
+
+
+def draw_meter_errors(settings: PowerMeterSettings, rng: Generator) -> PowerMeterErrors:
+    """Return the errors of one flight."""
+    voltage, current, offset = rng.uniform(-1.0, 1.0, 3).tolist()
+    return PowerMeterErrors(
+        voltage_gain=1.0 + settings.scale * voltage,
+        current_gain=1.0 + settings.scale * current,
+        current_offset=settings.current_offset * offset,
+    )
+
+
+def measure_voltage_and_current(
+    settings: PowerMeterSettings,
+    errors: PowerMeterErrors,
+    voltage: float,
+    current: float,
+    rng: Generator,
+) -> tuple[float, float]:
+    """
+    Return one reading of a true voltage [V] and a signed current [A].
+
+    The measured voltage is never below 0 and the current is clipped at the range.
+    """
+    x, y = rng.standard_normal(2).tolist()
+    volts = errors.voltage_gain * voltage + settings.voltage_noise * x
+    amperes = errors.current_gain * current + errors.current_offset + settings.current_noise * y
+    limit = settings.current_range
+    return (
+        max(0.0, round(volts / settings.voltage_step) * settings.voltage_step),
+        max(-limit, min(limit, round(amperes / settings.current_step) * settings.current_step)),
+    )
+
 
 Thrusts = tuple[float, float, float, float, float, float, float, float]  # zero in unused slots
 
@@ -124,10 +182,9 @@ class Supply:
     ) -> None:
         self._parts = SupplyComponents(vehicle.battery, vehicle.charger, vehicle.panel)
         self._chance, self._faults = chance, faults
-        self._meter = power_meter.PowerMeterSettings()
+        self._meter = PowerMeterSettings()
         self.meters = {
-            name: power_meter.draw_errors(self._meter, chance[name])
-            for name in ('battery', 'panel')
+            name: draw_meter_errors(self._meter, chance[name]) for name in ('battery', 'panel')
         }
         self._irradiance, self._periods, self._elapsed = 0.0, 0, 0.0
         begin = SupplyState(resting_flow(charge), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -197,13 +254,13 @@ class Supply:
         """Return the reading of the cell's meter, which is behind the load cut-off."""
         # After a cut-off the meter has no supply either and reads zero
         voltage, current = self.cell_voltage_and_current if self.is_fed else (0.0, 0.0)
-        return power_meter.measure_voltage_and_current(
+        return measure_voltage_and_current(
             self._meter, self.meters['battery'], voltage, current, self._chance['battery']
         )
 
     def read_array_meter(self) -> Electrics:
         """Return the reading of the array's meter."""
-        return power_meter.measure_voltage_and_current(
+        return measure_voltage_and_current(
             self._meter,
             self.meters['panel'],
             *self._array_voltage_and_current(),

@@ -15,7 +15,7 @@ from typing import Final, final
 from lta_config.errors import BadInput
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_model import mass_properties
-from lta_windtunnel import flow_checks
+from lta_windtunnel import reduce
 from lta_windtunnel.sweep_table import AXES, Axis, SweepPoint, TunnelSweep
 from lta_windtunnel.thrust_allocation import linearity_ratio, transform_wrench
 from lta_windtunnel.tunnel import INCIDENCES
@@ -147,7 +147,7 @@ def collect_warnings(sweep: TunnelSweep) -> list[str]:
                 warnings.append(f'{axis}: analytic estimate, no flow was solved')
             continue
         ratio = ratio_to_estimate(sweep, axis)
-        if not flow_checks.is_near_estimate(ratio, 1.0):
+        if not reduce.is_near_estimate(ratio, 1.0):
             warnings.append(
                 f'{axis}: the drag is {ratio:.2f} times the analytic estimate; check the flow'
             )

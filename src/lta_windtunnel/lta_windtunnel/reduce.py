@@ -1,20 +1,18 @@
 """Reduce solved cases to mean forces and moments, in body axes and SI units."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, final
 
-from lta_windtunnel import flow_checks
 from lta_windtunnel.flow_fields import read_surface_pressure
-from lta_windtunnel.openfoam.case import ProgramStep
+from lta_windtunnel.openfoam.case import CaseFailed, ProgramStep, RESIDUAL
 from lta_windtunnel.openfoam.output_reader import (
     MeshFacts,
     read_forces,
     read_momentum,
     WrenchHistory,
 )
-from lta_windtunnel.openfoam.programs import RESIDUAL
 from lta_windtunnel.still_air import SPIN_AXES
 from lta_windtunnel.sweep_table import Blow, FlowQuality, round_digits, SweepPoint
 from lta_windtunnel.tunnel import (
@@ -27,13 +25,121 @@ from lta_windtunnel.tunnel_model import TunnelModel
 import numpy as np
 from numpy.typing import NDArray
 
+MIN_CELLS: Final = 1000  # most cells of a mesh that is none
+MIN_FACES: Final = 20  # least mesh faces on each body
+MIN_DISK_CELLS: Final = 30  # least cells of a rotor disk
+MAX_SPREAD: Final = 0.15  # largest relative deviation in the window; edge-on wakes swing by 7 %
+MAX_IMBALANCE: Final = 0.10  # of the force: largest momentum error
+MAX_MEAN_ERROR: Final = 0.05  # largest standard error of the mean of a transient
+MIN_LENGTHS: Final = 10.0  # least hull lengths of averaged flow
+MAX_NON_ORTHOGONALITY: Final = 75.0  # deg; largest non-orthogonality of a mesh
+MAX_RATIO: Final = 2.0  # largest factor between the flow and the estimate by hand
+AVERAGED_ITERATIONS: Final = 50  # iterations that are averaged
+
+
+def check_mesh(name: str, facts: MeshFacts) -> None:
+    """Raise `CaseFailed` for an invalid mesh."""
+    # "not >" also rejects NaN, which stands for a missing number in the log
+    if not facts.cells > MIN_CELLS:
+        raise CaseFailed(
+            f'The {name} has too few cells (more than {MIN_CELLS} are needed); check that the '
+            'surface of the shape is closed.'
+        )
+    if not facts.non_orthogonality <= MAX_NON_ORTHOGONALITY:
+        raise CaseFailed(
+            f'The {name} has faces with a non-orthogonality of {facts.non_orthogonality:.0f} '
+            f'degrees (allowed: {MAX_NON_ORTHOGONALITY:.0f}); smooth sharp corners of the shape.'
+        )
+    if facts.negative:
+        raise CaseFailed(
+            f'The {name} has {facts.negative:.0f} cells of negative volume; simplify the shape.'
+        )
+
+
+def check_bodies(name: str, faces: Mapping[str, int], bodies: Iterable[str]) -> None:
+    """Raise `CaseFailed` if the mesh lost a body, such as a thin plate between cell centres."""
+    for body in bodies:
+        if faces.get(body, 0) < MIN_FACES:
+            raise CaseFailed(
+                f'The {name} has only {faces.get(body, 0)} faces on the body {body}, fewer '
+                f'than {MIN_FACES}, because the body is too thin for the mesh; draw it '
+                'thicker, or use --fidelity analytic.'
+            )
+
+
+def check_zones(zones: Mapping[str, int], shares: Mapping[str, float]) -> None:
+    """Raise `CaseFailed` if a rotor disk has too few cells."""
+    for name in shares:
+        if zones.get(name, 0) < MIN_DISK_CELLS:
+            raise CaseFailed(
+                f'The rotor disk of {name} has only {zones.get(name, 0)} mesh cells, fewer '
+                f'than {MIN_DISK_CELLS}; increase disk.diameter or disk.thickness in the tunnel '
+                'file.'
+            )
+
+
+def check_spread(spread: float, rounds: int) -> None:
+    """Raise `CaseFailed` if a steady force has not settled or has too few iterations."""
+    if rounds < AVERAGED_ITERATIONS:
+        raise CaseFailed(
+            f'The solver did only {rounds} iterations, but the mean force needs '
+            f'{AVERAGED_ITERATIONS}; look for the cause in its log file in the case folder '
+            '(--cache).'
+        )
+    if not spread <= MAX_SPREAD:
+        raise CaseFailed(
+            f'The force still varies by {100 * spread:.0f} % (allowed: {100 * MAX_SPREAD:.0f} '
+            '%), because the steady flow does not converge; use --fidelity reference.'
+        )
+
+
+def check_brakes(drag: float) -> None:
+    """Raise `CaseFailed` for a drag in the direction of motion."""
+    if not drag > 0.0:
+        raise CaseFailed(
+            'The computed drag points in the direction of motion, so the flow is wrong; check '
+            'the shape and its mesh.'
+        )
+
+
+def check_mean(error: float, lengths: float) -> None:
+    """Raise `CaseFailed` if the mean of a transient is too short or too uncertain."""
+    if lengths < MIN_LENGTHS:
+        raise CaseFailed(
+            f'The mean force covers only {lengths:.1f} hull lengths of flow; at least '
+            f'{MIN_LENGTHS:.0f} are needed. Look in the log file in the case folder (--cache) why '
+            'the solver stopped early.'
+        )
+    if not error <= MAX_MEAN_ERROR:
+        raise CaseFailed(
+            f'The mean force is uncertain by {100 * error:.0f} % (allowed: '
+            f'{100 * MAX_MEAN_ERROR:.0f} %), because the wake fluctuates too slowly for the '
+            'simulated time. This flow is left out; --fidelity preview solves a steady flow.'
+        )
+
+
+def check_balance(balance: float) -> None:
+    """Raise `CaseFailed` if the momentum of a flow does not balance."""
+    if not balance <= MAX_IMBALANCE:
+        raise CaseFailed(
+            f'{100 * balance:.0f} % of the force is missing in the momentum balance of the '
+            f'air (allowed: {100 * MAX_IMBALANCE:.0f} %), so the flow has not settled; use '
+            '--fidelity reference.'
+        )
+
+
+def is_near_estimate(drag: float, by_hand: float) -> bool:
+    """Return whether a drag and the estimate by hand are within a factor of two."""
+    return by_hand / MAX_RATIO <= drag <= by_hand * MAX_RATIO
+
+
 Array = NDArray[np.float64]
 Rows = slice | NDArray[np.bool_]
 # Hull lengths of flow before a transient is averaged: 4 until the first inflow has passed the
 # hull, and 2 for its wake.
 STARTING_LENGTHS: Final = 6.0
 BATCH_LENGTHS: Final = 5.0  # lengths of flow, about one swing of a wake
-LAST_ITERATIONS: Final = slice(-flow_checks.AVERAGED_ITERATIONS, None)  # of a steady flow
+LAST_ITERATIONS: Final = slice(-AVERAGED_ITERATIONS, None)  # of a steady flow
 LOG_END: Final = 8000  # characters of a log, which may have megabytes, that have the last residual
 
 
@@ -103,11 +209,11 @@ def summarize_steady_wind(
     drags = _total_force(bodies)[:, 0]
     drag = float(np.mean(drags))
     spread = float(np.std(drags)) / abs(drag)
-    flow_checks.check_spread(spread, len(drags))
-    flow_checks.check_brakes(drag)
+    check_spread(spread, len(drags))
+    check_brakes(drag)
     # Momentum balance: drag on the bodies plus momentum leaving the domain must cancel.
     balance = abs(float(flow.mean_outflow(step.begin, OUTER_PATCHES)[0]) + drag) / abs(drag)
-    flow_checks.check_balance(balance)
+    check_balance(balance)
     quality = flow.describe_quality(step.name, spread, float(len(drags)), balance)
     planes = has_symmetry_planes(flow.model, axis)
     return _build_wind_point(flow, axis, speed, bodies, planes, quality)
@@ -126,8 +232,8 @@ def summarize_transient_wind(
     weights = np.gradient(next(iter(bodies.values())).time)
     window = float(weights.sum())
     error = standard_error(drags, weights, BATCH_LENGTHS * length)
-    flow_checks.check_mean(error, window / length)
-    flow_checks.check_brakes(float(np.average(drags, weights=weights)))
+    check_mean(error, window / length)
+    check_brakes(float(np.average(drags, weights=weights)))
     quality = flow.describe_quality(step.name, error, window)
     return _build_wind_point(flow, axis, speed, bodies, (False, False), quality, weights)
 
@@ -194,9 +300,9 @@ def summarize_rotation(flow: SolvedFlow, about: str, step: ProgramStep, rate: fl
     moments = _total_moment(bodies)
     mean = float(np.mean(moments @ axis))
     spread = float(np.std(moments @ axis)) / abs(mean)
-    flow_checks.check_spread(spread, len(moments))
+    check_spread(spread, len(moments))
     # The moment must oppose the positive rotation
-    flow_checks.check_brakes(-mean)
+    check_brakes(-mean)
     scale = flow.density * rate**2
     return SweepPoint(
         speed=rate,
@@ -213,7 +319,7 @@ def summarize_rotation(flow: SolvedFlow, about: str, step: ProgramStep, rate: fl
 
 def summarize_rotors(flow: SolvedFlow, shares: Mapping[str, float]) -> Blow:
     """Return the net wrench of running rotors."""
-    flow_checks.check_zones(flow.mesh.zones, shares)
+    check_zones(flow.mesh.zones, shares)
     thrust, torque, loudness = np.zeros(3), np.zeros(3), 0.0
     for name, share in shares.items():
         rotor = flow.model.rotors[name]
@@ -225,11 +331,11 @@ def summarize_rotors(flow: SolvedFlow, shares: Mapping[str, float]) -> Blow:
     bodies = flow.read_bodies('0')
     walls, turned = flow.density * _total_force(bodies), flow.density * _total_moment(bodies)
     spread = float(np.linalg.norm(np.std(walls, axis=0))) / loudness
-    flow_checks.check_spread(spread, len(walls))
+    check_spread(spread, len(walls))
     # Momentum balance of the box: outflow, forces on the walls, and the thrust
     lost = flow.density * flow.mean_outflow('0', ('far',)) + walls.mean(axis=0) + thrust
     balance = float(np.linalg.norm(lost)) / loudness
-    flow_checks.check_balance(balance)
+    check_balance(balance)
     return Blow(
         shares=dict(shares),
         force=_to_list(thrust + walls.mean(axis=0)),

@@ -11,7 +11,6 @@ import math
 from typing import Final
 
 from lta_windtunnel.openfoam.case import FoamCase, ProgramStep
-from lta_windtunnel.openfoam.fields import format_still_air_fields
 from lta_windtunnel.openfoam.input_files import (
     build_flow_records,
     build_pressure_record,
@@ -20,6 +19,7 @@ from lta_windtunnel.openfoam.input_files import (
     format_control,
     format_files,
     format_steady_settings,
+    format_still_air_fields,
 )
 from lta_windtunnel.openfoam.mesh import BASE_CUBE, build_mesh_case, MeshFineness, Region
 from lta_windtunnel.tunnel import build_steady_steps, format_absent

@@ -14,9 +14,9 @@ import math
 from typing import Final
 
 from lta_windtunnel.openfoam.case import FoamCase, ProgramStep
-from lta_windtunnel.openfoam.fields import DETACHED, format_tunnel_fields, TRANSITION
 from lta_windtunnel.openfoam.input_files import (
     build_flow_records,
+    DETACHED,
     Entry,
     format_air,
     format_control,
@@ -24,6 +24,8 @@ from lta_windtunnel.openfoam.input_files import (
     format_steady_settings,
     format_time,
     format_transient_settings,
+    format_tunnel_fields,
+    TRANSITION,
 )
 from lta_windtunnel.openfoam.mesh import build_mesh_case, MeshFineness, Region
 from lta_windtunnel.tunnel_model import TunnelModel

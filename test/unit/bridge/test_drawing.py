@@ -19,8 +19,9 @@ from lta_bridge.description.shapes import (
     NO_SHIFT,
     PolylineShape,
     rotation_between,
+    X,
 )
-from lta_bridge.description.urdf import list_sensor_frames, rotation_from_x
+from lta_bridge.description.urdf import list_sensor_frames
 from lta_model.light.lamp import direct_illuminance
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
@@ -143,5 +144,5 @@ def test_frames_are_where_the_sensors_are_and_point_as_their_messages_want():
 
 @pytest.mark.parametrize('axis', [(0, 0, 1), (0, -1, 0), (1, 0, 0), (-1, 0, 0), (0.6, 0, -0.8)])
 def test_a_panel_looks_where_its_normal_points(axis):
-    turned = Rotation.from_quat(rotation_from_x(axis)).apply((1.0, 0.0, 0.0))
+    turned = Rotation.from_quat(rotation_between(X, axis)).apply((1.0, 0.0, 0.0))
     assert turned == pytest.approx(axis, abs=1e-12)

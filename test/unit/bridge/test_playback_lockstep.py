@@ -25,7 +25,7 @@ from lta_bridge.playback.node_selection import (
 from lta_bridge.playback.recording import RecordedMessage
 from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table
-from lta_graph.inbox import Inbox, RecordedSchedule
+from lta_graph.lockstep import Inbox, RecordedSchedule
 import pytest
 
 TABLE = load_topic_table()

@@ -2,11 +2,12 @@
 
 from collections import Counter
 
+from frame_faults import FrameFaults
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from light_frames import build_frame, frame_bytes, sign_frame
 from lta_bridge.teensy.block_assembler import FrameParser
-from lta_emulation.teensy.emulated_board import EmulatedBoard, FrameFaults
+from lta_emulation.teensy.emulated_board import EmulatedBoard
 import numpy as np
 import pytest
 
@@ -35,7 +36,7 @@ def test_any_cut_of_the_stream_gives_the_same(sizes):
 
 @pytest.mark.parametrize('fault', ['corrupt', 'cut', 'drop'])
 def test_a_fault_costs_the_frame_that_it_hits_and_no_other(fault):
-    data = EmulatedBoard(0, faults=FrameFaults(**{fault: 10})).encode_light(LIGHT)
+    data = EmulatedBoard(0, transmit=FrameFaults(**{fault: 10})).encode_light(LIGHT)
     found, framing = read(data + FOREIGN)
     # The last frame that is cut short may be a whole one yet: it waits.
     assert found == [15 * k for k in range(FRAMES) if (k + 1) % 10]
@@ -45,7 +46,7 @@ def test_a_fault_costs_the_frame_that_it_hits_and_no_other(fault):
 
 def test_foreign_messages_are_counted_and_are_no_loss():
     found, framing = read(
-        EmulatedBoard(0, faults=FrameFaults(foreign=10)).encode_light(LIGHT) + b'\xfd'
+        EmulatedBoard(0, transmit=FrameFaults(foreign=10)).encode_light(LIGHT) + b'\xfd'
     )
     assert len(found) == FRAMES
     assert (framing.unknown, framing.crc_errors, framing.stray) == (FRAMES // 10, 0, 0)

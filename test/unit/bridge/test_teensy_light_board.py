@@ -1,10 +1,11 @@
 """The light board through the bridge's core: light in, the same light out in our time."""
 
+from frame_faults import FrameFaults
 from light_frames import build_frame
 from lta_bridge.teensy.block_assembler import FrameParser
 from lta_bridge.teensy.light_board import LightBoard
 from lta_config.topics import load_topic_table
-from lta_emulation.teensy.emulated_board import EmulatedBoard, FrameFaults
+from lta_emulation.teensy.emulated_board import EmulatedBoard
 import numpy as np
 import pytest
 
@@ -47,7 +48,7 @@ def test_the_drift_of_the_board_is_told():
 
 @pytest.mark.parametrize('fault', ['drop', 'corrupt', 'cut'])
 def test_losses_are_counted_by_the_board_s_own_numbers(fault):
-    board = EmulatedBoard(BOOT, faults=FrameFaults(**{fault: 70}))
+    board = EmulatedBoard(BOOT, transmit=FrameFaults(**{fault: 70}))
     link, found = flown(board)
     hit = board.sent // 70
     assert link.blocks.lost == 15 * hit
@@ -60,7 +61,7 @@ def test_losses_are_counted_by_the_board_s_own_numbers(fault):
 
 
 def test_foreign_messages_are_no_loss():
-    link, found = flown(EmulatedBoard(BOOT, faults=FrameFaults(foreign=3)))
+    link, found = flown(EmulatedBoard(BOOT, transmit=FrameFaults(foreign=3)))
     assert link.framing.unknown > 600
     assert (link.blocks.lost, len(found)) == (0, 10 * SECONDS)
 

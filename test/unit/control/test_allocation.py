@@ -4,10 +4,11 @@ from lta_config.errors import BadInput
 from lta_control.allocation import (
     allocate,
     create_working_array,
+    NO_ROTORS,
+    pad_to_slots,
     Rotors,
     thrusts_to_duties,
 )
-from lta_control.per_rotor import NO_ROTORS, pad_to_slots
 from lta_control.vehicle_parameters import build_rotors
 from lta_model.vehicle import load_vehicle, Vehicle
 import pytest

@@ -1,12 +1,11 @@
 """A balloon whose lift has grown is held and landed by rotors that push down."""
 
 from lta_config.files import list_shipped_names
-from lta_control.allocation import create_working_array
+from lta_control.allocation import create_working_array, NO_ROTORS
 from lta_control.cascade import CascadeMeasurement, Setpoint
 from lta_control.flight_step import has_landed, LandingWatch, STANDSTILL, watch_landing
 from lta_control.gains_file import load_gains
 from lta_control.laws.cascade import CascadeLawConstants, CascadeLawMemory, control_step
-from lta_control.per_rotor import NO_ROTORS
 from lta_control.vehicle_parameters import build_rotors
 from lta_model.vehicle import load_vehicle, Vehicle
 import pytest

@@ -4,6 +4,7 @@ import math
 
 from lta_config.files import find_file, load_yaml
 from lta_control import estimator
+from lta_control.allocation import NO_ROTORS, pad_to_slots
 from lta_control.altitude import STUCK
 from lta_control.bias_calibration import is_tilted, is_turning, MOST_RATE, SensorBiases
 from lta_control.estimator import (
@@ -16,7 +17,6 @@ from lta_control.estimator import (
 )
 from lta_control.flight_report import describe_calibration
 from lta_control.odometry.airspeed import AirspeedEstimate, HullDragModel
-from lta_control.per_rotor import NO_ROTORS, pad_to_slots
 from lta_control.vehicle_parameters import build_estimator_model
 from lta_graph.health import HealthLevel
 from lta_model.sensors.imu import error_bounds, ImuSettings

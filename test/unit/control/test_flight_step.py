@@ -3,7 +3,7 @@
 import math
 
 from lta_control import flight_step as rules
-from lta_control.allocation import create_working_array
+from lta_control.allocation import create_working_array, NO_ROTORS
 from lta_control.autopilot import Autopilot, build_drone_constants, ESTIMATE_LAYOUT, MEMORY_LAYOUT
 from lta_control.cascade import FLOOR_SETPOINT, Setpoint
 from lta_control.estimator import EstimatorSettings
@@ -18,9 +18,8 @@ from lta_control.flight_step import (
     SensorInputs,
 )
 from lta_control.gains_file import load_gains
-from lta_control.laws.cascade import CascadeLawMemory, LAW
+from lta_control.laws.cascade import CASCADE_LAW, CascadeLawMemory
 from lta_control.laws.protocol import ControlMotion
-from lta_control.per_rotor import NO_ROTORS
 from lta_control.sighting import DeadReckonedMotion
 from lta_model.vehicle import load_vehicle
 import numpy as np
@@ -37,7 +36,7 @@ def run(memory, steps, heard=STILL, drone=DRONE):
     for k in range(steps):
         # No reading repeats to the bit
         new = heard._replace(range=heard.range + 1e-9 * (k % 2))
-        memory = flight_step(LAW, drone, memory, new, create_working_array())
+        memory = flight_step(CASCADE_LAW, drone, memory, new, create_working_array())
     return memory
 
 
@@ -92,7 +91,7 @@ def test_they_stop_for_good_where_the_height_is_stuck():
     """In the air: range finder and barometer repeat, so nobody knows whether it sinks."""
     memory = run(guided(), 20)
     for _ in range(210):
-        memory = flight_step(LAW, DRONE, memory, STILL, create_working_array())
+        memory = flight_step(CASCADE_LAW, DRONE, memory, STILL, create_working_array())
     assert stopped(memory)
     assert not any(duties(run(memory, 20)))
 
@@ -103,7 +102,7 @@ def test_a_landing_goes_on_by_the_barometer_where_the_range_finder_is_stuck():
     memory = run(memory, 1, STILL._replace(range=2.0))
     for k in range(1200):
         heard = STILL._replace(range=2.0, pressure=101_000.0 - 24.0 + 0.016 * k)
-        memory = flight_step(LAW, DRONE, memory, heard, create_working_array())
+        memory = flight_step(CASCADE_LAW, DRONE, memory, heard, create_working_array())
         assert any(duties(memory))
     assert not stopped(memory)
     assert memory.measured.altitude < 1.5  # of 2.4 m
@@ -257,7 +256,12 @@ def control(memory=PilotMemory(), steps=1, **changes):  # noqa: B008 - never cha
         x, y, z = inputs.motion.position
         motion = inputs.motion._replace(position=(x, y, z + 1e-9 * (k % 2)))
         memory = control_motors(
-            LAW, DRONE.law, RULES, memory, inputs._replace(motion=motion), create_working_array()
+            CASCADE_LAW,
+            DRONE.law,
+            RULES,
+            memory,
+            inputs._replace(motion=motion),
+            create_working_array(),
         )
     return memory
 
@@ -275,7 +279,7 @@ def test_armed_with_an_estimate_and_a_setpoint_above_the_floor_it_flies():
     assert (state(flying), lift(flying) > 0.0) == (FlightState.FLYING, True)
     for missing in ('armed', 'ready', 'guided'):
         resting = control(flying, **{missing: False})
-        assert resting.law == LAW.start
+        assert resting.law == CASCADE_LAW.start
         assert state(resting) is FlightState.OFF
 
 
@@ -283,7 +287,7 @@ def test_armed_in_the_hands_it_waits_for_a_setpoint_above_the_floor():
     """Also where it is to land: a setpoint that is old, or one of two navigators."""
     for changes in ({'setpoint': FLOOR_SETPOINT}, {'age': 4.0}, {'must_land': True}):
         waiting = control(steps=3, **changes)
-        assert (state(waiting), waiting.law) == (FlightState.WAITING, LAW.start)
+        assert (state(waiting), waiting.law) == (FlightState.WAITING, CASCADE_LAW.start)
         assert state(control(waiting)) is FlightState.FLYING
     # Disarming begins anew
     assert (
@@ -316,7 +320,7 @@ def test_a_landing_by_itself_ends_where_it_no_longer_sinks():
     landing = control(control(), steps=590, must_land=True)
     assert state(landing) is FlightState.LANDING
     landed = control(landing, steps=20, must_land=True)
-    assert (state(landed), landed.law) == (FlightState.LANDED, LAW.start)
+    assert (state(landed), landed.law) == (FlightState.LANDED, CASCADE_LAW.start)
     standing = HOVER.motion._replace(position=(0.0, 0.0, RULES.standing_height))
     assert state(control(control(), motion=standing, must_land=True)) is FlightState.ON_GROUND
 
@@ -334,9 +338,9 @@ def test_a_landing_by_itself_ends_where_it_no_longer_sinks():
 )
 def test_what_stops_the_motors_stops_them_for_good(changes, reason):
     stopped = control(control(), **changes)
-    assert (state(stopped), stopped.law) == (reason, LAW.start)
+    assert (state(stopped), stopped.law) == (reason, CASCADE_LAW.start)
     for later in (control(stopped), control(control(stopped, armed=False), armed=True)):
-        assert (state(later), later.law) == (reason, LAW.start)
+        assert (state(later), later.law) == (reason, CASCADE_LAW.start)
     # Carried by a person, who may turn it over
     assert state(control(armed=False, **changes)) is FlightState.OFF
 

@@ -3,6 +3,7 @@
 import math
 
 from lta_config.covariances import UNKNOWN_VARIANCE
+from lta_control.allocation import NO_ROTORS, pad_to_slots
 from lta_control.altitude import AltitudeEstimate, mask_out_of_range
 from lta_control.attitude import yaw_from_quaternion
 from lta_control.cascade import Setpoint
@@ -22,7 +23,6 @@ from lta_control.messages import (
 from lta_control.odometry.airspeed import AirspeedEstimate
 from lta_control.odometry.ground_state import GroundMotion
 from lta_control.odometry.messages import from_airspeed, from_estimate, to_distance, to_duties
-from lta_control.per_rotor import NO_ROTORS, pad_to_slots
 from lta_control.reserve import (
     decide_permission,
     explain_restriction,
@@ -30,7 +30,7 @@ from lta_control.reserve import (
     ReserveReport,
     ReserveResponseSettings,
 )
-from lta_graph.inbox import InboxStep
+from lta_graph.lockstep import InboxStep
 from lta_msgs.msg import ActuatorDuty, EnergyStatus
 from lta_vlc.demodulation import Peaks
 from lta_vlc.messages import from_peaks

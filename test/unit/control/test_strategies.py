@@ -3,7 +3,11 @@
 import math
 
 from lta_control.strategies import find_navigation_strategy
-from lta_control.strategies.bearing_angle import BearingAngleSettings, mean_bearing, STRATEGY
+from lta_control.strategies.bearing_angle import (
+    BEARING_ANGLE_STRATEGY,
+    BearingAngleSettings,
+    mean_bearing,
+)
 from lta_control.strategies.protocol import LightMeasurement, SteeringCommand
 from lta_control.strategies.settings import StrategySettings
 import pytest
@@ -14,18 +18,18 @@ BLIND = SEEN._replace(seen=False, bearing=0.0)
 
 
 def test_bag_is_known():
-    assert find_navigation_strategy('bag') is STRATEGY
-    assert (STRATEGY.arrives, STRATEGY.ranges) == (False, False)
+    assert find_navigation_strategy('bag') is BEARING_ANGLE_STRATEGY
+    assert (BEARING_ANGLE_STRATEGY.arrives, BEARING_ANGLE_STRATEGY.ranges) == (False, False)
 
 
 def test_bag_heads_for_the_lamp():
-    course, memory = STRATEGY.steer(SETTINGS, (9.0,), SEEN)
+    course, memory = BEARING_ANGLE_STRATEGY.steer(SETTINGS, (9.0,), SEEN)
     assert course == SteeringCommand(1.5, 0.4)
     assert memory == (1.5,)
 
 
 def test_blind_it_stops_and_turns():
-    bag, memory = STRATEGY, (1.0,)
+    bag, memory = BEARING_ANGLE_STRATEGY, (1.0,)
     for turned in (1.02, 1.04, 1.06):
         course, memory = bag.steer(SETTINGS, memory, BLIND)
         assert course == SteeringCommand(pytest.approx(turned), 0.0)
@@ -34,7 +38,7 @@ def test_blind_it_stops_and_turns():
 
 
 def test_it_searches_from_where_the_lamp_was_last():
-    bag = STRATEGY
+    bag = BEARING_ANGLE_STRATEGY
     _, memory = bag.steer(SETTINGS, bag.start(0.3), SEEN)
     assert bag.steer(SETTINGS, memory, BLIND)[0] == SteeringCommand(pytest.approx(1.52), 0.0)
 
@@ -44,6 +48,6 @@ def test_bag_heads_along_the_mean_of_the_paper_on_request():
     lamp = 0.7
     seen = tuple(max(math.cos(lamp - math.tau * k / 8), 0.0) for k in range(8))
     settings = StrategySettings(bag=BearingAngleSettings(mean=True))
-    course, _ = STRATEGY.steer(settings, (9.0,), SEEN._replace(amplitudes=seen))
+    course, _ = BEARING_ANGLE_STRATEGY.steer(settings, (9.0,), SEEN._replace(amplitudes=seen))
     assert course.heading == pytest.approx(2.0 + lamp)
     assert mean_bearing(seen) == pytest.approx(lamp)

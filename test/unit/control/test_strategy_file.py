@@ -39,7 +39,7 @@ def test_the_example_turns_first_and_searches_on_the_side_of_the_lamp():
 
 def test_a_file_that_imports_a_strategy_is_that_strategy(tmp_path):
     path = tmp_path / 'mine.py'
-    path.write_text('from lta_control.strategies.homing import STRATEGY\n')
+    path.write_text('from lta_control.strategies.homing import HOMING_STRATEGY as STRATEGY\n')
     assert find_navigation_strategy(str(path)) == replace(
         STRATEGIES['homing'], name='mine', file=f'{path}'
     )

@@ -10,7 +10,7 @@ from lta_energy.monitoring.meters import MeterReading, PowerSystem
 from lta_energy.monitoring.monitor import EnergyEstimate, MonitorSettings, update_estimate
 from lta_model.electrical.battery import BatteryModel, open_circuit_voltage
 from lta_model.electrical.charger import ChargerModel
-from lta_sim import power_meter
+from lta_sim import supply
 import numpy as np
 
 from .flight_load import PERIOD, stored
@@ -57,8 +57,8 @@ class Metered:
             relaxation_time=time * CELL.relaxation_time,
         )
         self.chart = share[4]
-        self.settings = power_meter.PowerMeterSettings()
-        self.errors = power_meter.draw_errors(self.settings, rng)
+        self.settings = supply.PowerMeterSettings()
+        self.errors = supply.draw_meter_errors(self.settings, rng)
         self.turn = int(rng.integers(len(LOAD)))
         self.every = round(period / PERIOD)
         self.stamp = START
@@ -82,7 +82,7 @@ class Metered:
         """Return the next turn of the meters."""
         for _ in range(self.every):
             self.step(watts)
-        volts, amperes = power_meter.measure_voltage_and_current(
+        volts, amperes = supply.measure_voltage_and_current(
             self.settings, self.errors, self.voltage, self.current, self.rng
         )
         return MeterReading(

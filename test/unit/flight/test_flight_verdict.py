@@ -1,7 +1,7 @@
 """How a flight went is the simulator's own last word, whatever /diagnostics carried."""
 
 from lta_flight.flight import describe_line, FLIGHT, parse_final_status, show_status
-from lta_flight.stall_monitor import GOING, is_flying
+from lta_flight.stall_watchdog import GOING, is_flying
 from lta_graph.child_process import ProcessExit
 from lta_graph.health import HealthFact, HealthLevel
 import pytest

@@ -2,9 +2,9 @@
 
 from lta_bridge.crazyflie.safety import LEAVE
 from lta_cli.verbs import launch
-from lta_flight import stall_monitor
+from lta_flight import stall_watchdog
 from lta_flight.domain_lock import format_holders
-from lta_flight.stall_monitor import FLIGHT, StallMonitor
+from lta_flight.stall_watchdog import FLIGHT, StallMonitor
 from lta_graph.health import HealthFact, HealthLevel
 from lta_graph.launches import FLY
 import pytest
@@ -56,7 +56,7 @@ def test_over_the_wheels_we_do(handed, monkeypatch):
 def clock(monkeypatch):
     """Return a list whose only item is the time [s]."""
     now = [100.0]
-    monkeypatch.setattr(stall_monitor.time, 'monotonic', lambda: now[0])
+    monkeypatch.setattr(stall_watchdog.time, 'monotonic', lambda: now[0])
     return now
 
 

@@ -13,11 +13,11 @@ from lta_control.cascade import Setpoint, wrap_angle
 from lta_control.estimator import EstimatorSettings
 from lta_control.flight_step import DroneMemory, flight_step, SensorInputs
 from lta_control.gains_file import load_gains
-from lta_control.laws.cascade import LAW
+from lta_control.laws.cascade import CASCADE_LAW
 from lta_control.mission import MissionSettings
 from lta_control.phases import Phase
 from lta_control.strategies import find_navigation_strategy
-from lta_control.strategies.bearing_angle import STRATEGY
+from lta_control.strategies.bearing_angle import BEARING_ANGLE_STRATEGY
 from lta_flight.closed_loop import ClosedLoop, newest_range, round_heading, round_to_float32
 from lta_flight.flight_stack import FlightStack
 from lta_model.scenario import load_scenario, Scenario
@@ -171,9 +171,9 @@ def test_a_bearing_is_added_to_the_heading_at_the_middle_of_its_block():
 
     def spy(settings, memory, sight):
         seen.append((len(headings), sight.heading))
-        return STRATEGY.steer(settings, memory, sight)
+        return BEARING_ANGLE_STRATEGY.steer(settings, memory, sight)
 
-    loop = start(2, strategy=replace(STRATEGY, steer=spy))
+    loop = start(2, strategy=replace(BEARING_ANGLE_STRATEGY, steer=spy))
     for _ in range(900):
         loop.step()
         headings.append(yaw_from_quaternion(loop.estimate.attitude))
@@ -218,7 +218,7 @@ def test_it_decides_as_plain_python_does():
         if loop.setpoint is not None:
             asked = round_heading(loop.setpoint)
             memory = memory._replace(setpoint=asked, guided=True)
-        memory = flight_step(LAW, drone, memory, heard, scratch)
+        memory = flight_step(CASCADE_LAW, drone, memory, heard, scratch)
         np.testing.assert_array_equal(
             MEMORY_LAYOUT.write(loop.autopilot.memory), MEMORY_LAYOUT.write(memory)
         )

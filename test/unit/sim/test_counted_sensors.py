@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 from lta_config.topics import load_topic_table
 from lta_flight.batch.batch_flight import build_sensors
-from lta_model.light.ray_integration import LAMP_ROWS, scratch_size, UNIFORM_ROW
+from lta_model.light.reflected_light import LAMP_ROWS, scratch_size, UNIFORM_ROW
 from lta_model.light.view import LightView
 from lta_model.mass_properties import half_axes
 from lta_model.scenario import load_scenario

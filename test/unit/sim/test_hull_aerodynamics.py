@@ -11,8 +11,9 @@ from pathlib import Path
 
 from hypothesis import given
 from hypothesis import strategies as st
+from lta_model.effects.added_mass import MUNK_MOMENT
 from lta_model.effects.drag import CROSS_FLOW
-from lta_model.effects.hull_flow import HULL_LIFT, MUNK_MOMENT, OBLIQUE_LIFT, SMALL_SPEED
+from lta_model.effects.hull_lift import HULL_LIFT, OBLIQUE_LIFT, SMALL_SPEED
 from lta_model.effects.protocol import VehicleMotion
 from lta_model.mass_properties import half_axes
 from lta_model.rigid_body import cross_product

@@ -6,8 +6,8 @@ from lta_config.compilation.compiler import compile_functions
 from lta_model.light.direct_light import DiodeResponse
 from lta_model.light.field import Ambient, LightField
 from lta_model.light.lamp import BeaconLamp, direct_illuminance, SquareWave
-from lta_model.light.ray_integration import DAYLIGHT_ROW, LAMP_ROWS, UNIFORM_ROW
 from lta_model.light.readings import write_pose_readings
+from lta_model.light.reflected_light import DAYLIGHT_ROW, LAMP_ROWS, UNIFORM_ROW
 from lta_model.light.view import build_field_geometry, pack_beams
 from lta_model.rigid_body import rotation_matrix
 from lta_model.sensors.photodiode import PhotodiodeArray

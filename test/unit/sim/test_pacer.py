@@ -1,6 +1,6 @@
 """Simulated time keeps to the wall clock: short delays are caught up, long ones are lost."""
 
-from lta_sim import pacer
+from lta_sim import drone
 import pytest
 
 
@@ -8,12 +8,12 @@ import pytest
 def wall(monkeypatch):
     """Return the wall time, which a test sets. [s]"""
     now = [100.0]
-    monkeypatch.setattr(pacer.time, 'monotonic', lambda: now[0])
+    monkeypatch.setattr(drone.time, 'monotonic', lambda: now[0])
     return now
 
 
 def test_delays_by_hand(wall):
-    pace = pacer.Pacer(0.01)
+    pace = drone.Pacer(0.01)
     assert pace.began == 0.0
     pace.begin()
     assert pace.began == 100.0
@@ -22,7 +22,7 @@ def test_delays_by_hand(wall):
     assert pace.count_due(0) == 3
     assert pace.count_due(2) == 1
     wall[0] = 100.2
-    assert pace.count_due(0) == pacer.BURST_STEPS
+    assert pace.count_due(0) == drone.BURST_STEPS
     assert not pace.is_slow
     wall[0] = 101.0  # 100 steps are due, more than are caught up
     assert pace.count_due(0) == 1

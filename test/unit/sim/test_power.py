@@ -2,18 +2,18 @@
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_sim import power_meter
+from lta_sim import supply
 import numpy as np
 import pytest
 from scipy.stats import chi2, kstest
 
-SETTINGS = power_meter.PowerMeterSettings()
-SILENT = power_meter.PowerMeterSettings(voltage_noise=0.0, current_noise=0.0)
-EXACT = power_meter.PowerMeterErrors(voltage_gain=1.0, current_gain=1.0, current_offset=0.0)
+SETTINGS = supply.PowerMeterSettings()
+SILENT = supply.PowerMeterSettings(voltage_noise=0.0, current_noise=0.0)
+EXACT = supply.PowerMeterErrors(voltage_gain=1.0, current_gain=1.0, current_offset=0.0)
 
 
 def read(voltage, current, settings=SILENT, errors=EXACT):
-    return power_meter.measure_voltage_and_current(
+    return supply.measure_voltage_and_current(
         settings, errors, voltage, current, np.random.default_rng(1)
     )
 
@@ -30,9 +30,9 @@ def test_the_current_is_clipped_at_320_millivolts_over_the_shunt(true, expected)
 
 def test_a_dead_cell_reads_zero_and_never_less():
     readings = {
-        power_meter.measure_voltage_and_current(
-            SETTINGS, EXACT, 0.0, 0.0, np.random.default_rng(seed)
-        )[0]
+        supply.measure_voltage_and_current(SETTINGS, EXACT, 0.0, 0.0, np.random.default_rng(seed))[
+            0
+        ]
         for seed in range(200)
     }
     assert min(readings) == 0.0
@@ -40,9 +40,7 @@ def test_a_dead_cell_reads_zero_and_never_less():
 
 
 def test_gain_and_offset():
-    errors = power_meter.PowerMeterErrors(
-        voltage_gain=1.002, current_gain=0.998, current_offset=4e-4
-    )
+    errors = supply.PowerMeterErrors(voltage_gain=1.002, current_gain=0.998, current_offset=4e-4)
     assert read(4.0, -1.0, errors=errors) == pytest.approx((4.008, -0.9976), abs=1e-12)
 
 
@@ -53,7 +51,7 @@ def test_noise_is_half_a_step_before_rounding():
     truth = rng.uniform(3.0, 4.2, size), rng.uniform(-1.0, 0.0, size)
     sample = np.array(
         [
-            power_meter.measure_voltage_and_current(SETTINGS, EXACT, v, i, rng)
+            supply.measure_voltage_and_current(SETTINGS, EXACT, v, i, rng)
             for v, i in zip(*truth, strict=True)
         ]
     )
@@ -65,7 +63,7 @@ def test_noise_is_half_a_step_before_rounding():
 
 def test_errors_are_drawn_uniformly():
     rng = np.random.default_rng(3)
-    drawn = [power_meter.draw_errors(SETTINGS, rng) for _ in range(3000)]
+    drawn = [supply.draw_meter_errors(SETTINGS, rng) for _ in range(3000)]
     assert kstest([e.voltage_gain for e in drawn], 'uniform', (0.998, 0.004)).pvalue > 1e-4
     assert kstest([e.current_gain for e in drawn], 'uniform', (0.998, 0.004)).pvalue > 1e-4
     assert kstest([e.current_offset for e in drawn], 'uniform', (-4e-4, 8e-4)).pvalue > 1e-4

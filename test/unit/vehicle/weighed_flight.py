@@ -4,7 +4,7 @@ from lta_bridge.bag.writer import BagWriter
 from lta_config.files import find_file
 from lta_config.parameter_override import parse_assignment
 from lta_config.topics import load_topic_table
-from lta_flight.flight_run import ROBOT
+from lta_flight.flight_run import SIMULATED_ROBOT
 from lta_flight.flight_spec import build_loop, load_spec
 from lta_flight.messages import LoopRecorder
 
@@ -20,7 +20,7 @@ def write_hover(folder, *changes, seed=1, seconds=40.0, simulated=True):
     if simulated:
         origin['scenario_file'] = find_file('scenario', 'lamp_room').read_text('utf-8')
     with BagWriter(folder, origin) as writer:
-        recorder = LoopRecorder(writer, loop, load_topic_table(), ROBOT)
+        recorder = LoopRecorder(writer, loop, load_topic_table(), SIMULATED_ROBOT)
         for _ in loop.iterate_steps():
             recorder.record_step()
             if loop.world.elapsed > seconds:

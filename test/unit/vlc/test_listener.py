@@ -5,7 +5,7 @@ import math
 from lta_config.errors import BadInput
 from lta_graph.health import HealthLevel
 from lta_vlc.demodulation import demodulate_block, DemodulatedBlock, DiodeFault, Peaks
-from lta_vlc.diagnostics import describe_beacons
+from lta_vlc.messages import describe_beacons
 from lta_vlc.receiver import (
     BeaconPresence,
     BeaconReceiver,

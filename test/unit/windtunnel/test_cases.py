@@ -7,14 +7,20 @@ import shutil
 
 from lta_config.errors import BadInput
 from lta_config.schema.mount_file import load_mount
-from lta_windtunnel import flow_checks
+from lta_windtunnel import reduce
 from lta_windtunnel.flow_plan import plan_flows, TRANSIENT_LENGTHS
-from lta_windtunnel.openfoam import programs
-from lta_windtunnel.openfoam.case import CaseRunner, FoamCase, ProgramStep
+from lta_windtunnel.openfoam.case import (
+    CaseFailed,
+    CaseRunner,
+    explain_failure,
+    FoamCase,
+    FoamPrograms,
+    ProgramStep,
+    require_openfoam,
+)
 from lta_windtunnel.openfoam.input_files import format_files
 from lta_windtunnel.openfoam.mesh import BASE_CUBE
 from lta_windtunnel.openfoam.output_reader import read_forces, read_mesh, read_table
-from lta_windtunnel.openfoam.programs import CaseFailed, explain_failure, FoamPrograms
 from lta_windtunnel.solve import check_memory
 from lta_windtunnel.tunnel import (
     build_steady_wind_case,
@@ -29,7 +35,7 @@ AIR = (1.2, 1.5e-5)
 SAYS = 'Time = 1\nGAMG:  Solving for p, Initial residual = 0.5, Final\nTime = 2\n'
 
 
-def case(*scripts, name='case'):
+def build_case(*scripts, name='case'):
     steps = [
         ProgramStep(f'{k}', ('sh', '-c', script), {'system/controlDict': f'{k}'}, 2)
         for k, script in enumerate(scripts)
@@ -64,8 +70,8 @@ def test_entries_become_the_text_that_openfoam_reads():
 
 
 def test_a_case_is_named_by_what_it_is():
-    assert case('true').key == case('true', name='other').key
-    assert case('true').key != case('false').key
+    assert build_case('true').key == build_case('true', name='other').key
+    assert build_case('true').key != build_case('false').key
 
 
 def test_a_speed_changes_the_flow_and_not_its_mesh():
@@ -114,7 +120,7 @@ def test_every_flow_of_a_vehicle_is_planned_once():
 def test_what_is_done_is_not_done_again(tmp_path):
     told = []
     stages = CaseRunner(tmp_path, FoamPrograms(), lambda *each: told.append(each))
-    one = case(f'printf "{SAYS}"', 'echo x >> count')
+    one = build_case(f'printf "{SAYS}"', 'echo x >> count')
     place = stages.solve(one)
     stages.solve(one)
     assert (place / 'count').read_text() == 'x\n'
@@ -123,7 +129,7 @@ def test_what_is_done_is_not_done_again(tmp_path):
 
 
 def test_two_runs_on_one_cache_solve_a_case_once(tmp_path):
-    one = case('sleep 0.2; echo x >> count')
+    one = build_case('sleep 0.2; echo x >> count')
     alone = [CaseRunner(tmp_path, FoamPrograms(), lambda *_: None) for _ in range(2)]
     with ThreadPoolExecutor(2) as pool:
         first, second = pool.map(lambda stages: stages.solve(one), alone)
@@ -133,7 +139,7 @@ def test_two_runs_on_one_cache_solve_a_case_once(tmp_path):
 
 def test_a_run_goes_on_where_it_failed(tmp_path):
     stages = CaseRunner(tmp_path, FoamPrograms(), lambda *_: None)
-    one = case('echo x >> count', 'test -e mended')
+    one = build_case('echo x >> count', 'test -e mended')
     with pytest.raises(CaseFailed, match='sh failed with exit status 1'):
         stages.solve(one)
     (stages.case_folder(one) / 'mended').touch()
@@ -174,7 +180,7 @@ def test_what_went_wrong_is_said(code, tail, said):
 def test_without_openfoam_one_sentence_says_how_to_get_it(monkeypatch):
     monkeypatch.setattr(shutil, 'which', lambda _: None)
     with pytest.raises(BadInput, match=r'apt-get install .*openfoam.*--fidelity analytic'):
-        programs.require_openfoam()
+        require_openfoam()
 
 
 def test_a_mesh_beyond_the_memory_is_refused_before_any_work():
@@ -214,7 +220,7 @@ def test_a_mesh_tells_its_cells_and_zones(tmp_path):
     (tmp_path / 'log.zones').write_text('    cellZoneSet up_left now size 59\n')
     facts = read_mesh(tmp_path)
     assert (facts.cells, facts.zones) == (44936, {'up_left': 59})
-    flow_checks.check_mesh('mesh', facts)
+    reduce.check_mesh('mesh', facts)
 
 
 # As checkMesh 1912 writes it: of a mesh that is sound, and of one whose cells are pulled through
@@ -244,10 +250,10 @@ Number of negative volume cells: 2
 )
 def test_a_mesh_that_is_none_is_refused(tmp_path, check, said):
     (tmp_path / 'log.check').write_text(SOUND)
-    flow_checks.check_mesh('mesh', read_mesh(tmp_path))
+    reduce.check_mesh('mesh', read_mesh(tmp_path))
     (tmp_path / 'log.check').write_text(check)
     with pytest.raises(CaseFailed, match=said):
-        flow_checks.check_mesh('mesh', read_mesh(tmp_path))
+        reduce.check_mesh('mesh', read_mesh(tmp_path))
 
 
 PATCHES = """
@@ -294,38 +300,38 @@ def test_no_cell_is_so_coarse_that_a_bar_lies_between_the_middles_of_two_unseen(
     ('gate', 'given', 'said'),
     [
         (
-            flow_checks.check_bodies,
+            reduce.check_bodies,
             ('mesh', {'bar': 19}, ['bar']),
             '19 faces on the body bar, fewer than 20',
         ),
         (
-            flow_checks.check_bodies,
+            reduce.check_bodies,
             ('mesh', {'hull': 900}, ['hull', 'bar']),
             '0 faces on the body bar',
         ),
         (
-            flow_checks.check_zones,
+            reduce.check_zones,
             ({'up_left': 12}, {'up_left': 1.0}),
             'of up_left has only 12 mesh cells, fewer',
         ),
         (
-            flow_checks.check_zones,
+            reduce.check_zones,
             ({}, {'up_left': 1.0}),
             'of up_left has only 0 mesh cells, fewer',
         ),
-        (flow_checks.check_spread, (0.2, 50), 'varies by 20 %'),
-        (flow_checks.check_spread, (math.nan, 50), 'varies by nan'),
-        (flow_checks.check_spread, (0.0, 12), '12 iterations'),
-        (flow_checks.check_balance, (0.3,), '30 % of the force'),
-        (flow_checks.check_balance, (math.nan,), 'nan % of the force'),
-        (flow_checks.check_brakes, (-0.01,), 'points in the direction of motion'),
-        (flow_checks.check_brakes, (0.0,), 'points in the direction of motion'),
-        (flow_checks.check_brakes, (math.nan,), 'points in the direction of motion'),
-        (flow_checks.check_mean, (0.06, 12.0), r'uncertain by 6 % \(allowed: 5 %\)'),
-        (flow_checks.check_mean, (math.nan, 12.0), 'uncertain by nan'),
-        (flow_checks.check_mean, (math.inf, 12.0), 'uncertain by inf'),  # shorter than one batch
+        (reduce.check_spread, (0.2, 50), 'varies by 20 %'),
+        (reduce.check_spread, (math.nan, 50), 'varies by nan'),
+        (reduce.check_spread, (0.0, 12), '12 iterations'),
+        (reduce.check_balance, (0.3,), '30 % of the force'),
+        (reduce.check_balance, (math.nan,), 'nan % of the force'),
+        (reduce.check_brakes, (-0.01,), 'points in the direction of motion'),
+        (reduce.check_brakes, (0.0,), 'points in the direction of motion'),
+        (reduce.check_brakes, (math.nan,), 'points in the direction of motion'),
+        (reduce.check_mean, (0.06, 12.0), r'uncertain by 6 % \(allowed: 5 %\)'),
+        (reduce.check_mean, (math.nan, 12.0), 'uncertain by nan'),
+        (reduce.check_mean, (math.inf, 12.0), 'uncertain by inf'),  # shorter than one batch
         (
-            flow_checks.check_mean,
+            reduce.check_mean,
             (0.01, 9.9),
             r'covers only 9\.9 hull lengths of flow; at least 10 are',
         ),
@@ -337,9 +343,9 @@ def test_gates_refuse_with_the_figure(gate, given, said):
 
 
 def test_gates_let_pass_what_is_at_their_limits():
-    flow_checks.check_bodies('mesh', {'bar': flow_checks.MIN_FACES}, ['bar'])
-    flow_checks.check_zones({'up_left': flow_checks.MIN_DISK_CELLS}, {'up_left': 1.0})
-    flow_checks.check_spread(flow_checks.MAX_SPREAD, flow_checks.AVERAGED_ITERATIONS)
-    flow_checks.check_balance(flow_checks.MAX_IMBALANCE)
-    flow_checks.check_brakes(1e-6)
-    flow_checks.check_mean(flow_checks.MAX_MEAN_ERROR, flow_checks.MIN_LENGTHS)
+    reduce.check_bodies('mesh', {'bar': reduce.MIN_FACES}, ['bar'])
+    reduce.check_zones({'up_left': reduce.MIN_DISK_CELLS}, {'up_left': 1.0})
+    reduce.check_spread(reduce.MAX_SPREAD, reduce.AVERAGED_ITERATIONS)
+    reduce.check_balance(reduce.MAX_IMBALANCE)
+    reduce.check_brakes(1e-6)
+    reduce.check_mean(reduce.MAX_MEAN_ERROR, reduce.MIN_LENGTHS)

@@ -2,6 +2,7 @@
 
 import math
 
+from campaigns.sphere import morrison_drag_coefficient, relative_deviation
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.errors import BadInput
@@ -9,7 +10,6 @@ from lta_windtunnel.aero_fit import fit_drag
 from lta_windtunnel.analytic import damping_moment, drag_force
 from lta_windtunnel.reduce import standard_error
 from lta_windtunnel.tunnel_model import load_tunnel_model
-from lta_windtunnel.validation import morrison_drag_coefficient, relative_deviation
 import numpy as np
 import pytest
 

@@ -7,7 +7,8 @@ from lta_config.files import share_folder
 from lta_config.schema.vehicle_aero import load_aero_file
 from lta_model.vehicle import load_vehicle
 from lta_windtunnel.aero_text import format_aero_file
-from lta_windtunnel.flow_checks import (
+from lta_windtunnel.flow_plan import MIDDLE_SPEED
+from lta_windtunnel.reduce import (
     AVERAGED_ITERATIONS,
     MAX_IMBALANCE,
     MAX_MEAN_ERROR,
@@ -15,7 +16,6 @@ from lta_windtunnel.flow_checks import (
     MIN_DISK_CELLS,
     MIN_LENGTHS,
 )
-from lta_windtunnel.flow_plan import MIDDLE_SPEED
 from lta_windtunnel.sweep_table import read_sweep
 from lta_windtunnel.tunnel_model import load_tunnel_model
 import pytest

@@ -1,8 +1,7 @@
 """Whole sweeps with programs that stand in for OpenFOAM: what fails is named, the rest is kept."""
 
 from lta_windtunnel.flow_plan import plan_flows
-from lta_windtunnel.flow_solvers import ThreadedFlowSolver
-from lta_windtunnel.solve import build_sweep, solve_sweep
+from lta_windtunnel.solve import build_sweep, solve_sweep, ThreadedFlowSolver
 from lta_windtunnel.tunnel_model import load_tunnel_model
 import numpy as np
 import pytest

@@ -3,12 +3,10 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from importlib.metadata import version
 from operator import itemgetter
 from types import SimpleNamespace
 from typing import Any, final
 
-from lta_config.compilation.source_file import StoredResults
 from lta_config.errors import BadInput
 from lta_config.message_files import list_message_files
 import numpy as np
@@ -55,28 +53,14 @@ def generate_definition(type_name: str) -> MessageDefinition:
 
     Raise `BadInput` if neither ROS 2 Jazzy nor lta_msgs has such a type.
     """
-
-    def generate() -> list[str]:
-        types = load_jazzy_types()
-        if not is_jazzy_type(type_name):
-            raise BadInput(
-                f"Message type '{type_name}' cannot be recorded, because it is not part of ROS 2 "
-                "Jazzy's common interfaces; record only types such as 'sensor_msgs/msg/Imu'."
-            )
-        text, _ = types.generate_msgdef(type_name, ros_version=2)
-        return [text, types.hash_rihs01(type_name)]
-
-    stored = _open_stored_definitions()
-    text, rihs01 = stored.recall(generate, type_name)
-    stored.store()
-    return MessageDefinition(type_name, text, rihs01)
-
-
-@cache
-def _open_stored_definitions() -> StoredResults:
-    """Return the definitions on disk: to load all types takes as long as to fly a second."""
-    own = (name.encode() + path.read_bytes() for name, path in list_message_files().items())
-    return StoredResults('definitions', version('rosbags').encode(), *own)
+    types = load_jazzy_types()
+    if not is_jazzy_type(type_name):
+        raise BadInput(
+            f"Message type '{type_name}' cannot be recorded, because it is not part of ROS 2 "
+            "Jazzy's common interfaces; record only types such as 'sensor_msgs/msg/Imu'."
+        )
+    text, _ = types.generate_msgdef(type_name, ros_version=2)
+    return MessageDefinition(type_name, text, types.hash_rihs01(type_name))
 
 
 Convert = Callable[[Any], Any]

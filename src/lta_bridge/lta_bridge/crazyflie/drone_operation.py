@@ -59,6 +59,8 @@ class DroneOperation:
         The vehicle of these settings.
     clock : callable
         Returns the graph time. [ns]
+    is_active : callable
+        Returns whether commands are accepted.
     run_tick : callable
         Runs a tick with all that belongs to it, `tick` among it.
     serve : callable
@@ -68,8 +70,6 @@ class DroneOperation:
     ----------
     bridge : BridgeCore
         Commands, readings and safety.
-    active : bool
-        Whether commands are accepted.
 
     """
 
@@ -78,11 +78,13 @@ class DroneOperation:
         settings: CrazyflieBridgeSettings,
         vehicle: Vehicle,
         clock: Callable[[], int],
+        is_active: Callable[[], bool],
         run_tick: Callable[[], None],
         serve: Callable[[], None],
     ) -> None:
         self._settings, self._vehicle = settings, vehicle
-        self._clock, self._run_tick, self._serve = clock, run_tick, serve
+        self._clock, self._is_active, self._run_tick = clock, is_active, run_tick
+        self._serve = serve
         self._link = create_link(settings.uri, LOG_BLOCKS, clock)
         file = self._file = find_crazyflie(settings.vehicle, vehicle.file.name, settings.crazyflie)
         command = settings.command or file.command
@@ -94,7 +96,6 @@ class DroneOperation:
             watchdog=settings.watchdog in (command, 'always'),
             blind=settings.blind,
         )
-        self.active = False
         self._manager: ConnectionManager | None = None
         self._former: ConnectionManager | None = None  # its connection may still be closing
         self._request = SafetyRequest()
@@ -150,7 +151,7 @@ class DroneOperation:
         # Each request counts for one tick only
         request, self._request = self._request, SafetyRequest()
         before = self.bridge.state.stage
-        self.bridge.tick(time.monotonic(), now_ns, linked, self.active, request)
+        self.bridge.tick(time.monotonic(), now_ns, linked, self._is_active(), request)
         # A fresh connection needs time for its first log packets
         if linked and time.monotonic() - self._connected > DEAD:
             silence = self._collect_inputs().silence
@@ -170,7 +171,7 @@ class DroneOperation:
 
         `prepare` is called before a drone is armed that is disarmed.
         """
-        why = self.bridge.find_arming_refusal(self._clock(), self.is_linked, self.active)
+        why = self.bridge.find_arming_refusal(self._clock(), self.is_linked, self._is_active())
         if not self.is_linked and self._manager is not None and self._manager.why:
             why = self._manager.why
         if not (on and why):
@@ -192,8 +193,11 @@ class DroneOperation:
         return self.bridge.state.why
 
     def land(self) -> bool:
-        """Tick until no motor turns, as the state machine lands it; return whether it flew."""
-        self.active = False
+        """
+        Tick until no motor turns, as the state machine lands it; return whether it flew.
+
+        Commands must no longer be accepted.
+        """
         until = time.monotonic() + LEAVE
         flew = self.bridge.is_busy
         while self.bridge.is_busy and time.monotonic() < until:
@@ -226,7 +230,8 @@ class DroneOperation:
         return list(describe_health(self.bridge, why, attempts, self._link.protocol, inputs))
 
     def _collect_inputs(self) -> SafetyInputs:
-        return self.bridge.collect_safety_inputs(self._clock(), self.is_linked, self.active)
+        active = self._is_active()
+        return self.bridge.collect_safety_inputs(self._clock(), self.is_linked, active)
 
 
 def describe_health(

@@ -39,7 +39,6 @@ LOCK: Final = 1e-7  # rad from a pitch of +-90 deg, where only yaw - roll or yaw
 DIODE: Final[Three] = (0.005, 0.01, 0.01)  # m; an OPT101 in its DIP package, looking along x
 # Turns x down, as a range finder's must point
 TURN_DOWN: Turn = (0.0, math.sqrt(0.5), 0.0, math.sqrt(0.5))
-BACK: Turn = (0.0, 0.0, 1.0, 0.0)  # turns x backwards
 
 
 @final
@@ -52,15 +51,6 @@ class SceneFrame(NamedTuple):
     turn: Turn
 
 
-def rotation_from_x(axis: Three) -> Turn:
-    """Return the shortest rotation from x, a light sensor's direction, to a unit vector."""
-    x, y, z = axis
-    length = math.sqrt(2.0 + 2.0 * x)
-    if length < 1e-6:
-        return BACK
-    return (0.0, -z / length, y / length, 0.5 * length)
-
-
 def list_sensor_frames(vehicle: Vehicle) -> list[SceneFrame]:
     """Return the frames of the sensors, fixed to the vehicle."""
     sensors = vehicle.file.sensors
@@ -71,7 +61,7 @@ def list_sensor_frames(vehicle: Vehicle) -> list[SceneFrame]:
             BASE,
             'panel_link',
             vehicle.file.panel_place,
-            rotation_from_x(vehicle.file.panel_normal),
+            rotation_between(X, vehicle.file.panel_normal),
         ),
     ]
 

@@ -22,7 +22,7 @@ from lta_bridge.crazyflie.messages import (
 from lta_bridge.parameters import CrazyflieBridgeSettings
 from lta_config.errors import BadInput
 from lta_graph.health import HealthLevel
-from lta_graph.inbox import InboxStep
+from lta_graph.lockstep import InboxStep
 from lta_graph.reach import describe_reach
 from lta_graph.ros.contained_node import NodeOptions
 from lta_graph.ros.device import DeviceNode
@@ -52,7 +52,12 @@ class CrazyflieBridge(DeviceNode):
         self._names = vehicle.rotor_names
         self._consumption = CrazyfliePowerModel.from_energy(vehicle.file.energy)
         self._drone = DroneOperation(
-            settings, vehicle, self.graph_time_ns, self._tick, self._serve_emergency_stop
+            settings,
+            vehicle,
+            self.graph_time_ns,
+            lambda: self.active,
+            self._tick,
+            self._serve_emergency_stop,
         )
         self._bridge = self._drone.bridge
         self.autostart = settings.autostart
@@ -80,11 +85,6 @@ class CrazyflieBridge(DeviceNode):
             self.get_logger().error(self.refusal)
             return TransitionCallbackReturn.FAILURE
         return super().on_configure(state)
-
-    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Accept commands."""
-        self._drone.active = True
-        return super().on_activate(state)
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Land if it flies, and disarm."""

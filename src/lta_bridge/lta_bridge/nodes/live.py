@@ -4,7 +4,7 @@ The live node: it shows a running graph in Foxglove; the viewer needs no ROS.
 It subscribes to the topics of the table, serves them as they are on the wire and publishes
 nothing, so it never delays the graph. Drone, room and frames are drawn by the viewer, as RViz
 does, from `robot_description`, `scene`, /tf and /tf_static.
-Periodic topics are shown at the rate of a screen; what is left out is counted in /diagnostics.
+A viewer that is slow gets the newest messages of periodic topics.
 """
 
 from collections import defaultdict, deque
@@ -12,9 +12,8 @@ from collections.abc import Callable
 from typing import Final, Unpack
 
 from lta_bridge.bag.schemas import generate_definition
-from lta_bridge.live.feed import TopicThrottle
 from lta_bridge.live.server import LiveServer
-from lta_bridge.log_time_assigner import read_stamp
+from lta_bridge.log_time_assigner import LogTimeAssigner, read_stamp
 from lta_bridge.parameters import LiveSettings
 from lta_config.topics import robot_topic, Topic
 from lta_graph.health import HealthLevel
@@ -52,7 +51,7 @@ class LiveViewNode(GraphNode):
         super().__init__('live', **options)
         settings = NodeParameters(self, LiveSettings).value
         self._robot = self.get_namespace().strip('/')
-        self._feed = TopicThrottle(self.table)
+        self._books, self._sent = LogTimeAssigner(self.table, lockstep=False), 0
         # By absolute name: what was sent once, for viewers that come later
         self._early: defaultdict[str, deque[bytes]] = defaultdict(
             lambda: deque(maxlen=EVENT_DEPTH)
@@ -81,12 +80,13 @@ class LiveViewNode(GraphNode):
         return channels
 
     def _build_raw_receiver(self, name: str) -> Callable[[bytes], None]:
-        absolute, server, feed = self._absolute_name(name), self._server, self._feed
+        absolute, server, books = self._absolute_name(name), self._server, self._books
 
         def show(data: bytes) -> None:
-            when = feed.admit_message(name, data, has_viewers=server.has_viewers(absolute))
-            if when is not None:
+            when = books.assign_log_time(name, data)
+            if server.has_viewers(absolute):
                 server.send_message(absolute, data, when)
+                self._sent += 1
 
         def keep(data: bytes) -> None:
             self._early[absolute].append(data)
@@ -101,21 +101,18 @@ class LiveViewNode(GraphNode):
         return keep if is_sent_once(self.table[name]) else tell if name == '/clock' else show
 
     def update_health(self) -> None:
-        """Send newcomers what came before them, and report what was sent and dropped."""
+        """Send newcomers what came before them, and report what was sent."""
         for absolute, messages in self._early.items():
             if self._server.audience.has_new_viewer(absolute):
                 for data in messages:
-                    self._server.send_message(absolute, data, self._feed.now)
-        sent, left_out = self._feed.sent, self._feed.left_out
+                    self._server.send_message(absolute, data, self._books.now)
         viewers = self._server.audience.viewer_count
         self.health.report(
             'view',
             HealthLevel.OK,
             f'{viewers} viewers' if viewers != 1 else '1 viewer',
             viewers=viewers,
-            sent=sum(sent.values()),
-            left_out=sum(left_out.values()),
-            **{f'{name} left_out': count for name, count in left_out.items()},
+            sent=self._sent,
         )
 
     def close(self) -> None:

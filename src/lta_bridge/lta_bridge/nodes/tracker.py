@@ -72,7 +72,11 @@ class TrackerNode(GraphNode):
                 self._publish_motion(from_stamp(each.header.stamp), from_transform(each))
 
     def _publish_motion(self, stamp_ns: int, pose: TrackerPose) -> None:
-        for motion in self._tracked.receive_pose(stamp_ns, pose, self.graph_time_ns()):
+        now_ns = self.graph_time_ns()
+        # The clock of a simulation has not begun: its pose would be stamped at 0
+        if not now_ns:
+            return
+        for motion in self._tracked.receive_pose(stamp_ns, pose, now_ns):
             frame = self.table['tracker/odom'].frame
             stamp = to_stamp(motion.stamp_ns)
             message = to_odometry(stamp, frame, motion)

@@ -4,6 +4,10 @@ from collections import deque
 import math
 from typing import Final, final, NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
 Three = tuple[float, float, float]
 Turn = tuple[float, float, float, float]
 
@@ -20,52 +24,25 @@ def build_level_pose(x: float, y: float, z: float, yaw: float) -> TrackerPose:
     return TrackerPose((x, y, z), (0.0, 0.0, math.sin(0.5 * yaw), math.cos(0.5 * yaw)))
 
 
-def normalize_pose(pose: TrackerPose) -> TrackerPose:
-    """Return a pose with a unit quaternion."""
-    x, y, z, w = pose.turn
-    length = math.hypot(x, y, z, w)
-    return TrackerPose(pose.place, (x / length, y / length, z / length, w / length))
-
-
 def compose_poses(a: TrackerPose, b: TrackerPose) -> TrackerPose:
-    """Return b, given in a's frame, in the parent frame of a."""
-    x, y, z = rotate_vector(a.turn, b.place)
-    return TrackerPose(
-        (a.place[0] + x, a.place[1] + y, a.place[2] + z), _quaternion_product(a.turn, b.turn)
-    )
+    """Return b, given in a's frame, in the parent frame of a; its quaternion has length 1."""
+    turn = Rotation.from_quat(a.turn)
+    return _build_pose(turn.apply(b.place) + a.place, turn * Rotation.from_quat(b.turn))
 
 
 def invert_pose(pose: TrackerPose) -> TrackerPose:
     """Return the pose of the parent frame in the frame of a pose."""
-    x, y, z, w = pose.turn
-    back = (-x, -y, -z, w)
-    px, py, pz = rotate_vector(back, pose.place)
-    return TrackerPose((-px, -py, -pz), back)
+    back = Rotation.from_quat(pose.turn).inv()
+    return _build_pose(-back.apply(pose.place), back)
 
 
-def rotate_vector(turn: Turn, v: Three) -> Three:
-    """Rotate a vector by a quaternion."""
-    x, y, z, _ = _quaternion_product(
-        _quaternion_product(turn, (*v, 0.0)), (-turn[0], -turn[1], -turn[2], turn[3])
-    )
-    return x, y, z
+def _build_pose(place: NDArray[np.float64], turn: Rotation) -> TrackerPose:
+    return TrackerPose(tuple(place.tolist()), tuple(turn.as_quat().tolist()))
 
 
 def angle_between(a: Turn, b: Turn) -> float:
     """Return the angle between two attitudes, 0 to pi. [rad]"""
-    x, y, z, w = _quaternion_product((-a[0], -a[1], -a[2], a[3]), b)
-    return 2.0 * math.atan2(math.hypot(x, y, z), abs(w))
-
-
-def _quaternion_product(p: Turn, q: Turn) -> Turn:
-    px, py, pz, pw = p
-    qx, qy, qz, qw = q
-    return (
-        pw * qx + px * qw + py * qz - pz * qy,
-        pw * qy - px * qz + py * qw + pz * qx,
-        pw * qz + px * qy - py * qx + pz * qw,
-        pw * qw - px * qx - py * qy - pz * qz,
-    )
+    return float((Rotation.from_quat(a).inv() * Rotation.from_quat(b)).magnitude())
 
 
 KEPT_NS: Final = 2_000_000_000  # of estimates; a tracked pose is known 50 ms late, or more

@@ -8,7 +8,7 @@ from typing import Final, final
 
 from lta_bridge.one_way_clock import OneWayClock, SET_BACK_NS
 from lta_bridge.tracking.motion import MotionWindow, TrackerMotion
-from lta_bridge.tracking.pose import angle_between, compose_poses, normalize_pose, TrackerPose
+from lta_bridge.tracking.pose import angle_between, compose_poses, TrackerPose
 from lta_graph.health import HealthFact, HealthLevel
 
 NORM_TOLERANCE: Final = 0.01  # tolerance of the quaternion's norm, enough for single precision
@@ -186,7 +186,7 @@ class TrackedDrone:
             self._stamp_ns = 0
         self._offset_ns = stamp_ns - self.clock.to_graph_time(stamp_ns)
         # Map <- tracker's frame <- tracked body <- hull centre
-        placed = compose_poses(compose_poses(self._origin, normalize_pose(pose)), self._body)
+        placed = compose_poses(compose_poses(self._origin, pose), self._body)
         for motion in self.window.add_pose(stamp_ns, placed):
             ours = self.clock.to_graph_time(motion.stamp_ns)
             if ours > self._stamp_ns:  # stamps may step back while the clock is being estimated

@@ -18,13 +18,13 @@ from lta_control.laws.protocol import ControlLaw
 from lta_model.vehicle import Vehicle
 
 LAWS: dict[str, ControlLaw] = {
-    'cascade': cascade.LAW,
-    'glide': glide.LAW,
-    'lateral': lateral.LAW,
-    'omnidirectional': omnidirectional.LAW,
-    'open_loop': open_loop.LAW,
-    'quadrotor': quadrotor.LAW,
-    'velocity': velocity.LAW,
+    'cascade': cascade.CASCADE_LAW,
+    'glide': glide.GLIDE_LAW,
+    'lateral': lateral.LATERAL_LAW,
+    'omnidirectional': omnidirectional.OMNIDIRECTIONAL_LAW,
+    'open_loop': open_loop.OPEN_LOOP_LAW,
+    'quadrotor': quadrotor.QUADROTOR_LAW,
+    'velocity': velocity.VELOCITY_LAW,
 }
 
 

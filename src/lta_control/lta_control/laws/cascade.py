@@ -7,7 +7,7 @@ back to the cascade, so that no integral winds up while a rotor is at its limit.
 
 from typing import NamedTuple
 
-from lta_control.allocation import deliver_wrench, Rotors, Scratch
+from lta_control.allocation import deliver_wrench, NO_ROTORS, PerRotor, Rotors, Scratch
 from lta_control.cascade import (
     build_measurement,
     cascade_step,
@@ -18,7 +18,6 @@ from lta_control.cascade import (
     WrenchDemand,
 )
 from lta_control.laws.protocol import ControlLaw, Feedback, LawCommand, LawInputs, UNMOVED
-from lta_control.per_rotor import NO_ROTORS, PerRotor
 from lta_control.vehicle_parameters import build_rotors, surge_drag_coefficients
 from lta_model.vehicle import Vehicle
 
@@ -113,6 +112,6 @@ def deliver_demand(
     return CascadeLawMemory(LawCommand(duties, UNMOVED), cascade, thrusts, shortfall)
 
 
-LAW = ControlLaw(
+CASCADE_LAW = ControlLaw(
     'cascade', CascadeGains, Feedback.ESTIMATOR, build_constants, CascadeLawMemory(), step
 )

@@ -129,6 +129,6 @@ def step(
     return GlideLawMemory(command, climb, tilt, speed, yaw_rate, missing)
 
 
-LAW = ControlLaw(
+GLIDE_LAW = ControlLaw(
     'glide', GlideGains, Feedback.TRACKER, build_constants, GlideLawMemory(), step, moves_mass=True
 )

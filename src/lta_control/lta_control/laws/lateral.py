@@ -24,7 +24,7 @@ from typing import cast, NamedTuple
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
 from lta_config.settings import setting
-from lta_control.allocation import Rotors, Scratch, thrusts_to_duties
+from lta_control.allocation import PerRotor, Rotors, Scratch, thrusts_to_duties
 from lta_control.attitude import (
     clamp_symmetric,
     rotate_level_to_world,
@@ -33,7 +33,6 @@ from lta_control.attitude import (
 )
 from lta_control.cascade import wrap_angle
 from lta_control.laws.protocol import ControlLaw, Feedback, LawCommand, LawInputs, UNMOVED
-from lta_control.per_rotor import PerRotor
 from lta_control.pid import ClimbGains, lift_step, pid_step, PidGains
 from lta_control.vehicle_parameters import build_rotors
 from lta_model.vehicle import Vehicle
@@ -182,6 +181,6 @@ def clamp_thrust(thrust: float, full: float) -> float:
     return min(max(thrust, 0.0), full)
 
 
-LAW = ControlLaw(
+LATERAL_LAW = ControlLaw(
     'lateral', LateralGains, Feedback.ESTIMATOR, build_constants, LateralLawMemory(), step
 )

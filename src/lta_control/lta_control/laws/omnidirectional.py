@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.settings import setting, Settings
-from lta_control.allocation import deliver_wrench, Rotors, Scratch
+from lta_control.allocation import deliver_wrench, NO_ROTORS, PerRotor, Rotors, Scratch
 from lta_control.attitude import (
     clamp_symmetric,
     quaternion_from_angles,
@@ -24,7 +24,6 @@ from lta_control.attitude import (
 )
 from lta_control.cascade import drag_force
 from lta_control.laws.protocol import ControlLaw, Feedback, LawCommand, LawInputs, UNMOVED
-from lta_control.per_rotor import NO_ROTORS, PerRotor
 from lta_control.vehicle_parameters import build_rotors, surge_drag_coefficients
 from lta_model.vehicle import Vehicle
 
@@ -122,7 +121,7 @@ def step(
     return OmnidirectionalLawMemory(command, True, (gx, gy), (ix, iy, iz), thrusts)
 
 
-LAW = ControlLaw(
+OMNIDIRECTIONAL_LAW = ControlLaw(
     'omnidirectional',
     OmnidirectionalGains,
     Feedback.TRACKER,

@@ -11,9 +11,9 @@ from enum import StrEnum
 from typing import Any, final, NamedTuple, Protocol
 
 from lta_config.settings import Settings
+from lta_control.allocation import NO_ROTORS, PerRotor
 from lta_control.attitude import Quaternion, Vector
 from lta_control.cascade import Setpoint
-from lta_control.per_rotor import NO_ROTORS, PerRotor
 from lta_model.vehicle import Vehicle
 
 UNMOVED: Vector = (0.0, 0.0, 0.0)

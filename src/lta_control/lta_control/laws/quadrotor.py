@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.settings import setting
-from lta_control.allocation import deliver_wrench, Rotors, Scratch
+from lta_control.allocation import deliver_wrench, NO_ROTORS, PerRotor, Rotors, Scratch
 from lta_control.attitude import (
     clamp_symmetric,
     quaternion_from_angles,
@@ -26,7 +26,6 @@ from lta_control.attitude import (
 )
 from lta_control.cascade import wrap_angle
 from lta_control.laws.protocol import ControlLaw, Feedback, LawCommand, LawInputs, UNMOVED
-from lta_control.per_rotor import NO_ROTORS, PerRotor
 from lta_control.pid import ClimbGains, lift_step, pid_step, PidGains
 from lta_control.vehicle_parameters import build_rotors
 from lta_model.vehicle import Vehicle
@@ -148,6 +147,6 @@ def tilt_moments(
     return mx, my, (roll, pitch)
 
 
-LAW = ControlLaw(
+QUADROTOR_LAW = ControlLaw(
     'quadrotor', QuadrotorGains, Feedback.TRACKER, build_constants, QuadrotorLawMemory(), step
 )

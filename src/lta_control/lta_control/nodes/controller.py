@@ -25,7 +25,7 @@ from lta_control.messages import from_duties, to_control_inputs
 from lta_control.odometry.airspeed import step_duration
 from lta_control.parameters import ControllerSettings
 from lta_graph.health import HealthLevel
-from lta_graph.inbox import InboxStep
+from lta_graph.lockstep import InboxStep
 from lta_graph.ros.command_mux import CommandMux
 from lta_graph.ros.contained_node import NodeOptions
 from lta_graph.ros.node import GraphNode

@@ -30,7 +30,7 @@ from lta_control.parameters import EstimatorParameters
 from lta_control.sighting import LampSighting
 from lta_control.vehicle_parameters import build_estimator_model
 from lta_graph.health import HealthLevel
-from lta_graph.inbox import InboxStep
+from lta_graph.lockstep import InboxStep
 from lta_graph.ros.contained_node import NodeOptions
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters

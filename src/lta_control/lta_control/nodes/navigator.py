@@ -15,7 +15,7 @@ from lta_control.parameters import NavigatorParameters
 from lta_control.reserve import check_reserve
 from lta_control.strategies import check_route, find_navigation_strategy
 from lta_graph.health import HealthLevel
-from lta_graph.inbox import InboxStep
+from lta_graph.lockstep import InboxStep
 from lta_graph.ros.contained_node import NodeOptions
 from lta_graph.ros.goal_server import GoalServer
 from lta_graph.ros.node import GraphNode

@@ -5,6 +5,7 @@ import math
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseWithCovarianceStamped, TwistWithCovarianceStamped
 from lta_config.covariances import UNKNOWN_VARIANCE
+from lta_control.allocation import pad_to_slots, PerRotor
 from lta_control.altitude import mask_out_of_range
 from lta_control.attitude import up_in_body, yaw_from_quaternion
 from lta_control.estimator import (
@@ -16,10 +17,8 @@ from lta_control.estimator import (
 from lta_control.messages import to_diodes, to_lamp
 from lta_control.odometry.ground_motion import ground_velocity
 from lta_control.odometry.ground_state import GroundMotion, rotate_covariance
-from lta_control.per_rotor import pad_to_slots, PerRotor
 from lta_control.sighting import build_sighting, LampSighting
-from lta_graph.blank_message import create_message
-from lta_graph.inbox import InboxStep
+from lta_graph.lockstep import InboxStep
 from lta_msgs.msg import ActuatorDuty, LampPeaks
 from nav_msgs.msg import Odometry
 import numpy as np
@@ -98,7 +97,7 @@ def to_sighting(
 
 def from_estimate(stamp: Time, estimate: MotionEstimate, ground: GroundMotion) -> Odometry:
     """Return the motion over ground; variances are huge while the biases are calibrated."""
-    message = create_message(Odometry)
+    message = Odometry()
     message.header.stamp = stamp
     message.header.frame_id = 'odom'
     message.child_frame_id = 'base_link'
@@ -134,7 +133,7 @@ def from_airspeed(
     stamp: Time, estimate: MotionEstimate, ground: GroundMotion
 ) -> TwistWithCovarianceStamped:
     """Return the velocity through the air and the rates; the covariance accounts for wind."""
-    message = create_message(TwistWithCovarianceStamped)
+    message = TwistWithCovarianceStamped()
     message.header.stamp = stamp
     message.header.frame_id = 'base_link'
     twist = message.twist.twist

@@ -6,15 +6,22 @@ from lta_config.errors import BadInput, unknown_name_error
 from lta_control.strategies.protocol import NavigationStrategy
 from lta_control.strategies.strategy_file import is_strategy_file, load_strategy_file
 
-STRATEGY_MODULES = (
+STRATEGY_MODULES = (  # such as homing.py, which has HOMING_STRATEGY
     'bearing_angle',
     'dither',
     'gradient',
     'homing',
 )
+
+
+def _import_strategy(file: str) -> NavigationStrategy:
+    strategy = getattr(import_module(f'{__name__}.{file}'), f'{file.upper()}_STRATEGY')
+    assert isinstance(strategy, NavigationStrategy)
+    return strategy
+
+
 STRATEGIES: dict[str, NavigationStrategy] = {
-    made.name: made
-    for made in (import_module(f'{__name__}.{file}').STRATEGY for file in STRATEGY_MODULES)
+    made.name: made for made in map(_import_strategy, STRATEGY_MODULES)
 }
 
 

@@ -56,4 +56,4 @@ def mean_bearing(amplitudes: tuple[float, ...]) -> float:
     return math.atan2(y, x)
 
 
-STRATEGY = NavigationStrategy('bag', start, steer)
+BEARING_ANGLE_STRATEGY = NavigationStrategy('bag', start, steer)

@@ -83,4 +83,4 @@ def steer(
     return course, DitherState(heading, estimate, time, True, level, mean)
 
 
-STRATEGY = NavigationStrategy('des', start, steer)
+DITHER_STRATEGY = NavigationStrategy('des', start, steer)

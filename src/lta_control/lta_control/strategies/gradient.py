@@ -139,4 +139,4 @@ def steepest_heading(
     return math.atan2(b, a) if math.hypot(a, b) > 0.0 else heading
 
 
-STRATEGY = NavigationStrategy('dga', start, steer)
+GRADIENT_STRATEGY = NavigationStrategy('dga', start, steer)

@@ -386,6 +386,6 @@ def distance_to_lamp(memory: HomingState) -> float:
     return math.hypot(memory.fix.x, memory.fix.y) if memory.has_fix else math.nan
 
 
-STRATEGY = NavigationStrategy(
+HOMING_STRATEGY = NavigationStrategy(
     'homing', start, steer, watch, reset_for_next_lamp, ranges=True, distance=distance_to_lamp
 )

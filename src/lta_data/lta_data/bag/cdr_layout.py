@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from rosbags.interfaces import Nodetype
 
 ENCAPSULATION: Final = 4  # bytes before the message
-FILL: Final = 3  # largest padding behind the message, to a multiple of four bytes
+LARGEST_PADDING: Final = 3  # largest padding behind the message, to a multiple of four bytes
 BYTE_ORDERS: Final = {
     b'\x00\x00': '>',
     b'\x00\x01': '<',
@@ -134,7 +134,7 @@ def derive_layout(type_name: str, data: bytes, fields: Fields) -> CdrLayout:
     except (struct.error, KeyError, RecursionError) as error:
         raise LayoutMismatch from error
     # More bytes than padding: the definition does not describe this message
-    if walk.at + ENCAPSULATION + FILL < len(data):
+    if walk.at + ENCAPSULATION + LARGEST_PADDING < len(data):
         raise LayoutMismatch
     return layout
 

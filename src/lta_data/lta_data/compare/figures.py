@@ -2,10 +2,10 @@
 
 from base64 import b64encode
 from collections.abc import Mapping, Sequence
-import math
 from typing import Final, NamedTuple
 
 from lta_bridge.description.scene import draw_static_scene
+from lta_config.constants import DEGREES_PER_RADIAN
 from lta_config.errors import BadInput
 from lta_data.compare.channel_comparison import ChannelComparison
 from lta_data.compare.channel_roles import find_pose_prefix
@@ -37,7 +37,6 @@ from numpy.typing import NDArray
 from plotly.graph_objects import Figure, Scatter
 
 FIGURE_POINTS: Final = 1200  # per line; a plot is at most about that wide in pixels
-DEGREES_PER_RADIAN: Final = 180.0 / math.pi
 
 
 class ChannelTrace(NamedTuple):

@@ -5,6 +5,7 @@ from dataclasses import asdict, replace
 import math
 from typing import Any, Final
 
+from lta_config.constants import DEGREES_PER_RADIAN
 from lta_data.compare.channel_comparison import ChannelComparison
 from lta_data.compare.channel_roles import (
     end_offset,
@@ -22,7 +23,6 @@ from lta_report.formatting import format_count
 from lta_report.json_value import to_json_value
 import numpy as np
 
-DEGREES_PER_RADIAN: Final = 180.0 / math.pi
 BASIS: Final = 1e6  # ppm
 MISSING_DASH: Final = '\N{EN DASH}'
 

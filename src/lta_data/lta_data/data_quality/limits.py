@@ -75,8 +75,8 @@ FACTOR_SPREAD: Final = 0.25
 UPRIGHT_TILT: Final = 60.0
 # Largest lag between two channels that is not reported; motion capture, filters and radios cause
 # some [s]
-CLOCK_OFFSET: Final = 0.04
-# A lag is reported if it exceeds CLOCK_OFFSET by more than this many standard errors
+LARGEST_CLOCK_OFFSET: Final = 0.04
+# A lag is reported if it exceeds LARGEST_CLOCK_OFFSET by more than this many standard errors
 CLOCK_SIGMAS: Final = 3.0
 # Largest lag between two channels that is searched for [s]
 CLOCK_SEARCH: Final = 2.5

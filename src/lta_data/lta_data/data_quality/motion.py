@@ -121,7 +121,7 @@ def remove_sign_jumps(turns: Array) -> Array:
 
 def collect_poses(channels: Mapping[str, Channel], evenly: bool = True) -> list[PoseSeries]:
     """Return the topics with the motion of the vehicle, trackers first; evenly for derivatives."""
-    place = collect_vectors(channels, roles.POSITION, 'xyz')
+    place = collect_vectors(channels, roles.POSITION_PATTERN, 'xyz')
     attitude = collect_attitudes(channels)
     speed = collect_vectors(channels, roles.SPEED, 'xyz')
     turning = collect_vectors(channels, roles.TURNING_FIELD, 'xyz')

@@ -84,7 +84,7 @@ def _describe_topic(topic: str, channels: Sequence[Channel]) -> Coverage:
         if roles.QUATERNION_FIELD.match(channel.field) or roles.ANGLE.match(channel.field):
             quantity = 'attitude'
         # An estimate may be constant or smooth, and is a number all the same
-        quantity = 'position' if roles.POSITION.match(channel.field) else quantity
+        quantity = 'position' if roles.POSITION_PATTERN.match(channel.field) else quantity
         if quantity is None and any(rule.search(channel.name) for rule in RANGE_RULES):
             quantity = 'range of values'
         if quantity is not None:

@@ -13,7 +13,7 @@ DERIVED: Final = re.compile(r'^(odom$|light/|energy/|wind$)')
 # External tracking; the vehicle's own odometry is dead reckoning and does not match.
 TRACKED: Final = re.compile(r'^(ground_truth/|vicon|mocap|optitrack|qualisys|tracker|pose$)')
 
-POSITION: Final = re.compile(r'(.*position|.*translation|point)\.([xyz])$')
+POSITION_PATTERN: Final = re.compile(r'(.*position|.*translation|point)\.([xyz])$')
 QUATERNION_FIELD: Final = re.compile(r'(.*orientation|.*rotation|quaternion)\.([xyzw])$')
 ANGLE: Final = re.compile(r'(.*orientation|.*rotation|quaternion)\.(yaw|pitch|roll)$')
 SPEED: Final = re.compile(r'(.*linear)\.([xyz])$')
@@ -26,7 +26,7 @@ SHINE: Final = re.compile(r'(mean|std)\[(\d+)\]$')
 
 # Quantities whose measured values never repeat for long.
 RESTLESS: Final = {
-    'position': POSITION,
+    'position': POSITION_PATTERN,
     'attitude': ANGLE,
     'velocity': SPEED,
     'turning': TURNING_FIELD,

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 from typing import Any, Final, final, NamedTuple
 
+from lta_config.constants import DEGREES_PER_RADIAN
 from lta_data.even_grid import hann_kernel, median_period, smooth_columns
 from lta_data.importers.protocol import Numbers
 from lta_data.interpretation.column_group import ColumnGroup, find_turn, measure_length
@@ -216,7 +217,6 @@ def _fill_rows(rows: Numbers, instead: list[float]) -> Numbers:
     return filled
 
 
-DEGREES_PER_RADIAN: Final = 180.0 / np.pi
 FULL_TURN_RADIANS: Final = 2.0 * np.pi
 OFFSETS: Final = 58  # whole turns of degrees in a turn of radians
 

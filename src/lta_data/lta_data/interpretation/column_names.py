@@ -99,7 +99,7 @@ ROLE_WORDS: Final[dict[str, frozenset[str]]] = {
 TIME_WORDS: Final = frozenset(
     ['t', 'time', 'timestamp', 'timestamps', 'stamp', 'sec', 'secs', 'seconds', 'clock', 'tick']
 )
-ACTUATORS: Final = frozenset([
+ACTUATOR_WORDS: Final = frozenset([
     'motor', 'motors', 'm', 'pwm', 'thrust', 'throttle', 'duty', 'rpm', 'rotor', 'rotors', 'esc',
     'prop', 'propeller', 'u', 'servo', 'act', 'actuator', 'actuators', 'thr', 'rc', 'rcou',
     'output', 'outputs',
@@ -223,7 +223,7 @@ def _ends_with_unit(words: Sequence[str], end: str) -> bool:
         letters = (
             frozenset('tmu') if name.axis or any(word[-1].isdigit() for word in words) else {}
         )
-        driven = ACTUATORS - frozenset('mu') | {*BODY_WORDS, 'wrench', *letters}
+        driven = ACTUATOR_WORDS - frozenset('mu') | {*BODY_WORDS, 'wrench', *letters}
         there = name.words | {name.axis}
         return match_kind(there) in ('force', 'torque') or bool(there & driven)
     if unit == 'm/s2':  # thrust_g is in grams

@@ -9,11 +9,11 @@ from dataclasses import replace
 from difflib import get_close_matches
 from fnmatch import fnmatchcase
 from itertools import cycle
-import math
 from pathlib import Path
 import tempfile
 from typing import Final
 
+from lta_config.constants import RADIANS_PER_DEGREE
 from lta_config.errors import BadInput
 from lta_data.bag.channels import iterate_channels, read_flight
 from lta_data.bag.recorded_flight import RecordedFlight
@@ -35,7 +35,6 @@ from rich.text import Text
 
 MAX_PLOT_LINES: Final = 24  # lines in one plot, at most
 SUGGESTED_NAMES: Final = 4  # names suggested for an unknown one
-RADIANS_PER_DEGREE: Final = math.pi / 180.0
 
 
 def select_channels(flight: RecordedFlight, patterns: Sequence[str]) -> list[Channel]:

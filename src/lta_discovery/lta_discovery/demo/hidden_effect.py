@@ -23,7 +23,7 @@ from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter, list_free_parameters
 from lta_discovery.planning.rehearsal import POSE_NOISE, TURN_NOISE
 from lta_flight.closed_loop import ClosedLoop
-from lta_flight.flight_run import ROBOT
+from lta_flight.flight_run import SIMULATED_ROBOT
 from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec, load_spec
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_sim.world import World
@@ -152,7 +152,7 @@ def fly_hidden(hidden: DemoEffect, seed: int, seconds: float, folder: Path) -> P
     rng = np.random.default_rng([seed, 9])
     dither, until = np.zeros(len(loop.duties)), DITHER_START
     with BagWriter(folder, provenance) as writer:
-        recorder = LoopRecorder(writer, loop, table, ROBOT)
+        recorder = LoopRecorder(writer, loop, table, SIMULATED_ROBOT)
         for _ in loop.iterate_until(lambda: world.elapsed >= seconds):
             if world.elapsed >= until:
                 until = world.elapsed + rng.uniform(*EACH)

@@ -12,7 +12,7 @@ from lta_data.bag.channels import read_flight
 from lta_data.bag.recorded_flight import open_flight
 from lta_data.data_quality.duplicate_runs import find_duplicate_runs
 from lta_data.flight import Flight
-from lta_data.scene import COMMAND, parse_provenance_file
+from lta_data.scene import COMMAND_CHANNEL, parse_provenance_file
 
 Role = Literal['train', 'confirm', 'holdout']
 FLIGHT_ROLES: Final[tuple[Role, ...]] = ('train', 'confirm', 'holdout')
@@ -36,8 +36,8 @@ class StudyRecording:
     @property
     def rotor_names(self) -> tuple[str, ...]:
         """Names of the commanded rotors."""
-        names = (n for n in self.recording.channels if n.startswith(COMMAND))
-        return tuple(sorted(name.removeprefix(COMMAND) for name in names))
+        names = (n for n in self.recording.channels if n.startswith(COMMAND_CHANNEL))
+        return tuple(sorted(name.removeprefix(COMMAND_CHANNEL) for name in names))
 
 
 def read_bags(

@@ -6,7 +6,7 @@ from typing import Final
 
 from lta_config.errors import BadInput
 from lta_data.flight import Channel
-from lta_data.scene import COMMAND, find_tracker_prefix, has_newton_commands, MASS
+from lta_data.scene import COMMAND_CHANNEL, find_tracker_prefix, has_newton_commands, MASS_CHANNELS
 from lta_discovery.flights.measured_flight import FlightStreams, Stream
 from lta_discovery.model.nominal import NominalVehicle
 import numpy as np
@@ -56,9 +56,9 @@ def _read_wrench(channels: Mapping[str, Channel]) -> Stream | None:
 
 def _read_moving_mass(channels: Mapping[str, Channel]) -> Stream | None:
     """Return the commanded place of the moving mass, None if it is not recorded."""
-    if not all(name in channels for name in MASS):
+    if not all(name in channels for name in MASS_CHANNELS):
         return None
-    joined = _join_channels([channels[name] for name in MASS])
+    joined = _join_channels([channels[name] for name in MASS_CHANNELS])
     valid = np.isfinite(joined.values).all(axis=1)
     return Stream(joined.time[valid], joined.values[valid]) if valid.any() else None
 
@@ -97,7 +97,7 @@ def convert_to_duties(
 
 def has_commands(channels: Mapping[str, Channel]) -> bool:
     """Return whether a recording has commands of any rotor, or a commanded wrench."""
-    return any(name in WRENCH_STREAMS or name.startswith(COMMAND) for name in channels)
+    return any(name in WRENCH_STREAMS or name.startswith(COMMAND_CHANNEL) for name in channels)
 
 
 def build_streams(
@@ -118,10 +118,14 @@ def build_streams(
     quaternion = np.full((len(joined.time), 4), np.nan)
     # Channels hold Euler angles (intrinsic z-y-x); the model needs quaternions x y z w.
     quaternion[valid] = Rotation.from_euler('ZYX', joined.values[valid, 3:]).as_quat()
-    missing = [name for name in rotors if f'{COMMAND}{name}' not in channels]
+    missing = [name for name in rotors if f'{COMMAND_CHANNEL}{name}' not in channels]
     wrench = _read_wrench(channels) if missing else None
     if missing and wrench is None and has_commands(channels):
-        there = [name.removeprefix(COMMAND) for name in channels if name.startswith(COMMAND)]
+        there = [
+            name.removeprefix(COMMAND_CHANNEL)
+            for name in channels
+            if name.startswith(COMMAND_CHANNEL)
+        ]
         raise BadInput(
             f"The recording has no commands for {', '.join(missing)} in 'motors', and no "
             f"'wrench_command'; it has commands for {', '.join(sorted(there)) or 'no rotor'}. "
@@ -132,7 +136,7 @@ def build_streams(
     if missing:
         commands = Stream(joined.time[:1], np.zeros((1, len(rotors))))
     else:
-        commands = _join_channels([channels[f'{COMMAND}{name}'] for name in rotors])
+        commands = _join_channels([channels[f'{COMMAND_CHANNEL}{name}'] for name in rotors])
     others = {
         sensor: _join_channels([channels[name] for name in names])
         for sensor, names in SENSOR_STREAMS.items()

@@ -8,8 +8,7 @@ import threading
 import time
 from typing import Final, final, Self
 
-from lta_emulation.crazyflie.firmware import Firmware
-from lta_emulation.crazyflie.packet import unpack_datagram
+from lta_emulation.crazyflie.firmware import Firmware, unpack_datagram
 from lta_emulation.step_thread import StepThread
 
 

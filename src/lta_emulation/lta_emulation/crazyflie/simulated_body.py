@@ -10,6 +10,7 @@ from lta_config.errors import BadInput
 from lta_config.schema.crazyflie_file import CrazyflieFile, hash_airframe
 from lta_config.topics import TopicTable
 from lta_control.allocation import create_working_array
+from lta_control.attitude import yaw_from_quaternion
 from lta_control.cascade import Setpoint
 from lta_control.gains_file import load_law_gains
 from lta_control.laws import find_control_law
@@ -163,7 +164,7 @@ class SimulatedBody:
     def _level_attitude(self) -> None:
         """Level the drone on the floor, where the world supports it at one point only."""
         state = self._world.state
-        half = 0.5 * _heading_of(state[3:7].tolist())
+        half = 0.5 * yaw_from_quaternion(state[3:7].tolist())
         state[3:7] = 0.0, 0.0, math.sin(half), math.cos(half)
         # Body rates; state[3:7] is the quaternion x y z w
         state[10:13] = 0.0
@@ -181,7 +182,7 @@ class SimulatedBody:
             self._setpoint = Setpoint(height, self._setpoint.heading, 0.0)
         else:
             # The law has a heading setpoint: aim one second of the yaw rate ahead
-            heading = _heading_of(turn) + hover.yaw_rate
+            heading = yaw_from_quaternion(turn) + hover.yaw_rate
             self._setpoint = Setpoint(hover.height, heading, hover.forward)
         return self._law.step(motion, self._setpoint, self._dt)
 
@@ -200,7 +201,9 @@ class SimulatedBody:
             values['baro.pressure'] = 1e-2 * readings.pressure
         if readings.battery is not None:
             values['pm.vbat'] = readings.battery[0]
-        values['stateEstimate.yaw'] = math.degrees(_heading_of(self._world.state[3:7].tolist()))
+        values['stateEstimate.yaw'] = math.degrees(
+            yaw_from_quaternion(self._world.state[3:7].tolist())
+        )
         values['stabilizer.yaw'] = values['stateEstimate.yaw']
         for axis, where in zip('xyz', self._world.state[:3].tolist(), strict=True):
             values[f'stateEstimate.{axis}'] = values[f'kalman.state{axis.upper()}'] = where
@@ -208,9 +211,3 @@ class SimulatedBody:
             begun_ns, block = readings.block
             # Simulation time to time since boot
             self._light(1e-9 * (begun_ns - self._start_ns) + self._behind, block)
-
-
-def _heading_of(turn: tuple[float, ...]) -> float:
-    """Return the heading of a quaternion x y z w. [rad]"""
-    x, y, z, w = turn
-    return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))

@@ -1,11 +1,10 @@
 """
-Emulate a light board: its messages for given samples, its clock, and transmission faults.
+Emulate a light board: its messages for given samples, and its clock.
 
 It serves to test the bridge and to run a graph without hardware.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
 import os
 from pathlib import Path
 import select
@@ -34,51 +33,6 @@ WRAP = 2**32
 
 
 @final
-class ForeignMessage(mavlink.MAVLink_message):
-    """A valid message that is not in the dialect, with a word of 32 bits."""
-
-    def __init__(self, word: int) -> None:
-        super().__init__(12345, 'FOREIGN')
-        self._word = word
-
-    def pack(self, mav: mavlink.MAVLink, force_mavlink1: bool = False) -> bytes:
-        """Return its frame."""
-        seed = 7  # of the checksum; any number, as no other side knows the message
-        return self._pack(mav, seed, self._word.to_bytes(4, 'little'), force_mavlink1)
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class FrameFaults:
-    """Transmission faults of every n-th light frame; 0 is never."""
-
-    # Lost; one bit flipped; truncated after a third; followed by an unknown message
-    drop: int = 0
-    corrupt: int = 0
-    cut: int = 0
-    foreign: int = 0
-
-    def inject_faults(self, turn: int, frame: bytes) -> bytes:
-        """Return the bytes that arrive of a frame, counted from 1."""
-        if _is_every_nth(turn, self.drop):
-            return b''
-        if _is_every_nth(turn, self.corrupt):
-            middle = len(frame) // 2
-            # One flipped bit must be detected by the checksum
-            return frame[:middle] + bytes((frame[middle] ^ 1,)) + frame[middle + 1 :]
-        if _is_every_nth(turn, self.cut):
-            return frame[: len(frame) // 3]
-        if _is_every_nth(turn, self.foreign):
-            # A parser must skip valid messages of an unknown type
-            return frame + ForeignMessage(turn).pack(mavlink.MAVLink(None, SYSTEM, COMPONENT))
-        return frame
-
-
-def _is_every_nth(turn: int, every: int) -> bool:
-    return every > 0 and turn % every == 0
-
-
-@final
 class EmulatedBoard:
     """
     A board that was switched on at a given host time.
@@ -93,8 +47,8 @@ class EmulatedBoard:
         Values in a row.
     drift : float
         Relative rate error of its clock, positive if it runs fast.
-    faults : Faults
-        What happens to its frames of light.
+    transmit : callable
+        Returns the bytes that arrive of a frame of light, from its number, from 1 on.
     first : int
         Number of its first row.
     dialect : int
@@ -106,8 +60,6 @@ class EmulatedBoard:
 
     Attributes
     ----------
-    faults : Faults
-        What happens to its frames of light from now on.
     sent : int
         Number of light frames so far, including lost ones.
 
@@ -119,14 +71,14 @@ class EmulatedBoard:
         sample_rate: float = 10e3,
         diodes: int = 8,
         drift: float = 0.0,
-        faults: FrameFaults | None = None,
+        transmit: Callable[[int, bytes], bytes] = lambda _, frame: frame,
         first: int = 0,
         dialect: int = DIALECT_VERSION,
         bits: int = 12,
         vehicle: int = 0,
     ) -> None:
         self._boot_ns, self._rate, self._diodes, self._drift = boot_ns, sample_rate, diodes, drift
-        self.faults = faults or FrameFaults()
+        self._transmit = transmit
         self._dialect, self._bits, self._vehicle = dialect, bits, vehicle
         self._first, self._rows = first, 0
         self._paused = 0  # ns of its clock without sampling
@@ -184,7 +136,7 @@ class EmulatedBoard:
             )
             self._rows += count
             self.sent += 1
-            yield self.faults.inject_faults(self.sent, frame)
+            yield self._transmit(self.sent, frame)
 
     def encode_peaks(
         self, samples: NDArray[np.uint16], frequency: float, begun_ns: int | None = None

@@ -15,7 +15,7 @@ from lta_graph.ros.process import run_node
 
 if TYPE_CHECKING:
     from geometry_msgs.msg import TwistWithCovarianceStamped
-    from lta_graph.inbox import InboxStep
+    from lta_graph.lockstep import InboxStep
     from nav_msgs.msg import Odometry
 
 

@@ -10,10 +10,10 @@ from typing import Any, cast, final
 from lta_config.compilation.flat import settings_to_tuples
 from lta_config.errors import BadInput
 from lta_config.topics import TopicTable
+from lta_control.allocation import NO_ROTORS, pad_to_slots
 from lta_control.autopilot import build_drone_constants
 from lta_control.cascade import CascadeGains
 from lta_control.laws import CASCADE, LAWS
-from lta_control.per_rotor import NO_ROTORS, pad_to_slots
 from lta_control.strategies.protocol import NavigationStrategy
 from lta_flight.batch.constants_and_tally import BatchPower, FlightConstants
 from lta_flight.batch.targets import BatchSchedule, SENSOR_STEP

@@ -26,7 +26,7 @@ from lta_flight.batch.flight import amplitude_error
 from lta_flight.batch.flight_loop import fly
 from lta_flight.batch.targets import BatchSchedule, CompileTarget, MODEL
 from lta_model.effects import EFFECTS, initial_memory
-from lta_model.light.ray_integration import DAYLIGHT_ROW, LAMP_ROWS, scratch_size
+from lta_model.light.reflected_light import DAYLIGHT_ROW, LAMP_ROWS, scratch_size
 from lta_model.state import RIGID
 from lta_sim.compiled_sensors import draw_turbulence_memory
 from lta_sim.kernels.compose import KernelTarget, render_kernel_source
@@ -46,7 +46,7 @@ def build_kernel(names: Sequence[str], diodes: int, *, closed: bool) -> FlightKe
     """Return the kernel of some effects; its functions are those of `write_flight_source`."""
     return FlightKernel(
         dark=(0.0,) * diodes,
-        begin=settings_to_tuples(begin_memory(cascade.LAW)),
+        begin=settings_to_tuples(begin_memory(cascade.CASCADE_LAW)),
         closed=closed,
         turbulence='turbulence' in names,
         superheat='superheat' in names,
@@ -82,7 +82,9 @@ def build_source(
 
     """
     kernel = build_kernel(names, diodes, closed=closed)
-    extract = SourceExtract(kernel=kernel, strategy=strategy, schedule=schedule, law=cascade.LAW)
+    extract = SourceExtract(
+        kernel=kernel, strategy=strategy, schedule=schedule, law=cascade.CASCADE_LAW
+    )
     name = extract.add_function(fly, CORE_PREFIX)
     entry = Template(target.entry).substitute(
         fly=name,

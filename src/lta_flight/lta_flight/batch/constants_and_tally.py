@@ -2,9 +2,9 @@
 
 from typing import NamedTuple
 
+from lta_control.allocation import PerRotor
 from lta_control.flight_step import DroneConstants
 from lta_control.mission import MissionSettings
-from lta_control.per_rotor import PerRotor
 from lta_control.reserve import ReserveRule
 from lta_model.light.readings import PanelPlane
 from lta_model.light.view import LightWeights

@@ -9,10 +9,10 @@ reserve uses the true charge; and values are not rounded by messages.
 import math
 
 from lta_config.constants import STANDARD_GRAVITY
+from lta_control.allocation import PerRotor
 from lta_control.attitude import yaw_from_quaternion
 from lta_control.cascade import Setpoint, wrap_angle
 from lta_control.flight_step import DroneMemory, SensorInputs, UNTRACKED
-from lta_control.per_rotor import PerRotor
 from lta_control.sighting import DeadReckonedMotion, LampDirection, sight_from_direction
 from lta_control.strategies.protocol import LightMeasurement
 from lta_flight.batch.constants_and_tally import (

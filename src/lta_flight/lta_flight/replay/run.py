@@ -18,7 +18,7 @@ from lta_flight.replay.replay_request import (
     parse_nodes,
     ReplayRequest,
 )
-from lta_flight.stall_monitor import PLAYBACK, StallMonitor
+from lta_flight.stall_watchdog import PLAYBACK, StallMonitor
 from lta_graph.launcher import Launcher
 from lta_graph.ros.listener import DiagnosticsListener
 from lta_report.progress_bar import ProgressBar

@@ -1,16 +1,15 @@
 """The outcome of a flight in words: a sentence, tiles, and a table."""
 
 from dataclasses import fields
-import math
 from typing import Final
 
+from lta_config.constants import DEGREES_PER_RADIAN
 from lta_flight.report.results import FlightResults
 from lta_report.formatting import format_amount, format_number, Tile
 from lta_report.report import TextTable
 from lta_report.result_table import format_value, unit_factor
 
 GRAMS: Final = 1e3
-DEGREES: Final = 180.0 / math.pi
 CRUISE_NOTE: Final = (
     '“Cruise” starts when the true forward airspeed first reaches 90 % of the commanded one.'
 )
@@ -59,14 +58,15 @@ def build_tiles(results: FlightResults) -> list[Tile]:
              'in cruise'),
         Tile('Altitude', format_number(r.altitude), 'm',
              f'RMS error to the set-point {format_amount(r.altitude_error, "cm", 1, 100.0)}'),
-        Tile('Direction of the lamp', format_number(r.lamp_median, 1, DEGREES), '° median error',
+        Tile('Direction of the lamp',
+             format_number(r.lamp_median, 1, DEGREES_PER_RADIAN), '° median error',
              explain_direction_errors(r)),
         Tile('Signal to noise', f'{format_number(r.snr_start, 0)} → '
         f'{format_number(r.snr_end, 0)}', '',
              'of the best photodiode, first and last half second'),
         Tile('Power', format_number(r.cruise_power), 'W',
              f'{format_amount(r.energy, "J", 1)} from the cell between take-off and goal'),
-        Tile('Heading drift', format_number(r.heading_drift, 1, DEGREES), '°',
+        Tile('Heading drift', format_number(r.heading_drift, 1, DEGREES_PER_RADIAN), '°',
              'error of the estimated heading at the end'),
         *warm,
     ]  # fmt: skip
@@ -76,7 +76,7 @@ def explain_direction_errors(results: FlightResults) -> str:
     """Return the errors of the direction used for steering and of the paper's bearing, briefly."""
     r = results
     lamp, bearing, usual = (
-        format_amount(each, '°', 1, DEGREES)
+        format_amount(each, '°', 1, DEGREES_PER_RADIAN)
         for each in (r.lamp_error, r.bearing_error, r.bearing_median)
     )
     # Near a lamp above the diodes the hull hides it, and these last blocks make the RMS

@@ -6,6 +6,7 @@ import shlex
 from typing import Final
 
 from lta_config.command_line import format_lta_command, relative_path
+from lta_config.constants import DEGREES_PER_RADIAN
 from lta_data.bag.bag_folder import find_bag_files
 from lta_data.bag.recorded_flight import open_flight, RecordedFlight
 from lta_flight.report.outcome import build_result_table, build_tiles, describe_outcome
@@ -26,13 +27,12 @@ SIMULATED: Final = (
     'A simulated flight. "Truth" is the state of the simulator, which the drone cannot access; '
     '"estimate" is what the drone computed from its simulated sensors.'
 )
-DEGREES: Final = 57.29578
 READOUT_FIELDS: Final = {
     'time': ('time', '\N{NO-BREAK SPACE}s', 1, 1.0),
     'distance': ('to the lamp', '\N{NO-BREAK SPACE}m', 2, 1.0),
     'z': ('altitude', '\N{NO-BREAK SPACE}m', 2, 1.0),
     'speed': ('airspeed', '\N{NO-BREAK SPACE}m/s', 2, 1.0),
-    'bearing': ('bearing', '°', 0, DEGREES),
+    'bearing': ('bearing', '°', 0, DEGREES_PER_RADIAN),
     'snr': ('SNR', '', 0, 1.0),
 }
 PANEL_HEIGHTS: Final = {

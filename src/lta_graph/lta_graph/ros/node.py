@@ -2,7 +2,7 @@
 The base class of LTA nodes: topics from the table, stepped inputs and health reports.
 
 A node has a role in `topics.yaml`, which defines the types, names and quality of service of its
-topics. `on_step` gets all inputs of one step (see `lta_graph.inbox`). Health is published on
+topics. `on_step` gets all inputs of one step (see `lta_graph.lockstep`). Health is published on
 /diagnostics at every change of a level and every `REPORT_PERIOD`. Each fault and its end is
 logged.
 """
@@ -17,7 +17,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from lta_config.settings import setting, Settings
 from lta_config.topics import load_topic_table, Topic
 from lta_graph.health import Health, HealthLevel, HealthLog
-from lta_graph.inbox import Inbox, InboxStep
+from lta_graph.lockstep import Inbox, InboxStep
 from lta_graph.ros.contained_node import ContainedNode, NodeOptions
 from lta_graph.ros.message_validation import find_message_type, MESSAGES, MessageValidator
 from lta_graph.ros.parameters import NodeParameters

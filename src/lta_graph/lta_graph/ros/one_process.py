@@ -1,59 +1,25 @@
-"""
-Run several nodes in one process, by one executor.
+"""Run the nodes of a launch file in one process."""
 
-A node's `run` is a generator, so that it can wait without stopping the others. A node that raises
-an exception ends, as a process of its own would; the others go on or are stopped, as the launch
-file says.
-"""
-
-from collections.abc import Iterator, MutableMapping, Sequence
+from collections.abc import MutableMapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
 from functools import partial
-import gc
 from importlib import import_module
 from importlib.metadata import distribution, PackageNotFoundError
 import os
 from pathlib import Path
 import sys
 from tempfile import TemporaryDirectory
-import traceback
-from typing import Final, final
+from typing import Final
 
 from lta_config.errors import BadInput
 from lta_config.files import share_folder
-from lta_graph.health import ENDS_RUN, HealthLevel
-from lta_graph.interrupts import catch_stops
 from lta_graph.launch_plan import LaunchProcess, parse_arguments
 from lta_graph.launches import find_launch
 from lta_graph.reach import PROFILE_VARIABLE
-from lta_graph.ros.command_line import initialize_ros, reject_unknown_parameters
 from lta_graph.ros.node import GraphNode
-from lta_graph.ros.process import (
-    asks_for_help,
-    describe_crash,
-    finish_waiting_events,
-    open_executor,
-    run_process,
-    spin_for,
-)
-from rclpy.executors import Executor
-from rclpy.utilities import get_default_context
+from lta_graph.ros.process import asks_for_help, NodeStart, run_nodes, run_process
 
 DELIVERY: Final = 'intraprocess_delivery'  # element of a profile of Fast DDS
-ANSWERS: Final = 10  # nodes that answer each other's last messages in turn when the run ends
-
-
-@final
-@dataclass(slots=True, eq=False)
-class RunningNode:
-    """A node of the process and the steps of its `run`."""
-
-    node: GraphNode
-    process: LaunchProcess
-    steps: Iterator[None]
-
-
 USAGE = """Usage: ros2 run lta_graph one_process FILE [NAME:=VALUE] ...
 
 Run the nodes of a launch file that share a process, such as one_process fly seed:=2. The arguments
@@ -84,7 +50,25 @@ def run_launch_file(words: Sequence[str], teardown: ExitStack) -> int:
     shared = [process for process in plan.processes if process.shared]
     if not shared:
         raise BadInput(f'{launch.name} starts no node that can share a process; use lta launch.')
-    return run_nodes(shared, program, teardown)
+    deliver_in_memory(os.environ, teardown)
+    return run_nodes(list(map(describe_start, shared)), [program], teardown)
+
+
+def describe_start(process: LaunchProcess) -> NodeStart:
+    """Return how to create the node that a process of its own would run."""
+    words = list(process.arguments)
+
+    def create() -> GraphNode:
+        node_class = load_node_class(process)
+        return node_class(cli_args=words, use_global_arguments=False)  # type: ignore[call-arg]
+
+    return NodeStart(
+        create,
+        [process.executable, *words],
+        process.name,
+        process.on_exit_shutdown,
+        process.planned,
+    )
 
 
 def load_node_class(process: LaunchProcess) -> type[GraphNode]:
@@ -112,57 +96,6 @@ def load_node_class(process: LaunchProcess) -> type[GraphNode]:
     return node_class
 
 
-def run_nodes(
-    processes: Sequence[LaunchProcess],
-    program: str,
-    teardown: ExitStack,
-) -> int:
-    """
-    Run nodes in this process until one of them or a stop signal ends the run.
-
-    Parameters
-    ----------
-    processes : sequence of LaunchProcess
-        The nodes, as processes that would run them.
-    program : str
-        Name of the program, for ROS.
-    teardown : ExitStack
-        Destroys the nodes after the caller has reported the result.
-
-    Returns
-    -------
-    int
-        The exit status: 0, 1 if a node has failed, or 128 + the number of a stop signal that came
-        before all nodes existed.
-
-    Raises
-    ------
-    BadInput
-        If a node rejects its input.
-
-    """
-    held: list[int] = []
-    catch_stops(lambda number, _: held.append(number))
-    deliver_in_memory(os.environ, teardown)
-    initialize_ros([program])
-    with open_executor(get_default_context()) as executor:
-        group = NodeGroup(executor)
-        try:
-            for process in processes:
-                group.create_node(process, teardown)
-                if held:
-                    return 128 + held[0]
-            catch_stops(lambda *_: group.stop())
-            if held:
-                return 128 + held[0]
-            group.run()
-        finally:
-            group.close_all()
-    if group.refusal is not None:
-        raise group.refusal
-    return group.status
-
-
 def deliver_in_memory(environment: MutableMapping[str, str], teardown: ExitStack) -> None:
     """
     Let Fast DDS hand messages over within this process, which our profiles switch off.
@@ -184,121 +117,3 @@ def deliver_in_memory(environment: MutableMapping[str, str], teardown: ExitStack
 def list_own_profiles() -> list[Path]:
     """Return the files with our settings of Fast DDS."""
     return [path.resolve() for path in (share_folder() / 'fastdds').glob('*.xml')]
-
-
-@final
-class NodeGroup:
-    """
-    The nodes of one process.
-
-    `executor` runs their callbacks.
-
-    Attributes
-    ----------
-    status : int
-        1 once a node has failed.
-    refusal : BadInput or None
-        Why the first node has rejected its input.
-
-    """
-
-    def __init__(self, executor: Executor) -> None:
-        self.status = 0
-        self.refusal: BadInput | None = None
-        self._executor = executor
-        self._running: dict[GraphNode, RunningNode] = {}
-        self._stopping = False
-
-    def create_node(self, process: LaunchProcess, teardown: ExitStack) -> None:
-        """Create a node with the command line of a process."""
-        kind = load_node_class(process)
-        own = list(process.arguments)
-        node = kind(cli_args=own, use_global_arguments=False)  # type: ignore[call-arg]
-        teardown.callback(node.destroy_node)
-        self._running[node] = RunningNode(node, process, node.run())
-        reject_unknown_parameters(node, [process.executable, *process.arguments])
-
-    def stop(self) -> None:
-        """Ask all nodes to end; for the second time, to hurry."""
-        for each in self._running.values():
-            each.node.hurried = not each.node.running
-            each.node.running = False
-        self._stopping = True
-
-    def run(self) -> None:
-        """Run all nodes until they have ended."""
-        for node in self._running:
-            self._executor.add_node(node)
-        # What start-up has left is not searched for garbage again and again
-        gc.freeze()
-        while self._running:
-            for each in list(self._running.values()):
-                self._advance(each)
-            spin_for(self._executor, self._running)
-
-    def _advance(self, each: RunningNode) -> None:
-        """Let a node take a step; close it at its end."""
-        try:
-            if each.node.fault is not None:
-                raise each.node.fault
-            next(each.steps)
-        except StopIteration:
-            self._end(each)
-        except SystemExit as request:
-            self.status = self.status or int(request.code or 0)
-            self._end(each)
-        except Exception as error:
-            self._fail(each, error)
-
-    def _end(self, each: RunningNode) -> None:
-        """Close a node that has ended, and stop the others if it ends the run."""
-        ends_run = each.process.on_exit_shutdown and not self._stopping
-        if ends_run:
-            # All answers to its last messages belong to the run
-            for _ in range(ANSWERS):
-                finish_waiting_events(self._executor, self._running)
-            if not each.process.planned:
-                sys.stderr.write(f'{each.process.name} ended, which ends the run.\n')
-                self.status = 1
-        self._close(each)
-        if ends_run:
-            self.stop()
-
-    def _fail(self, each: RunningNode, error: Exception) -> None:
-        """Report and close a node that has raised an exception."""
-        ends_run = each.process.on_exit_shutdown
-        if isinstance(error, BadInput):
-            why = str(error)
-        else:
-            traceback.print_exception(error)
-            why = describe_crash(error)
-        each.node.health.report('state', HealthLevel.ERROR, why, **{ENDS_RUN: ends_run})
-        each.node.publish_health()
-        if ends_run and isinstance(error, BadInput):
-            self.refusal = self.refusal or error
-        elif ends_run:
-            self.status = 1
-            sys.stderr.write(f'{each.process.name} {why}\n')
-        else:
-            sys.stderr.write(f'{each.process.name} ended ({why}); the others continue.\n')
-        self._close(each)
-        if ends_run and not self._stopping:
-            self.stop()
-
-    def _close(self, each: RunningNode) -> None:
-        """Close a node, which gets no further messages."""
-        node = each.node
-        del self._running[node]
-        self._executor.remove_node(node)
-        try:
-            node.close()
-        except BadInput as error:
-            self.refusal = self.refusal or error
-        except Exception:
-            traceback.print_exc()
-            self.status = 1
-
-    def close_all(self) -> None:
-        """Close the nodes that remain after a failed start."""
-        for each in list(self._running.values()):
-            self._close(each)

@@ -1,8 +1,16 @@
-"""Run one node as a process, the `main` of every executable, by rclpy's `EventsExecutor`."""
+"""
+Run one node or several in a process, by rclpy's `EventsExecutor`: the `main` of executables.
+
+A node's `run` is a generator, so that it can wait without stopping the others. A node that raises
+an exception ends, as a process of its own would; the others go on or are stopped, as the launch
+file says.
+"""
 
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager, ExitStack, suppress
+from dataclasses import dataclass
 import faulthandler
+import gc
 import inspect
 import os
 import signal
@@ -10,11 +18,11 @@ import sys
 import threading
 import time
 import traceback
-from typing import Final, NoReturn
+from typing import Final, final, NoReturn
 
 from lta_config.errors import BadInput
 from lta_config.limits import describe_shortage
-from lta_graph.health import HealthLevel
+from lta_graph.health import ENDS_RUN, HealthLevel
 from lta_graph.interrupts import catch_stops
 from lta_graph.ros.command_line import initialize_ros, reject_unknown_parameters
 from lta_graph.ros.contained_node import ContainedNode
@@ -24,10 +32,11 @@ from rclpy.context import Context
 from rclpy.executors import Executor
 from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
-from rclpy.utilities import try_shutdown
+from rclpy.utilities import get_default_context, try_shutdown
 
 POLL: Final = 0.02  # wall seconds between two steps of a node's `run`
 TEARDOWN: Final = 5.0  # s for DDS to shut down; less than the launcher's grace
+ANSWERS: Final = 10  # nodes that answer each other's last messages in turn when the run ends
 HELP_OPTIONS: Final = ('-h', '--help')
 
 
@@ -51,12 +60,13 @@ def run_node(node_class: type[GraphNode], args: list[str] | None = None) -> NoRe
     if asks_for_help(words):
         sys.stdout.write(describe_node(node_class, words[0]))
         exit_process(0)
-    run_process(lambda teardown: run_until_stopped(node_class, words, teardown))
+    start = NodeStart(node_class, words)
+    run_process(lambda teardown: run_nodes([start], words, teardown))
 
 
 def run_process(run: Callable[[ExitStack], int]) -> NoReturn:
     """
-    Run one node or several and exit the process.
+    Run something with nodes and exit the process.
 
     Parameters
     ----------
@@ -95,55 +105,186 @@ def run_process(run: Callable[[ExitStack], int]) -> NoReturn:
     exit_process(status)
 
 
-def run_until_stopped(node_class: type[GraphNode], words: list[str], teardown: ExitStack) -> int:
-    """
-    Initialise ROS, create a node, run it until a stop signal, and close it in any case.
+@final
+@dataclass(frozen=True, slots=True)
+class NodeStart:
+    """How to create a node, and what its end means."""
 
-    `teardown` destroys the node after the caller has reported the result. The status is 0, or
-    128 + the number of a stop signal that came before the node existed.
+    create: Callable[[], GraphNode]
+    words: Sequence[str]  # its command line
+    name: str = ''  # how the process names it where it runs several
+    ends_run: bool = True  # whether its end ends the others
+    planned: bool = True  # whether its end, without a failure, is the planned end of the run
+
+
+def run_nodes(starts: Sequence[NodeStart], words: Sequence[str], teardown: ExitStack) -> int:
+    """
+    Initialise ROS, and run nodes until one of them or a stop signal ends the run.
+
+    Parameters
+    ----------
+    starts : sequence of NodeStart
+        The nodes.
+    words : sequence of str
+        The command line for ROS.
+    teardown : ExitStack
+        Destroys the nodes after the caller has reported the result.
+
+    Returns
+    -------
+    int
+        The exit status: 0, 1 if a node has ended the run unplanned, or 128 + the number of a stop
+        signal that came before all nodes existed.
+
+    Raises
+    ------
+    Exception
+        What the first node raised whose end ends the run, once all are closed.
+
     """
     held: list[int] = []
     # A C extension may swallow an exception, and the node would run on. So stop signals are only
-    # recorded here, and take effect once the node can close
+    # recorded here, and take effect once the nodes can close
     catch_stops(lambda number, _: held.append(number))
     initialize_ros(words)
-    node = node_class()  # type: ignore[call-arg]
-
-    def stop(*_: object) -> None:
-        # A second signal during the shutdown asks to skip, for example, a landing
-        node.hurried = not node.running
-        node.running = False
-
-    try:
-        reject_unknown_parameters(node, words)
-        catch_stops(stop)
-        if held:  # while the node was created
-            return 128 + held[0]
-        spin_node(node)
-    # Reported by the caller in one sentence; it is not a crash
-    except BadInput:
-        raise
-    except Exception as error:
-        # Publish the reason before `close`, which may take a landing; the recorder stores it
-        node.health.report('state', HealthLevel.ERROR, describe_crash(error))
-        node.publish_health()
-        raise
-    finally:
+    with open_executor(get_default_context()) as executor:
+        group = NodeGroup(executor)
         try:
-            node.close()
+            for start in starts:
+                group.create_node(start, teardown)
+                if held:  # while the node was created
+                    return 128 + held[0]
+            catch_stops(lambda *_: group.stop())
+            if held:
+                return 128 + held[0]
+            group.run()
         finally:
-            teardown.callback(node.destroy_node)
-    return 0
+            group.close_all()
+    if group.error is not None:
+        raise group.error
+    return group.status
 
 
-def spin_node(node: GraphNode) -> None:
-    """Run a node that has the process for itself, until it ends or a callback raises."""
-    with open_executor(node.context) as executor:
-        executor.add_node(node)
-        for _ in node.run():
-            spin_for(executor, [node])
+@final
+class NodeGroup:
+    """
+    The nodes of one process.
+
+    `executor` runs their callbacks.
+
+    Attributes
+    ----------
+    status : int
+        1 once a node has ended the run unplanned, or the status with which it has exited.
+    error : Exception or None
+        What the first node has raised whose end ends the run.
+
+    """
+
+    def __init__(self, executor: Executor) -> None:
+        self.status = 0
+        self.error: Exception | None = None
+        self._executor = executor
+        # The steps of each node's `run`
+        self._running: dict[GraphNode, tuple[NodeStart, Iterator[None]]] = {}
+        self._stopping = False
+
+    def create_node(self, start: NodeStart, teardown: ExitStack) -> None:
+        """Create a node."""
+        node = start.create()
+        teardown.callback(node.destroy_node)
+        self._running[node] = start, node.run()
+        reject_unknown_parameters(node, start.words)
+
+    def stop(self) -> None:
+        """Ask all nodes to end; for the second time to skip, for example, a landing."""
+        for node in self._running:
+            node.hurried = not node.running
+            node.running = False
+        self._stopping = True
+
+    def run(self) -> None:
+        """Run all nodes until they have ended."""
+        for node in self._running:
+            self._executor.add_node(node)
+        # What start-up has left is not searched for garbage again and again
+        gc.freeze()
+        while self._running:
+            for node in list(self._running):
+                self._advance(node)
+            spin_for(self._executor, self._running)
+
+    def _advance(self, node: GraphNode) -> None:
+        """Let a node take a step; close it at its end."""
+        try:
             if node.fault is not None:
                 raise node.fault
+            next(self._running[node][1])
+        except StopIteration:
+            self._end(node)
+        except SystemExit as request:
+            self.status = self.status or int(request.code or 0)
+            self._end(node)
+        except Exception as error:
+            self._fail(node, error)
+
+    def _end(self, node: GraphNode) -> None:
+        """Close a node that has ended, and stop the others if it ends the run."""
+        start, _ = self._running[node]
+        ends_run = start.ends_run and not self._stopping
+        if ends_run:
+            # All answers to its last messages belong to the run
+            for _ in range(ANSWERS):
+                finish_waiting_events(self._executor, self._running)
+            if not start.planned:
+                sys.stderr.write(f'{start.name} ended, which ends the run.\n')
+                self.status = 1
+        self._close(node)
+        if ends_run:
+            self.stop()
+
+    def _fail(self, node: GraphNode, error: Exception) -> None:
+        """Report and close a node that has raised an exception."""
+        start, _ = self._running[node]
+        is_crash = not isinstance(error, BadInput)
+        why = describe_crash(error) if is_crash else str(error)
+        # The sentence of bad input is all that a process of one node says
+        if is_crash or start.name:
+            # Before `close`, which may take a landing; the recorder stores it
+            node.health.report('state', HealthLevel.ERROR, why, **{ENDS_RUN: start.ends_run})
+            node.publish_health()
+        if start.ends_run:
+            self._keep_error(error)
+        elif is_crash:
+            traceback.print_exception(error)
+        if start.name and not start.ends_run:
+            sys.stderr.write(f'{start.name} ended ({why}); the others continue.\n')
+        elif start.name and is_crash:
+            sys.stderr.write(f'{start.name} {why}\n')
+        self._close(node)
+        if start.ends_run and not self._stopping:
+            self.stop()
+
+    def _keep_error(self, error: Exception) -> None:
+        """Keep the first error for the end of the run; report any other now."""
+        if self.error is None:
+            self.error = error
+        else:
+            traceback.print_exception(error)
+
+    def _close(self, node: GraphNode) -> None:
+        """Close a node, which gets no further messages."""
+        del self._running[node]
+        self._executor.remove_node(node)
+        try:
+            node.close()
+        except Exception as error:
+            self._keep_error(error)
+
+    def close_all(self) -> None:
+        """Close the nodes that remain after a failed start."""
+        for node in list(self._running):
+            self._close(node)
 
 
 @contextmanager

@@ -4,7 +4,7 @@ import array
 from collections.abc import Callable, Mapping, Sequence
 
 from lta_config.topics import TopicTable
-from lta_graph.inbox import Inbox, RecordedSchedule
+from lta_graph.lockstep import Inbox, RecordedSchedule
 from lta_graph.ros.qos import select_profile
 from rclpy.node import Node
 from rclpy.subscription import Subscription

@@ -4,14 +4,12 @@ from collections.abc import Sequence
 from typing import Any, final
 
 from builtin_interfaces.msg import Time
-from lta_graph.blank_message import create_message
 
 
 def to_stamp(stamp_ns: int) -> Time:
     """Return integer nanoseconds as a ROS stamp."""
-    stamp = create_message(Time)
-    stamp.sec, stamp.nanosec = divmod(stamp_ns, 1_000_000_000)
-    return stamp
+    seconds, nanoseconds = divmod(stamp_ns, 1_000_000_000)
+    return Time(sec=seconds, nanosec=nanoseconds)
 
 
 def from_stamp(stamp: Time) -> int:

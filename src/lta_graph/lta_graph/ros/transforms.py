@@ -5,7 +5,6 @@ from typing import Any, Final
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import TransformStamped
-from lta_graph.blank_message import create_message
 from nav_msgs.msg import Odometry
 from tf2_msgs.msg import TFMessage
 
@@ -48,7 +47,7 @@ def build_transform(
 
     """
     parent, child = frames
-    message = create_message(TransformStamped)
+    message = TransformStamped()
     message.child_frame_id = child
     message.header.stamp, message.header.frame_id = stamp, parent
     moved, turned = message.transform.translation, message.transform.rotation

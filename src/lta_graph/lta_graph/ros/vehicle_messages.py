@@ -7,7 +7,6 @@ import math
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Vector3Stamped
 from lta_config.topics import load_topic_table
-from lta_graph.blank_message import create_message
 from lta_msgs.msg import LightBlock
 from nav_msgs.msg import Odometry
 import numpy as np
@@ -30,7 +29,7 @@ def build_imu_message(
     `noise` holds the standard deviations of a sample without biases: three of force, three of
     rate.
     """
-    message = create_message(Imu)
+    message = Imu()
     message.header = _build_header(stamp, 'imu')
     # REP-145: -1 marks an orientation that is not provided
     message.orientation_covariance[0] = -1.0
@@ -52,7 +51,7 @@ def build_range_message(
 
     `limits`: shortest and longest distance [m]. `field_of_view`: full angle [deg].
     """
-    message = create_message(Range)
+    message = Range()
     message.header = _build_header(stamp, 'range')
     message.radiation_type = Range.INFRARED
     message.field_of_view = math.radians(field_of_view)
@@ -63,7 +62,7 @@ def build_range_message(
 
 def build_pressure_message(stamp: Time, value: float, deviation: float) -> FluidPressure:
     """Return the air pressure, with the square of its deviation as variance. [Pa]"""
-    message = create_message(FluidPressure)
+    message = FluidPressure()
     message.header = _build_header(stamp, 'pressure')
     message.fluid_pressure, message.variance = value, deviation * deviation
     return message
@@ -109,7 +108,7 @@ def build_odometry(stamp: Time, motion: Sequence[float]) -> Odometry:
 
     `motion` has 13 numbers: position [m], quaternion x y z w, velocity [m/s] and rates [rad/s].
     """
-    message = create_message(Odometry)
+    message = Odometry()
     message.header = _build_header(stamp, 'ground_truth/odom')
     message.child_frame_id = 'base_link'
     pose, twist = message.pose.pose, message.twist.twist
@@ -127,6 +126,6 @@ def build_wind_message(stamp: Time, velocity: tuple[float, ...]) -> Vector3Stamp
 
 def _build_header(stamp: Time, topic: str) -> Header:
     """Return a header in the frame that the topic table names."""
-    header = create_message(Header)
+    header = Header()
     header.stamp, header.frame_id = stamp, load_topic_table().topics[topic].frame
     return header

@@ -4,7 +4,7 @@ All light of a scene, in the map frame.
 On each small plane falls
 
 - the direct light of each lamp by the inverse square, and its reflections from a room
-  (`ray_integration`, `Room`): modulated;
+  (`reflected_light`, `Room`): modulated;
 - ambient light from all sides: a steady part and the flicker of mains lamps at twice the mains
   frequency and its multiples (`Ambient`);
 - sun and sky (`Daylight`), over the whole scene or beyond a door (`OutdoorArea`).

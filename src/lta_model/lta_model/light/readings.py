@@ -2,7 +2,7 @@
 Light on a vehicle's photodiodes during a block of samples, and on its solar panel.
 
 Direct light is computed at every pose, with shading by the vehicle's own hull; indirect light
-(`lta_model.light.ray_integration`) only at both ends of a block, with linear interpolation between
+(`lta_model.light.reflected_light`) only at both ends of a block, with linear interpolation between
 them. The hull may hide lamps and the sun from the panel; of diffuse light it leaves a constant
 share at any pose. Plain functions of numbers and arrays, which compile.
 """
@@ -20,7 +20,7 @@ from lta_model.light.direct_light import (
     unpack_beam,
     visible_fraction,
 )
-from lta_model.light.ray_integration import (
+from lta_model.light.reflected_light import (
     BUNDLE_AZIMUTHS,
     DAYLIGHT_ROW,
     LAMP_ROWS,
@@ -163,7 +163,7 @@ class PanelPlane(NamedTuple):
 
 
 def build_panel_plane(hull: Vector, spot: Vector, normal: Vector) -> PanelPlane:
-    """Return a panel; the share is summed over the bundles of `ray_integration`."""
+    """Return a panel; the share is summed over the bundles of `reflected_light`."""
     free = whole = 0.0
     # Directions of the body frame: the share is taken as the same at any attitude
     for size, half_height, up, out, *_ in RINGS:

@@ -20,18 +20,18 @@ from lta_model.electrical.panel import array_spectral_factor
 from lta_model.light.direct_light import build_beam, DiodeResponse, direct_light, LampBeam
 from lta_model.light.field import LightField, PlaneIlluminance
 from lta_model.light.lamp import BeaconLamp
-from lta_model.light.ray_integration import (
-    gather_indirect_light,
-    LAMP_ROWS,
-    reflected_luminance,
-    scratch_size,
-    UNIFORM_ROW,
-)
 from lta_model.light.readings import (
     build_panel_plane,
     daylight_on_panel,
     lamp_light_on_panel,
     write_pose_readings,
+)
+from lta_model.light.reflected_light import (
+    gather_indirect_light,
+    LAMP_ROWS,
+    reflected_luminance,
+    scratch_size,
+    UNIFORM_ROW,
 )
 from lta_model.light.scene_geometry import (
     build_scene_geometry,

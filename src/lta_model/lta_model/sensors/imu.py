@@ -12,7 +12,7 @@ import math
 from typing import final
 
 from lta_config.compilation.compiler import compile_functions
-from lta_config.constants import STANDARD_GRAVITY
+from lta_config.constants import RADIANS_PER_DEGREE, STANDARD_GRAVITY
 from lta_model.measurement_chain import apply_chain, Chain, round_to_step
 from lta_model.rigid_body import rotation_matrix
 import numpy as np
@@ -22,7 +22,6 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Vector = tuple[float, float, float]
 # rad
-RADIANS_PER_DEGREE = math.pi / 180.0
 
 
 @final

@@ -15,7 +15,7 @@ import time
 from typing import Unpack
 
 from lta_graph.health import HealthLevel
-from lta_graph.inbox import InboxStep
+from lta_graph.lockstep import InboxStep
 from lta_graph.reach import describe_reach
 from lta_graph.ros.contained_node import NodeOptions
 from lta_graph.ros.node import GraphNode, LONG_ACKNOWLEDGE_TIME
@@ -24,10 +24,8 @@ from lta_graph.ros.process import run_node
 from lta_graph.ros.stamps import from_stamp, to_stamp
 from lta_graph.ros.startup import wait_for_graph
 from lta_graph.ros.transforms import from_start
-from lta_sim.drone import SimulatedDrone
+from lta_sim.drone import DroneSettings, Pacer, SimulatedDrone, SimulatorSettings
 from lta_sim.messages import sense_motion, sense_rest
-from lta_sim.pacer import Pacer
-from lta_sim.simulator_settings import DroneSettings, SimulatorSettings
 from rosgraph_msgs.msg import Clock as ClockMessage
 from tf2_msgs.msg import TFMessage
 
@@ -135,6 +133,8 @@ class Simulator(GraphNode):
 
     def close(self) -> None:
         """Report the outcomes, also to the launcher, and let the last messages leave."""
+        for drone in self._flying.values():
+            drone.finish()
         self.health.changed = True  # the outcome does not wait for the next report
         self._monitor_inputs()
         # Lines of JSON, which the launcher parses; a flight that never began has no outcome

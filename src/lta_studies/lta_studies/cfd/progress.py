@@ -11,10 +11,14 @@ from lta_report.progress_bar import ProgressBar
 from lta_report.request import option
 from lta_report.study import StudyOptions
 from lta_windtunnel.flow_plan import TunnelFlow
-from lta_windtunnel.flow_solvers import ThreadedFlowSolver
-from lta_windtunnel.openfoam.case import cache_folder, CaseRunner, FoamCase, ProgramStep
-from lta_windtunnel.openfoam.programs import FoamPrograms
-from lta_windtunnel.solve import check_memory, machine_memory
+from lta_windtunnel.openfoam.case import (
+    cache_folder,
+    CaseRunner,
+    FoamCase,
+    FoamPrograms,
+    ProgramStep,
+)
+from lta_windtunnel.solve import check_memory, machine_memory, ThreadedFlowSolver
 from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 

@@ -23,8 +23,7 @@ from lta_studies.cfd.progress import (
 from lta_windtunnel.aero_text import format_aero_file
 from lta_windtunnel.flow_fields import FlowSlice, read_flow_slice
 from lta_windtunnel.flow_plan import plan_flows, TUNNEL_AIR, TunnelFlow
-from lta_windtunnel.openfoam.case import CaseRunner
-from lta_windtunnel.openfoam.programs import FoamPrograms, require_openfoam
+from lta_windtunnel.openfoam.case import CaseRunner, FoamPrograms, require_openfoam
 from lta_windtunnel.solve import build_sweep, solve_sweep
 from lta_windtunnel.sweep_table import read_sweep, TunnelSweep
 from lta_windtunnel.tunnel import INCIDENCES

@@ -13,13 +13,13 @@ from typing import Final, final
 
 from lta_config.schema.mission_file import LightDay, MissionFile
 from lta_control.phases import Phase
-from lta_control.strategies.homing import STRATEGY
+from lta_control.strategies.homing import HOMING_STRATEGY
 from lta_energy.circuit import EnergyTotals
 from lta_energy.harvest import HarvestCurve
 from lta_energy.irradiance import IrradianceSeries, PanelIrradiance, simulate_irradiance
 from lta_energy.mission import Departure, Landing, MissionFlight, MissionSimulation, PerchConfig
 from lta_energy.schedule import build_fixed_schedule, Schedule, schedule_by_light
-from lta_sim.power_meter import draw_errors, PowerMeterSettings
+from lta_sim.supply import draw_meter_errors, PowerMeterSettings
 from lta_sim.termination import build_goal, is_at_lamp
 from lta_studies.mission.gas import draw_slack, find_brightest_light
 from lta_studies.mission.leg_state import (
@@ -57,7 +57,7 @@ def build_schedule(name: str, mission: MissionFile) -> Schedule:
 def build_perch_power_config(mission: MissionFile, scenes: MissionScene, seed: int) -> PerchConfig:
     """Return the configuration on the perch, with meter errors and slack drawn from the seed."""
     vehicle = scenes.vehicle
-    meter = draw_errors(
+    meter = draw_meter_errors(
         # 219 (the meter is an INA219) only keeps this stream independent of other draws.
         PowerMeterSettings(),
         np.random.default_rng(np.random.SeedSequence([seed, 219])),
@@ -255,7 +255,7 @@ class MissionFlyer:
         if leg.kind == GO:
             # On the ground it has to climb first; dwelling and landing keep the lamp.
             phase = Phase.SEEK if mission.phase == Phase.ARRIVED else mission.phase
-            mission = mission._replace(phase=phase, memory=STRATEGY.onward(mission.memory))
+            mission = mission._replace(phase=phase, memory=HOMING_STRATEGY.onward(mission.memory))
         flight = memory.flight._replace(mission=mission)
         begin = memory._replace(flight=flight, outcome=FLYING, first_step=flight.step)
         constants = self._pilot.pack_constants(beacon_flight)

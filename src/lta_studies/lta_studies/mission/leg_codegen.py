@@ -13,11 +13,11 @@ from lta_config.compilation.extract import SourceExtract
 from lta_config.compilation.flat import CORE_PREFIX, TupleLayout
 from lta_config.errors import BadInput
 from lta_control.laws import cascade
-from lta_control.strategies.homing import STRATEGY
+from lta_control.strategies.homing import HOMING_STRATEGY
 from lta_flight.batch.codegen import build_kernel, write_flight_source
 from lta_flight.batch.control_period import WorkArrays
 from lta_flight.batch.targets import BatchSchedule, CPU, SCRATCH, SENSOR_STEP
-from lta_model.light.ray_integration import LAMP_ROWS, scratch_size
+from lta_model.light.reflected_light import LAMP_ROWS, scratch_size
 from lta_studies.mission.leg_state import fly_leg
 
 COARSE = 2  # steps of the full loop per step here; a Runge-Kutta step of 5 ms is as accurate
@@ -70,7 +70,10 @@ def generate_leg_source(
     """
     kernel = build_kernel(names, diodes, closed=True)
     extract = SourceExtract(
-        kernel=kernel, strategy=STRATEGY, schedule=coarse_schedule(schedule), law=cascade.LAW
+        kernel=kernel,
+        strategy=HOMING_STRATEGY,
+        schedule=coarse_schedule(schedule),
+        law=cascade.CASCADE_LAW,
     )
     name, work = extract.add_function(fly_leg, CORE_PREFIX), extract.add_named_tuple(WorkArrays)
     light = f'np.empty(({LAMP_ROWS + 1}, {diodes}))'

@@ -10,9 +10,9 @@ the diodes; no ADC blocks are simulated.
 import math
 from typing import NamedTuple
 
+from lta_control.allocation import NO_ROTORS
 from lta_control.flight_step import is_stopped
 from lta_control.laws.protocol import ControlLaw
-from lta_control.per_rotor import NO_ROTORS
 from lta_control.phases import Phase
 from lta_control.strategies.protocol import NavigationStrategy
 from lta_flight.batch.constants_and_tally import FlightConstants

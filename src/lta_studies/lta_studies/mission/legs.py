@@ -11,7 +11,7 @@ from lta_config.topics import load_topic_table
 from lta_control.autopilot import begin_memory
 from lta_control.laws import cascade
 from lta_control.phases import Phase
-from lta_control.strategies.homing import STRATEGY
+from lta_control.strategies.homing import HOMING_STRATEGY
 from lta_flight.batch.batch_flight import BatchFlight, build_schedule
 from lta_flight.batch.codegen import initial_effect_memory
 from lta_flight.batch.control_period import begin_flight
@@ -118,8 +118,8 @@ class LegPilot:
             )
         # The first leg computes the command and the first range
         flight = begin_flight(
-            STRATEGY,
-            begin_memory(cascade.LAW),
+            HOMING_STRATEGY,
+            begin_memory(cascade.CASCADE_LAW),
             state,
             (0.0,) * ROW_PARTS['command'],
             self._dark,

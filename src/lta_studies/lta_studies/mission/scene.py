@@ -14,7 +14,7 @@ from lta_config.schema.mission_file import InspectionPayload, MissionFile
 from lta_config.schema.spectrum_file import luminous_efficacy
 from lta_config.topics import load_topic_table
 from lta_control.cascade import CascadeGains
-from lta_control.strategies.homing import STRATEGY
+from lta_control.strategies.homing import HOMING_STRATEGY
 from lta_energy.harvest import WHITE_LED
 from lta_energy.irradiance import PanelIrradiance
 from lta_flight.batch.batch_flight import (
@@ -139,7 +139,7 @@ class MissionScene:
                 self._model,
                 self._build_constants(listening, self.lamp(beacon)),
                 self.vehicle,
-                STRATEGY,
+                HOMING_STRATEGY,
             )
             self._flights[beacon, level] = flight
         # Only the panel's light is exact for each call; the rest of the constants is cached.
@@ -151,7 +151,7 @@ class MissionScene:
             weights = weights._replace(ambient=(light.sun + lamps * light.lamps) / irradiance)
         power = flight.craft.power._replace(ambient=irradiance, panel_weights=weights)
         craft = flight.craft._replace(power=power)
-        return flight_from_constants(self._model, craft, self.vehicle, STRATEGY)
+        return flight_from_constants(self._model, craft, self.vehicle, HOMING_STRATEGY)
 
     def _build_link(self, beacon: str, lux: float) -> LightLink:
         """Build the light link of one beacon in steady ambient light."""

@@ -21,7 +21,7 @@ from typing import final
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.topics import load_topic_table
-from lta_control.allocation import create_working_array
+from lta_control.allocation import create_working_array, pad_to_slots, SLOTS
 from lta_control.attitude import up_in_body
 from lta_control.autopilot import Autopilot, build_drone_constants, MEMORY_LAYOUT
 from lta_control.cascade import CascadeGains, Setpoint, WrenchDemand
@@ -35,7 +35,6 @@ from lta_control.flight_step import (
     SensorInputs,
 )
 from lta_control.laws.cascade import CascadeLawMemory, compute_demand, deliver_demand
-from lta_control.per_rotor import pad_to_slots, SLOTS
 from lta_model.effects import initial_memory
 from lta_model.model import STEP_NS, VehicleModel
 from lta_model.sensors import range
@@ -50,7 +49,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 SETTLING = 80.0  # s from take-off until the flight counts as steady
 FLICKER = 1e-12  # m of the range finder, from one period to the next
-REST_TIME = 0.5  # s of bias calibration; short because the sensors have no bias here
+SHORT_REST_TIME = 0.5  # s of bias calibration; short because the sensors have no bias here
 
 
 @final
@@ -78,7 +77,7 @@ class LoopCut:
                 for name, topic in (('range_noise', 'range'), ('pressure_noise', 'pressure'))
             }
         )
-        settings = own.model_copy(update={'rest_time': REST_TIME, 'altitude': less})
+        settings = own.model_copy(update={'rest_time': SHORT_REST_TIME, 'altitude': less})
         self._still = _build_damped_model(true)
         self.drone: DroneConstants = build_drone_constants(nominal, settings, gains, self.period)
         delay = (
@@ -179,9 +178,9 @@ class LoopCut:
         autopilot = Autopilot(self.drone)
         state = pack_state((0.0, 0.0, self._true.hull_height_on_floor), memory=initial_memory())
         past = np.zeros((self.ages, SLOTS))
-        for tick in np.arange(round((REST_TIME + SETTLING) / self.period)):
+        for tick in np.arange(round((SHORT_REST_TIME + SETTLING) / self.period)):
             # No setpoint before the bias calibration on the ground has ended.
-            if tick * self.period > REST_TIME:
+            if tick * self.period > SHORT_REST_TIME:
                 autopilot.set_setpoint(setpoint)
             sensed = self.simulate_sensors(state, past, self._still)
             # A range finder that repeats its reading to the bit would count as stuck

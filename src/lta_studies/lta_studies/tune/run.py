@@ -20,6 +20,15 @@ from lta_report.study_progress import StudyProgress
 from lta_report.study_store import StudyStore
 from lta_report.workers import ItemFailure, Workers
 from lta_studies.tune import step_response
+from lta_studies.tune.cma_search import (
+    GainSearchResult,
+    replace_parameters,
+    round_gain,
+    search_gains,
+    select_parameters,
+    TunableParameter,
+    write_gains,
+)
 from lta_studies.tune.compare import (
     draw_cases,
     evaluate_gains,
@@ -29,15 +38,6 @@ from lta_studies.tune.compare import (
     GainEvaluation,
     ResponseMetrics,
     SEARCH_STORE,
-)
-from lta_studies.tune.gain_search import (
-    GainSearchResult,
-    replace_parameters,
-    round_gain,
-    search_gains,
-    select_parameters,
-    TunableParameter,
-    write_gains,
 )
 from lta_studies.tune.helium_limit import (
     find_tolerable_helium_loss,

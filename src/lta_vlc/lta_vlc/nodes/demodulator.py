@@ -5,17 +5,23 @@ from typing import Unpack
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.settings import setting
 from lta_graph.health import HealthLevel
-from lta_graph.inbox import InboxStep
+from lta_graph.lockstep import InboxStep
 from lta_graph.ros.contained_node import NodeOptions
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
 from lta_vlc.demodulation import DemodulatedBlock, Peaks
-from lta_vlc.diagnostics import describe_beacons, WANTED_TASK
 from lta_vlc.diodes import build_diode_array
 from lta_vlc.direction import LampDetection, LampFinder
 from lta_vlc.lamp import LampPrior
-from lta_vlc.messages import from_bearing, from_lamp, from_peaks, to_block
+from lta_vlc.messages import (
+    describe_beacons,
+    from_bearing,
+    from_lamp,
+    from_peaks,
+    to_block,
+    WANTED_TASK,
+)
 from lta_vlc.receiver import BeaconReceiver, BlockSequence
 from lta_vlc.settings import DemodulationSettings
 from std_msgs.msg import Header

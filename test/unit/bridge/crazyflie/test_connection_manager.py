@@ -2,12 +2,12 @@
 
 from types import SimpleNamespace
 
+from bench_body import BenchBody
 from lta_bridge.crazyflie import connection_manager
 from lta_bridge.crazyflie.connection_manager import ConnectionManager, enforce_parameters
 from lta_bridge.crazyflie.drone_lock import is_port_closed
 from lta_bridge.crazyflie.link import LinkFailed
 from lta_config.schema.crazyflie_file import ExpectedParameter
-from lta_emulation.crazyflie.commander import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
 from lta_emulation.crazyflie.server import CrazyflieServer
 import pytest

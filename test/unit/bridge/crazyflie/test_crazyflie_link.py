@@ -9,6 +9,7 @@ import threading
 import time
 from types import SimpleNamespace
 
+from bench_body import BenchBody
 from lta_bridge.crazyflie import duties_packet
 from lta_bridge.crazyflie.cflib_link import CflibLink
 from lta_bridge.crazyflie.connection_manager import ConnectionManager, enforce_parameters
@@ -26,7 +27,6 @@ from lta_config.schema.crazyflie_file import (
     REQUIRED,
 )
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_emulation.crazyflie.commander import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
 from lta_emulation.crazyflie.parameters import APP, ARMING, AS_SOLD, select_build
 from lta_emulation.crazyflie.server import CrazyflieServer

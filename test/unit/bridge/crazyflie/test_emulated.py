@@ -3,11 +3,10 @@
 import errno
 import struct
 
+from bench_body import BenchBody
 from lta_bridge.crazyflie import duties_packet
 from lta_bridge.crazyflie.supervisor_word import SupervisorBit
-from lta_emulation.crazyflie.commander import BenchBody
-from lta_emulation.crazyflie.firmware import Firmware
-from lta_emulation.crazyflie.packet import CrtpPacket, unpack_datagram
+from lta_emulation.crazyflie.firmware import CrtpPacket, Firmware, unpack_datagram
 from lta_emulation.crazyflie.parameters import APP, ARMING, AS_SOLD
 from lta_emulation.crazyflie.server import LossyLink
 from lta_emulation.crazyflie.supervisor import EVALUATION_PERIOD, SupervisorState

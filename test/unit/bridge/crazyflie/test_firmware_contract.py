@@ -10,6 +10,7 @@ import json
 from pathlib import Path
 import struct
 
+from bench_body import BenchBody
 from firmware_scenarios import (
     APP,
     app_files,
@@ -25,10 +26,8 @@ from firmware_scenarios import (
 )
 from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_emulation.crazyflie.commander import BenchBody
-from lta_emulation.crazyflie.firmware import Firmware
+from lta_emulation.crazyflie.firmware import CrtpPacket, Firmware
 from lta_emulation.crazyflie.log_blocks import BASIC, EXTENDED, PARAMETER_TYPES, READ_ONLY
-from lta_emulation.crazyflie.packet import CrtpPacket
 from lta_emulation.crazyflie.parameters import APP as APP_BUILD
 from lta_emulation.crazyflie.parameters import ARMING as ARMING_BUILD
 from lta_emulation.crazyflie.parameters import AS_SOLD, list_parameters

@@ -12,9 +12,8 @@ be switched off and on. Here that is done at once, and counted.
 from random import Random
 from typing import NamedTuple
 
-from lta_emulation.crazyflie.commander import BenchBody
-from lta_emulation.crazyflie.firmware import Firmware
-from lta_emulation.crazyflie.packet import CrtpPacket, unpack_datagram
+from bench_body import BenchBody
+from lta_emulation.crazyflie.firmware import CrtpPacket, Firmware, unpack_datagram
 from lta_emulation.crazyflie.parameters import APP, ARMING, list_parameters
 import pytest
 

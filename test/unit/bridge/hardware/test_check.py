@@ -7,6 +7,8 @@ import threading
 import time
 from types import SimpleNamespace
 
+from bench_body import BenchBody
+from frame_faults import FrameFaults
 from lta_bridge import devices as found
 from lta_bridge.crazyflie.link import LogPacket
 from lta_bridge.crazyflie.log_table import LogBlock
@@ -16,11 +18,10 @@ from lta_bridge.hardware import drone as listening_to_drones
 from lta_bridge.hardware.check import require_hardware
 from lta_bridge.hardware.drone import compute_stream_statistics
 from lta_config.errors import BadInput
-from lta_emulation.crazyflie.commander import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
 from lta_emulation.crazyflie.parameters import ARMING
 from lta_emulation.crazyflie.server import CrazyflieServer
-from lta_emulation.teensy.emulated_board import Cable, EmulatedBoard, FrameFaults
+from lta_emulation.teensy.emulated_board import Cable, EmulatedBoard
 import numpy as np
 import pytest
 from waiting import PATIENCE
@@ -121,10 +122,10 @@ def test_a_stream_by_hand_over_the_wrap_of_its_clock():
 class Talking:
     """A board on a pseudo terminal whose diodes hear a lamp, but for one that is dead."""
 
-    def __init__(self, folder, faults=None, dialect=1):
+    def __init__(self, folder, dialect=1, **more):
         self.path = str(folder / 'ttyACM0')
         self._cable = Cable(folder / 'ttyACM0')
-        self._board = EmulatedBoard(time.time_ns(), faults=faults, dialect=dialect)
+        self._board = EmulatedBoard(time.time_ns(), dialect=dialect, **more)
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._talk)
         self.sent = 0
@@ -225,7 +226,7 @@ def test_stock_firmware_under_a_blimp_is_told_what_it_lacks(call):
 
 
 def test_torn_frames_and_another_dialect_are_told(call, talking):
-    with talking(faults=FrameFaults(corrupt=20), dialect=2) as board:
+    with talking(transmit=FrameFaults(corrupt=20), dialect=2) as board:
         status, said = call('hardware', 'check', '--port', board.path, '--seconds', '2', '--json')
     told = json.loads(said.out)
     assert status == 1

@@ -7,13 +7,13 @@ import os
 import signal
 import time
 
+from bench_body import BenchBody
 from lta_bridge.crazyflie.cflib_link import CflibLink
 from lta_bridge.crazyflie.drone_lock import DroneLock
 from lta_bridge.crazyflie.link import LinkFailed
 from lta_bridge.crazyflie.log_table import LOG_BLOCKS
 from lta_bridge.hardware.motor import interrupt_on_signals, MotorBench
 from lta_config.schema.crazyflie_file import load_crazyflie
-from lta_emulation.crazyflie.commander import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
 from lta_emulation.crazyflie.server import CrazyflieServer
 from lta_model.vehicle import load_vehicle

@@ -1,8 +1,8 @@
 """The step of a batch flight as plain Python, with a vehicle that does not move."""
 
 from lta_config.topics import load_topic_table
+from lta_control.allocation import NO_ROTORS
 from lta_control.flight_step import DroneMemory
-from lta_control.per_rotor import NO_ROTORS
 from lta_flight.batch.batch_flight import build_flight, build_schedule
 from lta_flight.batch.control_period import (
     advance_vehicle,

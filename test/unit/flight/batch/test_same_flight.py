@@ -12,9 +12,9 @@ from types import SimpleNamespace
 from typing import NamedTuple
 
 from lta_config.topics import load_topic_table
+from lta_control.allocation import NO_ROTORS, pad_to_slots
 from lta_control.flight_step import DroneMemory
-from lta_control.laws.cascade import LAW
-from lta_control.per_rotor import NO_ROTORS, pad_to_slots
+from lta_control.laws.cascade import CASCADE_LAW
 from lta_control.phases import Phase
 from lta_flight.batch import control_period, flight_loop
 from lta_flight.batch.batch_flight import BatchFlight, build_flight, build_schedule
@@ -156,8 +156,8 @@ def iterate_memories(made):
     )  # fmt: skip
     while True:
         memory = control_period.simulate_period(
-            kernel, made.schedule, made.flight.strategy, LAW, constants, memory, made.inputs,
-            made.work,
+            kernel, made.schedule, made.flight.strategy, CASCADE_LAW, constants, memory,
+            made.inputs, made.work,
         )  # fmt: skip
         yield memory
 
@@ -215,7 +215,7 @@ def test_its_tally_has_the_results_of_the_loop(monkeypatch):
     for _ in loop.iterate_steps():
         view.record_step()
     row = flight_loop.fly(
-        made.kernel, made.schedule, made.flight.strategy, LAW, made.flight.craft,
+        made.kernel, made.schedule, made.flight.strategy, CASCADE_LAW, made.flight.craft,
         made.inputs.numbers, made.inputs.recorded, 3, made.work,
     )  # fmt: skip
     tally, results = SimpleNamespace(**dict(zip(FIGURES, row, strict=True))), compute_results(view)

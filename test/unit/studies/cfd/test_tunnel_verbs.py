@@ -3,19 +3,19 @@
 import math
 import shutil
 
+from campaigns.sphere import (
+    build_sphere_model,
+    compare_with_measurements,
+    plan_validation_flows,
+)
 from lta_config.files import share_folder
 from lta_report.report_terminal import print_table
 from lta_studies.cfd.progress import TunnelProgress
 from lta_studies.cfd.report import build_drag_table, build_rotor_table
 from lta_windtunnel.flow_plan import plan_flows, TUNNEL_AIR
-from lta_windtunnel.flow_solvers import ThreadedFlowSolver
+from lta_windtunnel.solve import ThreadedFlowSolver
 from lta_windtunnel.sweep_table import drop_pressure_maps, read_sweep
 from lta_windtunnel.tunnel_model import load_tunnel_model
-from lta_windtunnel.validation import (
-    build_sphere_model,
-    compare_with_measurements,
-    plan_validation_flows,
-)
 import pytest
 from rich.console import Console
 

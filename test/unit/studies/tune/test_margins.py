@@ -12,7 +12,7 @@ from lta_control.gains_file import load_gains
 from lta_model.sensors.pressure import PressureErrors, PressureSettings
 from lta_model.sensors.range import RangeErrors, RangeSettings
 from lta_sim.world import World
-from lta_studies.tune.gain_search import replace_parameters
+from lta_studies.tune.cma_search import replace_parameters
 from lta_studies.tune.loop_cut import linearize_loop, LoopCut
 from lta_studies.tune.margins import compute_loop_margins, compute_margins, to_decibels
 from lta_studies.tune.step_response import TuningScene
@@ -147,11 +147,11 @@ def test_the_swing_that_the_linear_loop_foretells_grows_in_flight(delayed):
     assert not linear.is_stable
     state, memory = cut.find_steady_flight(setpoint)
     pitch = []
-    past = np.tile(np.array(memory.duties), (cut.ages, 1))
+    past = np.tile(np.array(memory.pilot.law.command.duties), (cut.ages, 1))
     state[11] += 1e-4  # rad/s; far below where the drag is quadratic
     for _ in range(4000):
         memory, _ = cut.step_controller(state, memory, past, None)
-        past = np.vstack([np.array(memory.duties), past[:-1]])
+        past = np.vstack([np.array(memory.pilot.law.command.duties), past[:-1]])
         state = cut.advance_vehicle(state, past)
         pitch.append(state[11])
     sizes = [np.std(pitch[begin : begin + 1000]) for begin in (2000, 3000)]

@@ -12,6 +12,17 @@ from lta_report.study_store import StudyStore
 from lta_report.workers import ItemFailure, LocalWorkers
 from lta_studies.tune import compare, helium_limit
 from lta_studies.tune import run as tuning
+from lta_studies.tune.cma_search import (
+    format_gains,
+    GainSearchResult,
+    iterate_parameters,
+    replace_parameters,
+    robust_cost,
+    search_gains,
+    select_parameters,
+    TunableParameter,
+    write_gains,
+)
 from lta_studies.tune.compare import (
     compare_costs,
     compute_quartiles,
@@ -22,17 +33,6 @@ from lta_studies.tune.compare import (
     LampFlightResult,
     ResponseMetrics,
     SEARCH_STORE,
-)
-from lta_studies.tune.gain_search import (
-    format_gains,
-    GainSearchResult,
-    iterate_parameters,
-    replace_parameters,
-    robust_cost,
-    search_gains,
-    select_parameters,
-    TunableParameter,
-    write_gains,
 )
 from lta_studies.tune.step_response import fly_steps, SetpointStep, TuningCase, TuningScene
 import numpy as np

@@ -125,7 +125,7 @@ def find_lag(
 ) -> Iterator[QualityFinding]:
     """Yield the lag of a vector, or its drift, if significant."""
     lag, error, drift, before, after = estimate
-    small = abs(lag) < limits.CLOCK_OFFSET + limits.CLOCK_SIGMAS * error
+    small = abs(lag) < limits.LARGEST_CLOCK_OFFSET + limits.CLOCK_SIGMAS * error
     # An improved correlation must clearly reduce the mismatch
     gained = 1.0 - before > limits.CLOCK_GAIN * (1.0 - after)
     if (small and not drift) or after < limits.WANDER_AGREE or not gained:

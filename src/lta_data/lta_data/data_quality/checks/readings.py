@@ -9,6 +9,7 @@ not, so that noise or a poor sensor does not cause one.
 from collections.abc import Iterator, Sequence
 from typing import Final, final, NamedTuple
 
+from lta_config.constants import DEGREES_PER_RADIAN
 from lta_data.data_quality import limits
 from lta_data.data_quality.motion import (
     MeasuredVector,
@@ -47,7 +48,6 @@ AGREES: Final = 0.25  # share of each axis from which it needs no other reading
 OTHER: Final = 0.05  # of a score, that an attitude must gain more than a sensor
 CHANGE: Final = 0.01  # of a score, that each changed axis must gain
 CORRELATED: Final = limits.MOTION_CORRELATION**2  # share from which the factor is that of a unit
-DEGREES_PER_RADIAN: Final = 180.0 / np.pi
 HEIGHT_UNITS: Final = {'range': {'mm': 1e3, 'cm': 100.0}, 'pressure': {'hPa': 0.01, 'kPa': 1e-3}}
 # Ratio of measured to derived values -> unit of the sensor
 FACTORS: Final[dict[str, dict[float, str]]] = {

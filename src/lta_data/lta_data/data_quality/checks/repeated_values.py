@@ -104,7 +104,7 @@ FROZEN = 'frozen'
 START_SAMPLES = 3  # samples within which a run counts as starting at the beginning
 RELEASED = 5.0  # least jump at the end of a freeze, in usual steps
 HIDDEN_UNITS = 2.5  # units to which readings are rounded; a motion may change them so much at once
-REST_SPEED = 1e-9  # residual speed of a simulated vehicle at rest
+REST_RESIDUAL_SPEED = 1e-9  # residual speed of a simulated vehicle at rest
 USUAL = 90.0  # percentile of the run lengths that counts as regular
 
 
@@ -141,7 +141,7 @@ def find_channel_freezes(channel: Channel, simulated: bool) -> Iterator[QualityF
         rests = (
             simulated
             and channel.topic.startswith('ground_truth')
-            and (end == len(equal) or abs(held) < REST_SPEED)
+            and (end == len(equal) or abs(held) < REST_RESIDUAL_SPEED)
         )
         # Rounded readings of a slow motion repeat; those of a frozen one jump when it goes on
         slow = hidden and not abs(values[min(end + 1, len(equal))] - held) > hidden

@@ -10,13 +10,12 @@ vehicle; rates may be in the wrong unit, too, and late by a filter.
 from collections.abc import Iterator
 from typing import Final
 
-from lta_config.constants import STANDARD_GRAVITY
+from lta_config.constants import DEGREES_PER_RADIAN, STANDARD_GRAVITY
 from lta_data.data_quality import limits
 from lta_data.data_quality.motion import PoseMotion, PoseSeries, VectorSeries
 from lta_data.data_quality.recording import CheckContext, QualityFinding, Severity
 from lta_data.even_grid import hann_kernel, median_period, smooth_columns
 from lta_data.interpretation.attitude_readings import (
-    DEGREES_PER_RADIAN,
     FULL_TURN_RADIANS,
     magnify_angles,
     measure_turn,

@@ -24,7 +24,7 @@ from lta_data.importers.protocol import LogTable, Numbers
 from lta_data.importers.readers.bag_tables import BODY_TYPES, CHILD_MARK, FURTHER
 from lta_data.interpretation.column_group import ColumnGroup
 from lta_data.interpretation.column_names import (
-    ACTUATORS,
+    ACTUATOR_WORDS,
     COMMAND_WORDS,
     JOYSTICKS,
     match_kind,
@@ -241,7 +241,7 @@ def _list_command_topics(types: Mapping[str, str]) -> list[str]:
         name
         for name, kind in types.items()
         if kind not in POSE_TYPES and kind not in BY_TYPE and kind not in BODY_TYPES
-        and parse_column_name(name).words & (ACTUATORS | COMMAND_WORDS | JOYSTICKS)
+        and parse_column_name(name).words & (ACTUATOR_WORDS | COMMAND_WORDS | JOYSTICKS)
     ]  # fmt: skip
 
 

@@ -18,7 +18,7 @@ from lta_data.importers.protocol import Numbers
 from lta_data.interpretation.column_names import (
     ACTIONS,
     ACTUATOR_PART_WORDS,
-    ACTUATORS,
+    ACTUATOR_WORDS,
     ANGLE_WORDS,
     AXIS_LETTERS,
     BODY_WORDS,
@@ -48,10 +48,10 @@ STATE_SETPOINT_WORDS: Final = ROLE_WORDS['setpoint'] - {
 }  # a state, no force
 TWIST: Final = frozenset(['linear', 'angular'])
 COMMANDING: Final = (
-    COMMAND_WORDS | ACTUATORS | KIND_WORDS['force'] | KIND_WORDS['torque'] | {'wrench'}
+    COMMAND_WORDS | ACTUATOR_WORDS | KIND_WORDS['force'] | KIND_WORDS['torque'] | {'wrench'}
 )
 # Words beside x, y, z that make it the axis of a command
-DRIVING: Final = (COMMAND_WORDS | ACTUATORS | {'wrench'}) - ACTUATOR_PART_WORDS
+DRIVING: Final = (COMMAND_WORDS | ACTUATOR_WORDS | {'wrench'}) - ACTUATOR_PART_WORDS
 TURNING_LETTERS: Final = (frozenset('t'), frozenset('m'))
 OTHER_WORDS: Final = KIND_WORDS['force'] | {'m', 't'}
 FRACTION: Final = 1.05  # largest number of a fraction

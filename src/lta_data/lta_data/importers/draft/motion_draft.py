@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any, Final, final, NamedTuple
 
+from lta_config.constants import RADIANS_PER_DEGREE
 from lta_data.data_quality import limits
 from lta_data.even_grid import sort_samples
 from lta_data.importers.draft.choices import DraftChoices
@@ -40,7 +41,6 @@ PITCH_DOWN: Final = np.array([1.0, -1.0, 1.0])  # from angles that are positive 
 DRAFTED_ROWS: Final = 20_000  # rows that are looked at
 NORTH_EAST_DOWN: Final = ('n', 'e', 'd')
 EAST_NORTH_DOWN: Final = ('e', 'n', 'd')
-RADIANS_PER_DEGREE: Final = np.pi / 180.0
 UNIT_LOG_TOLERANCE: Final = 0.7  # logarithm of a factor, within which noise can move it
 COUNTS: Final = 'counts'  # of a sensor, whose scale the attitude shows
 UNRELATED: Final = 0.3  # explained share of a motion below which two contradict each other

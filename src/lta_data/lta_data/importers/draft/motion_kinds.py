@@ -21,7 +21,7 @@ from lta_data.interpretation.column_group import (
     is_rotation,
 )
 from lta_data.interpretation.column_names import (
-    ACTUATORS,
+    ACTUATOR_WORDS,
     COMMAND_WORDS,
     JOYSTICKS,
     KIND_WORDS,
@@ -327,7 +327,7 @@ def _list_arrays(columns: Sequence[str]) -> Iterator[list[str]]:
     for column in columns:
         match = ARRAY_ELEMENT.fullmatch(column)
         words = parse_column_name(column).words
-        if match and not words & (ACTUATORS | COMMAND_WORDS | JOYSTICKS):
+        if match and not words & (ACTUATOR_WORDS | COMMAND_WORDS | JOYSTICKS):
             name = '' if match[1] == 'column' else match[1]
             arrays.setdefault(name, {})[int(match[2])] = column
     for name, array in arrays.items():

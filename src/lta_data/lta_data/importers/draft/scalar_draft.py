@@ -10,7 +10,7 @@ from lta_data.importers.draft.generic_commands import draft_axis_commands, find_
 from lta_data.importers.protocol import Numbers
 from lta_data.interpretation.column_group import Columns
 from lta_data.interpretation.column_names import (
-    ACTUATORS,
+    ACTUATOR_WORDS,
     ColumnName,
     is_placed_command,
     NUMBERED,
@@ -36,7 +36,7 @@ FORCES: Final = frozenset(['f', 'force', 'fl', 'fr', 'fu', 'thrust', 'forces']) 
 UPSTREAM: Final = frozenset(
     ['pid', 'controller', 'controls', 'cmd', 'setpoint', 'sp', 'ref', 'mixer', 'stabilizer']
 )
-GRAMS: Final = frozenset(['g', 'gf', 'grams'])  # of thrust
+GRAM_UNITS: Final = frozenset(['g', 'gf', 'grams'])  # of thrust
 LARGEST_DUTY: Final = 1.05
 LARGEST_THRUST: Final = 60.0  # below it, numbers of a thrust can be %, N or grams
 SIDE_WORDS: Final = {'l': 'left', 'r': 'right'}
@@ -89,7 +89,8 @@ def _commands_rotor(name: ColumnName, choices: DraftChoices) -> bool:
     if answer := choices.find_answer(f'{name.column}.command'):
         return answer not in ('none', *BODY_AXES)
     return bool(
-        name.words & (ACTUATORS | FORCES | ROTOR_SPEED_WORDS) or is_placed_command(name.column)
+        name.words & (ACTUATOR_WORDS | FORCES | ROTOR_SPEED_WORDS)
+        or is_placed_command(name.column)
     )
 
 
@@ -113,7 +114,7 @@ def _draft_actuators(
     """Return the actuators: servos, and what rotors do, in one of the ways that a log has it."""
     families: dict[tuple[str, frozenset[str]], list[ColumnName]] = {}
     for name in motors:
-        families.setdefault((name.unit, name.words & ACTUATORS), []).append(name)
+        families.setdefault((name.unit, name.words & ACTUATOR_WORDS), []).append(name)
     servos = [one for one in families.values() if one[0].words & SERVOS]
     turned = [one for one in families.values() if one not in servos]
     rotors = turned[:1]
@@ -141,7 +142,7 @@ def _draft_family(
     columns = [name.column for name in motors]
     words = frozenset().union(*(name.words for name in motors))
     units = {UNIT_WORDS.get(name.unit, ('',))[0] for name in motors} - {''}
-    units |= {'gf'} if {name.unit for name in motors} & GRAMS else set()
+    units |= {'gf'} if {name.unit for name in motors} & GRAM_UNITS else set()
     kind, field, why = _judge_actuators(words, units, size, values)
     key = 'motors.unit'
     if kind == 'pulse':

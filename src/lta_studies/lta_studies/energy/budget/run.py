@@ -42,7 +42,7 @@ from lta_studies.energy.course_flight import (
 from lta_vehicle.figures.thrust_envelope import hover_thrust
 from pydantic import TypeAdapter
 
-FORWARD_SHARE = 0.5  # share of the thrust along x above which a rotor counts as a forward one
+PUSHING_SHARE = 0.5  # share of the thrust along x above which a rotor counts as a forward one
 
 
 @final
@@ -80,7 +80,7 @@ def explain_hover_power(vehicle: Vehicle, hover: float, goal: float) -> PowerCau
 
 def _equivalent_wind(vehicle: Vehicle, more: float) -> float:
     """Return the wind whose drag costs the forward rotors that much power. [m/s]"""
-    pushing = [rotor.column[0] for rotor in vehicle.rotors if rotor.column[0] > FORWARD_SHARE]
+    pushing = [rotor.column[0] for rotor in vehicle.rotors if rotor.column[0] > PUSHING_SHARE]
     if not pushing:
         return math.nan
     loads, effects = vehicle.loads, vehicle.collect_effects()

@@ -12,7 +12,7 @@ from lta_config.compilation.compiler import compile_functions
 from lta_model.light.direct_light import build_beam, DiodeResponse
 from lta_model.light.field import LightField
 from lta_model.light.lamp import BeaconLamp, SquareWave
-from lta_model.light.ray_integration import LAMP_ROWS, scratch_size, UNIFORM_ROW
+from lta_model.light.reflected_light import LAMP_ROWS, scratch_size, UNIFORM_ROW
 from lta_model.mass_properties import half_axes
 from lta_report.json_value import ExactArray
 from lta_report.study_store import StoreFormat

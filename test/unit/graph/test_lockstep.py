@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.topics import load_topic_table
 from lta_graph.health import Health, HealthFact, HealthLevel
-from lta_graph.inbox import Inbox
+from lta_graph.lockstep import Inbox
 import pytest
 
 TABLE = load_topic_table()

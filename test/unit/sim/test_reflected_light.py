@@ -18,7 +18,8 @@ from lta_model.light.field import (
     uniform_albedo,
 )
 from lta_model.light.lamp import BeaconLamp, direct_illuminance, SquareWave
-from lta_model.light.ray_integration import (
+from lta_model.light.readings import write_pose_readings
+from lta_model.light.reflected_light import (
     DAYLIGHT_ROW,
     gather_indirect_light,
     LAMP_ROWS,
@@ -30,7 +31,6 @@ from lta_model.light.ray_integration import (
     UNIFORM_ROW,
     write_azimuths,
 )
-from lta_model.light.readings import write_pose_readings
 from lta_model.light.scene_geometry import (
     build_scene_geometry,
     daylight_illuminance,
