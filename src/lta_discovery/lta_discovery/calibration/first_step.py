@@ -15,21 +15,23 @@ from typing import Final, final
 
 from lta_discovery.calibration.calibration import calibrate_flights
 from lta_discovery.calibration.prepared_flights import fit_quickly, prepare_calibration
-from lta_discovery.calibration.result import (
-    CalibratedValue,
-    Calibration,
-    find_main_score,
-    ForecastScore,
-)
+from lta_discovery.calibration.result import CalibratedValue, Calibration
 from lta_discovery.calibration.scores import (
+    compare_with_file,
     forecast_role,
     is_contradicted,
     relative_error,
     relative_position_error,
-    score_forecasts,
 )
 from lta_discovery.flights.role_assignment import assign_roles, Role
 from lta_discovery.model.parameters import NET_LIFT_FORCE
+from lta_discovery.state_filter.forecast_scores import (
+    CALIBRATED,
+    COASTING,
+    FILE_MODEL,
+    find_main_score,
+    HorizonErrors,
+)
 from lta_discovery.state_filter.noise_model import average_noise
 from lta_model.vehicle import Vehicle
 import numpy as np
@@ -135,16 +137,23 @@ def _is_clearly_better(calibration: Calibration, reasons: Sequence[CalibratedVal
     return error <= ERROR_RATIOS[calibration.method]
 
 
-def _predicts_poorly(scores: Mapping[str, Sequence[ForecastScore]], share: float) -> bool:
+def _list_main_positions(
+    scores: Mapping[str, Sequence[HorizonErrors]],
+) -> list[dict[str, float]]:
+    """Return the position errors by model in each role that has forecasts."""
+    return [main.positions for each in scores.values() if (main := find_main_score(each))]
+
+
+def _predicts_poorly(scores: Mapping[str, Sequence[HorizonErrors]], share: float) -> bool:
     """Return whether the file's errors exceed a share of those of coasting, in all roles."""
-    last = [find_main_score(each) for each in scores.values() if each]
-    return bool(last) and all(one.before[0] > share * one.coast[0] for one in last)
+    sizes = _list_main_positions(scores)
+    return bool(sizes) and all(one[FILE_MODEL] > share * one[COASTING] for one in sizes)
 
 
 def _beats_coasting(calibration: Calibration) -> bool:
     """Return whether a calibration predicts the positions of all roles better than coasting."""
-    last = [find_main_score(each) for each in calibration.scores.values() if each]
-    return calibration.method != 'file' and all(one.after[0] < one.coast[0] for one in last)
+    sizes = _list_main_positions(calibration.scores)
+    return calibration.method != 'file' and all(one[CALIBRATED] < one[COASTING] for one in sizes)
 
 
 def _mark_reasons(calibration: Calibration, reasons: Sequence[CalibratedValue]) -> Calibration:
@@ -178,7 +187,7 @@ def _list_suspicions(vehicle: Vehicle, flights: Sequence[Role]) -> list[str]:
     # A pendulum of another period does not show in few steps
     noise = average_noise(fit.noise)
     alone = forecast_role(prepared, 'train', prepared.nominal, noise)
-    scores = score_forecasts(alone, alone)
+    scores = compare_with_file(alone, alone)
     return ['forecasts'] if _predicts_poorly({'all': scores}, POOR) else []
 
 

@@ -29,18 +29,18 @@ from lta_discovery.replay.linearization_inputs import (
 from lta_discovery.replay.reading_jacobian import reading_jacobians
 from lta_discovery.replay.replay import AXIS_COUNT, FlightReplay, STEPS_PER_PERIOD
 from lta_discovery.replay.sensing import (
+    apply_sensor_effects,
     estimate_floor_pressure,
     ideal_readings,
     pose_sensitivity,
     predict_pose,
-    predict_readings,
     SensorPlaces,
     transform_to_map,
     transform_to_tracker,
 )
 from lta_discovery.replay.variational_equation import (
     apply_state_changes,
-    discretize_dynamics,
+    integrate_dynamics,
     NUDGE,
     STATE_WIDTH,
 )
@@ -279,7 +279,7 @@ class FlightSystem:
         states = replay.integrate_pieces(about.rows, about.ready, begin, latent)
         end, middle = states[:, -1], np.ascontiguousarray(states[:, MIDDLE, None])
         jacobians = replay.state_jacobians(about.turns, middle, wrench)
-        _, b = discretize_dynamics(jacobians, GRID_PERIOD)
+        b = integrate_dynamics(jacobians, GRID_PERIOD)
         # Accelerations enter the last six components of a change only
         b = np.ascontiguousarray(b[:, 0, :, AXIS_COUNT:])
         # What the unexplained wrench does depends on no parameter
@@ -324,8 +324,8 @@ class FlightSystem:
         # Each period as a piece of its own, from the measured state to the model's
         grid, time = states[:, :: 2 * MIDDLE], self.flight.time[:-1, None]
         acting, places = about.rows.acting, self._places
-        exact = ideal_readings(grid[:, :1], grid[:, 1:], places, states[:, MIDDLE, None])
-        base = predict_readings(grid, time, acting, places, exact).readings[:, 0]
+        exact = ideal_readings(grid[:, :1], states[:, MIDDLE, None], grid[:, 1:], places)
+        base = apply_sensor_effects(exact, time, acting)[:, 0]
         left[:-1, POSE_SIZE:] = self.flight.readings[:-1] - base
         first, last = reading_jacobians(grid, exact, time, acting, places)
         first, last = first[:, 0], last[:, 0]
@@ -337,7 +337,7 @@ class FlightSystem:
         read_moved[:-1, POSE_SIZE:] = last @ moved
         for turn, k in zip(about.turned, about.reading, strict=True):
             before, after = (
-                predict_readings(grid, time, rows.acting, places, exact).readings[:, 0]
+                apply_sensor_effects(exact, time, rows.acting)[:, 0]
                 for rows in (turn.before, turn.after)
             )
             read_moved[:-1, POSE_SIZE:, k] += (after - before) / turn.step
