@@ -240,7 +240,7 @@ class FlightSystem:
             np.broadcast_to(np.eye(STATE_WIDTH), (n, STATE_WIDTH, STATE_WIDTH))
         )
         read[:, :POSE_SIZE] = pose_sensitivity(eye, motion, acting)
-        for turn, k in zip(about.turned, about.reading, strict=True):
+        for turn in about.turned:
             # Most steps begin at the vehicle itself
             is_same = turn.before is about.rows
             before = (
@@ -248,11 +248,11 @@ class FlightSystem:
             )
             after = predict_pose(grid, time, turn.after.acting)
             change = [(after[0] - before[0])[0], _rotation_between(before[1][0], after[1][0])]
-            read_moved[:, :POSE_SIZE, k] = np.concatenate(change, axis=1) / turn.step
+            read_moved[:, :POSE_SIZE, turn.column] = np.concatenate(change, axis=1) / turn.step
             # From afar, a calibration finds better values where the first state does not turn
             if self._is_smooth:
                 pair = (transform_to_map(first, rows.acting) for rows in (turn.before, turn.after))
-                begun[..., k] = _change_between(*pair) / turn.step
+                begun[..., turn.column] = _change_between(*pair) / turn.step
         if m > POSE_SIZE:
             parts = (left, read, felt, read_moved)
             self._linearize_sensors(states, about, parts, (step, push, moved))
@@ -335,12 +335,12 @@ class FlightSystem:
         felt[:-1, POSE_SIZE:] = last @ push
         left[:-1, POSE_SIZE:] += _apply(felt[:, POSE_SIZE:], self._wrench)[:-1]
         read_moved[:-1, POSE_SIZE:] = last @ moved
-        for turn, k in zip(about.turned, about.reading, strict=True):
+        for turn in about.turned:
             before, after = (
                 apply_sensor_effects(exact, time, rows.acting)[:, 0]
                 for rows in (turn.before, turn.after)
             )
-            read_moved[:-1, POSE_SIZE:, k] += (after - before) / turn.step
+            read_moved[:-1, POSE_SIZE:, turn.column] += (after - before) / turn.step
         absent = ~np.isfinite(self.flight.noise[POSE_SIZE:])
         left[:, POSE_SIZE:][:, absent] = np.nan
 
