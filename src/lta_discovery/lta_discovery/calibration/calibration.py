@@ -29,6 +29,7 @@ from lta_discovery.model.calibration_parameters import (
 )
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import apply_parameters, FreeParameter, NET_LIFT_FORCE
+from lta_discovery.settings import ALIKE_CORRELATION, CLEAR, FORECAST_FIT_RATIO, LEARNED_SHARE
 from lta_discovery.state_filter.forecast_noise import adapt_noise, fit_forecast_noise
 from lta_discovery.state_filter.forecast_scores import (
     CALIBRATED,
@@ -46,12 +47,6 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Progress = Callable[[str, float | None], None]
 
-LEARNED_SHARE: Final = 0.7  # of the deviation before; a value with a larger one was not learned
-ALIKE_CORRELATION: Final = 0.85  # correlation; values above it cannot be separated
-FAR_VALUE: Final = 3.0  # tolerances; a value further from the file is reported first
-# Of the forecast error of a fit to all readings; a fit to the forecasts themselves needs less, as
-# it follows the noise in them
-FORECAST_FIT_RATIO: Final = 0.9
 MAP_DIRECTION: Final = 'the direction of the axes of the map'
 
 
@@ -250,9 +245,7 @@ def _build_value(
     ends = (change - WIDE * deviation, change + WIDE * deviation)
     is_known = deviation < LEARNED_SHARE * knob.tolerance
     before, value, (low, high) = _to_file_unit(nominal, knob, change, ends)
-    is_far = is_known and abs(change) > FAR_VALUE * math.hypot(
-        usual.get(knob.name, 0.0), deviation
-    )
+    is_far = is_known and abs(change) > CLEAR * math.hypot(usual.get(knob.name, 0.0), deviation)
     return CalibratedValue(
         knob.name, knob.unit, flight, before, value, (low, high), is_known, is_far,
         tuple(_list_inseparable(knobs, k, covariance)),

@@ -11,7 +11,7 @@ the file stays, and each flight has a lift of its own.
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Final, final
+from typing import final
 
 from lta_discovery.calibration.calibration import calibrate_flights
 from lta_discovery.calibration.prepared_flights import fit_quickly, prepare_calibration
@@ -25,6 +25,7 @@ from lta_discovery.calibration.scores import (
 )
 from lta_discovery.flights.role_assignment import assign_roles, Role
 from lta_discovery.model.parameters import NET_LIFT_FORCE
+from lta_discovery.settings import CALLS, CLEAR, ERROR_RATIOS, LIFT_GAP, MAYBE, MUCH, POOR, USELESS
 from lta_discovery.state_filter.forecast_scores import (
     CALIBRATED,
     COASTING,
@@ -37,28 +38,6 @@ from lta_model.vehicle import Vehicle
 import numpy as np
 
 Progress = Callable[[str, float | None], None]
-
-# Differences from the vehicle file that call for a calibration, by the beginning of the name.
-CALLS: Final = {
-    'wrench_gain': 0.4,
-    'rotor_': 0.5,  # relative; less may be a fault that discovery names
-    'marker_offset.x': 0.025,  # m
-    'marker_offset.y': 0.025,
-    'marker_offset.z': 0.025,
-    'marker_offset': 0.035,  # rad
-    'command_delay': 0.2,  # s; less may be an effect that discovery names
-    # Relative; the mass is not fitted well enough
-    **{f'vehicle.{axis}': 0.25 for axis in ('roll', 'pitch', 'yaw')},
-}
-LIFT_GAP: Final = 0.005  # N; difference between the net lifts of two flights
-LIFT_SIGMA: Final = 3.0  # standard deviations
-MAYBE: Final = 0.7  # of a difference; a linear fit may underestimate it
-USELESS: Final = 0.9  # of the error of coasting; a file with a larger one predicts nothing
-POOR: Final = 0.5  # of the error of coasting; a file with a larger one predicts poorly
-MUCH: Final = 0.7  # of the position error of such a file; a calibration needs less
-# Of the file's forecast error; a calibration needs less, by its method. Where a fit to all
-# readings forecasts poorly, something that the model lacks looks like a turned marker.
-ERROR_RATIOS: Final = {'likelihood': 0.8, 'forecasts': 0.3, 'file': 0.0}
 
 
 @final
@@ -194,7 +173,7 @@ def _list_suspicions(vehicle: Vehicle, flights: Sequence[Role]) -> list[str]:
 def _is_off(name: str, value: float, deviation: float) -> bool:
     """Return whether a parameter of a quick fit may be off."""
     least = find_calling_difference(name)
-    return least is not None and abs(value) > max(MAYBE * least, LIFT_SIGMA * deviation)
+    return least is not None and abs(value) > max(MAYBE * least, CLEAR * deviation)
 
 
 def find_calling_difference(name: str) -> float | None:
@@ -218,10 +197,10 @@ def _list_different_lifts(calibration: Calibration) -> Iterator[CalibratedValue]
     lifts = calibration.list_of_flights(NET_LIFT_FORCE)
     if lifts:
         low, high = (each(lifts, key=lambda one: one.value) for each in (min, max))
-        if high.value - low.value > max(LIFT_GAP, LIFT_SIGMA * (low.deviation + high.deviation)):
+        if high.value - low.value > max(LIFT_GAP, CLEAR * (low.deviation + high.deviation)):
             yield from (low, high)
 
 
 def is_difference_clear(one: CalibratedValue, least: float) -> bool:
     """Return whether a value is off by more than a size and by more than its interval explains."""
-    return one.is_known and abs(one.value - one.before) > max(least, LIFT_SIGMA * one.deviation)
+    return one.is_known and abs(one.value - one.before) > max(least, CLEAR * one.deviation)

@@ -1,10 +1,10 @@
 """Score a calibration by its forecasts, beside the vehicle file and coasting."""
 
 from collections.abc import Mapping, Sequence
-from typing import Final
 
 from lta_discovery.calibration.prepared_flights import PreparedCalibration
 from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.settings import WORSE
 from lta_discovery.state_filter.forecast_scores import (
     CALIBRATED,
     FILE_MODEL,
@@ -18,10 +18,6 @@ from lta_discovery.state_filter.forecasts import (
 )
 from lta_discovery.state_filter.noise_model import NoiseModel
 import numpy as np
-
-# Of the position error of a file; another file with more is not advised, and a calibration with
-# more on confirming flights is contradicted
-WORSE: Final = 1.05
 
 
 def forecast_role(

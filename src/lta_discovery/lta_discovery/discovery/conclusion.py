@@ -10,7 +10,6 @@ from typing import Final, final, Literal
 
 from lta_discovery.calibration.calibrated_file import CALIBRATED_FILE
 from lta_discovery.calibration.result import JudgedCorrection
-from lta_discovery.calibration.scores import WORSE
 from lta_discovery.calibration.verdict import format_values, list_differences
 from lta_discovery.discovery.study import (
     Discovery,
@@ -30,7 +29,7 @@ from lta_discovery.formatting import (
     SHOWN_UNITS,
 )
 from lta_discovery.model.candidates import vector_components
-from lta_discovery.posterior.settings import UNEXPLAINED
+from lta_discovery.settings import UNEXPLAINED, WORSE
 from lta_discovery.state_filter.forecast_scores import COASTING, FILE_MODEL, HorizonErrors
 from lta_discovery.state_filter.noise_model import average_noise, wrench_floor
 from lta_model.effects.protocol import AXES

@@ -17,7 +17,7 @@ from lta_discovery.lab_tests.rehearsal import Commands, measure_information, reh
 from lta_discovery.lab_tests.words import format_instruction
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter, list_free_parameters
-from lta_discovery.posterior.settings import LEAST_GAIN
+from lta_discovery.settings import LEAST_GAIN
 from lta_model.vehicle import Vehicle
 from lta_report.report import Report, TextTable
 import numpy as np
