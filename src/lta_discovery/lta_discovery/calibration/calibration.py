@@ -87,13 +87,13 @@ def calibrate_flights(
     own = [one for one in values if not one.flight]
     change, covariance = _compute_mean_change(best, knobs), best.covariance
     corrections = list_corrections(nominal, knobs, change, covariance, own)
-    scores, judged = {'train': train}, tuple[JudgedCorrection, ...]()
+    scores, worth = {'train': train}, tuple[JudgedCorrection, ...]()
     if prepared.flights['confirm']:
         before = forecast_role(prepared, 'confirm', nominal, estimates[-1].noise)
         after = forecast_role(prepared, 'confirm', built, best.noise)
         scores['confirm'] = compare_with_file(before, after)
         if is_judged:
-            judged = judge_corrections(corrections, after, lambda others: {
+            worth = judge_corrections(corrections, after, lambda others: {
                 name: forecast_role(prepared, 'confirm', one, best.noise)
                 for name, one in others.items()
             })  # fmt: skip
@@ -109,7 +109,7 @@ def calibrate_flights(
         {role: tuple(each) for role, each in prepared.names.items()},
         noise=dict(zip(prepared.names['train'], fit.noise, strict=True)),
         corrections=corrections,
-        judged=judged,
+        worth=worth,
     )
 
 

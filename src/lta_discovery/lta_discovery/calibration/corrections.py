@@ -69,11 +69,11 @@ def judge_corrections(
     flights by other vehicles, by name.
     """
     others = forecast({one.effect: one.without for one in corrections}) if corrections else {}
-    judged = [
+    worth = [
         JudgedCorrection(one, compare_errors(calibrated, others[one.effect]))
         for one in corrections
     ]
-    return tuple(sorted(judged, key=lambda one: one.ratio.value))
+    return tuple(sorted(worth, key=lambda one: one.ratio.value))
 
 
 def classify_value(name: str) -> str:

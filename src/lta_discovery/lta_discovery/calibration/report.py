@@ -88,7 +88,7 @@ def build_report(calibration: Calibration, calibrated_file: str | None) -> Repor
             _build_value_table('Vehicle', [one for one in calibration.values if not one.flight]),
             *_build_flight_tables(calibration),
             *build_error_tables(calibration.scores),
-            *build_correction_tables(calibration.judged),
+            *build_correction_tables(calibration.worth),
             *_build_noise_tables(calibration),
             *_build_pictures(calibration),
             TextSection('What no flight separates', limits, bullets=True, printed=True),
@@ -101,7 +101,7 @@ def build_report(calibration: Calibration, calibrated_file: str | None) -> Repor
         data=to_json_value(
             {
                 **encode_calibration(calibration),
-                'corrections': encode_corrections(calibration.judged),
+                'corrections': encode_corrections(calibration.worth),
             }
         ),
         facts={
@@ -148,7 +148,7 @@ def build_first_step_table(calibration: Calibration) -> TextTable:
     return TextTable(FIRST_STEP, CALIBRATION_HEADS[:-1], rows)
 
 
-def build_correction_tables(judged: Sequence[JudgedCorrection]) -> Iterator[TextTable]:
+def build_correction_tables(worth: Sequence[JudgedCorrection]) -> Iterator[TextTable]:
     """Yield the table of what each effect that was calibrated is worth."""
     rows = [
         [
@@ -157,7 +157,7 @@ def build_correction_tables(judged: Sequence[JudgedCorrection]) -> Iterator[Text
             format_ratio(one.ratio),
             'yes' if one.is_confirmed else 'no',
         ]
-        for one in judged
+        for one in worth
     ]
     note = (
         "Position error of the calibrated vehicle by that with the vehicle file's values of an "
@@ -225,12 +225,12 @@ def _encode_score(one: HorizonErrors) -> dict[str, Any]:
     return {'horizon_s': one.horizon, **errors, 'count': one.forecasts}
 
 
-def encode_corrections(judged: Sequence[JudgedCorrection]) -> list[dict[str, Any]]:
+def encode_corrections(worth: Sequence[JudgedCorrection]) -> list[dict[str, Any]]:
     """Return what corrections are worth as JSON data."""
     return [
         {'effect': one.correction.effect, 'values': [each.name for each in one.correction.values],
          'error_ratio': one.ratio.value, 'ci95': one.ratio.ci95, 'confirmed': one.is_confirmed}
-        for one in judged
+        for one in worth
     ]  # fmt: skip
 
 

@@ -81,8 +81,8 @@ class Calibration:
     warnings: tuple[str, ...] = ()
     noise: Mapping[str, NoiseModel] = field(default_factory=dict)  # of the training flights
     corrections: tuple[Correction, ...] = ()
-    # By forecasts of the confirming flights, the most useful first; if they were judged
-    judged: tuple[JudgedCorrection, ...] = ()
+    # By forecasts of the confirming flights, the most useful first; none without such flights
+    worth: tuple[JudgedCorrection, ...] = ()
 
     @property
     def judging_scores(self) -> tuple[str, tuple[HorizonErrors, ...]]:
