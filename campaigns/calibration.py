@@ -19,7 +19,7 @@ from typing import Final
 from lta_config.files import find_file
 from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle
 from lta_discovery.calibration.calibration import calibrate_flights
-from lta_discovery.calibration.result import Calibration, find_main_score, ForecastScore
+from lta_discovery.calibration.result import Calibration
 from lta_discovery.discovery.forecast_comparison import (
     compare_forecasts,
     ComparedModel,
@@ -29,6 +29,13 @@ from lta_discovery.flights.usable_flights import select_usable_flights, UsableFl
 from lta_discovery.model.calibration_parameters import list_calibration_parameters
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import apply_parameters, NET_LIFT_FORCE
+from lta_discovery.state_filter.forecast_scores import (
+    CALIBRATED,
+    COASTING,
+    FILE_MODEL,
+    find_main_score,
+    HorizonErrors,
+)
 from lta_discovery.state_filter.forecast_sums import HORIZONS
 from lta_model.effects.protocol import AXES
 from lta_model.vehicle import load_vehicle, Vehicle
@@ -135,9 +142,10 @@ def score_oracle(
     return main.errors[model.name].position
 
 
-def encode_score(score: ForecastScore) -> Row:
+def encode_score(score: HorizonErrors) -> Row:
     """Return position and attitude errors by coasting, the file and the calibration."""
-    return {kind: list(getattr(score, kind)) for kind in ('coast', 'before', 'after')}
+    kinds = {'coast': COASTING, 'before': FILE_MODEL, 'after': CALIBRATED}
+    return {kind: list(score.errors[name]) for kind, name in kinds.items()}
 
 
 def run_case(seed: int, number: int) -> Row:
@@ -149,8 +157,8 @@ def run_case(seed: int, number: int) -> Row:
         usable = select_usable_flights(read_bags(bags), vehicle)
         found = calibrate_flights(vehicle, str(path), usable.flights, lambda _what, _part: None)
         row: Row = {'method': found.method, 'values': list_intervals(case, found)}
-        if scores := found.scores.get('confirm'):
-            row['scores'] = encode_score(find_main_score(scores))
+        if main := find_main_score(found.scores.get('confirm', ())):
+            row['scores'] = encode_score(main)
             row['oracle'] = score_oracle(case, vehicle, usable, found)
         try:
             text = format_calibrated_vehicle(path.read_text(), vehicle, found, 'a trial')

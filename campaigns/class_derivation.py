@@ -11,26 +11,22 @@ import hashlib
 from typing import Any, Final, final
 
 from lta_discovery.flights.measured_flight import FlightStreams
+from lta_discovery.lab_tests.rehearsal import measure_information
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter, list_free_parameters
-from lta_discovery.planning.rehearsal import (
-    measure_information,
-    measure_rehearsal,
-    Sensors,
-    simulate_flight,
-    with_course,
-)
-from lta_discovery.planning.separability import PairSeparability
 from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec, load_spec
 from lta_model.effects import BUILT_IN, EFFECTS
 import numpy as np
 from numpy.typing import NDArray
 from scipy.cluster.hierarchy import fcluster, linkage
 
+from campaigns.rich_flights import measure_rehearsal, Sensors, simulate_flight, with_course
+from campaigns.separability import PairSeparability
+
 Array = NDArray[np.float64]
 
 VEHICLE: Final = 'gtmab'
-# |cosine| of equivalent effects: see `lta_discovery.planning.equivalence_classes`
+# |cosine| of equivalent effects: see `campaigns.classes`
 ALIKE: Final = 0.98
 SEEN: Final = 0.1  # significance of a typical size, below which an effect is unobservable
 FLIGHTS: Final = 3
@@ -142,7 +138,7 @@ def _simulate_streams(spec: FlightSpec, seed: int, rich: bool) -> FlightStreams:
     vehicle, scenario, policy = build_vehicle_scenario_stack(
         with_course(spec, build_rich_course(seed, rich), LENGTH)
     )
-    return simulate_flight(vehicle, scenario, policy, seed).streams
+    return simulate_flight(vehicle, scenario, policy, seed)
 
 
 def compare_candidates(pairs: PairSeparability, more: PairSeparability) -> EffectSeparability:

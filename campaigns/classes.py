@@ -1,26 +1,30 @@
 """
 Derive which effects no data of a kind can tell apart.
 
-With `--write`, writes `classes.yaml` beside `lta_discovery.planning.equivalence_classes` and its
-page. Without, it is wrong if the stored classes are not those that are derived now.
+With `--write`, writes `classes.yaml` and its page. Without, it is wrong if the stored classes are
+not those that are derived now. Two effects are equivalent if their columns, marginal over all
+else, have a cosine of 0.98 or more: the evidence between two effects of z deviations is
+z^2 (1 - 0.98^2) / 2 nats, which reaches 3 nats only at z = 12.
 """
 
 from argparse import Namespace
-from collections.abc import Iterator
-from typing import Final
+from collections.abc import Iterator, Mapping
+from functools import cache
+from pathlib import Path
+from typing import Annotated, Final
 
-from lta_config.files import load_file
+from lta_config.files import load_file, StrictModel
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import list_free_parameters
-from lta_discovery.planning.equivalence_classes import CLASSES_FILE, DataKindClasses, FrozenClasses
 from lta_model.vehicle import load_vehicle
+from pydantic import Field
 import yaml
 
-from campaigns import class_derivation, ROOT
+from campaigns import class_derivation
 from campaigns.class_derivation import EffectSeparability
 from campaigns.harness import Campaign, Case, Row, Rows
 
-TABLE = ROOT / 'src/lta_discovery/lta_discovery/planning' / CLASSES_FILE.name
+TABLE = Path(__file__).with_name('classes.yaml')
 NEAR = 0.9  # of a cosine, from which a pair is listed
 TOLD = {
     'all': 'pose, IMU, range, pressure and voltage; rich flights',
@@ -29,6 +33,50 @@ TOLD = {
     'wrench': 'pose alone, commands as a body wrench; rich flights',
     'hover': 'all sensors; hover alone',
 }
+
+
+class DataKindClasses(StrictModel):
+    """
+    Distinguishability of effects for one kind of data.
+
+    Attributes
+    ----------
+    classes : list of list of str
+        Equivalent effects; classes of one effect are omitted.
+    unseen : list of str
+        Unobservable effects.
+    near : mapping of str to float
+        Cosines of pairs just below the threshold: 'one, other'.
+    reach : mapping of str to two numbers
+        Significance of a typical size of each effect in standard deviations, with tolerances: for
+        the flights of the derivation, and for unlimited length.
+
+    """
+
+    classes: list[list[str]]
+    unseen: list[str]
+    near: dict[str, float]
+    reach: dict[str, Annotated[list[float], Field(min_length=2, max_length=2)]]
+
+
+class FrozenClasses(StrictModel):
+    """Content of the file."""
+
+    digest: Annotated[str, Field(pattern='^[0-9a-f]{12}$')]
+    vehicle: str
+    threshold: float
+    flights: int
+    length_s: float
+    kinds: dict[str, DataKindClasses]
+
+
+@cache
+def load_class_map(kind: str = 'all') -> Mapping[str, str]:
+    """Return the class of each effect for a kind of data: the first effect of its class."""
+    classes = load_file(FrozenClasses, TABLE).kinds[kind]
+    # Effects outside any class represent themselves
+    out = {name: name for name in classes.reach}
+    return out | {name: group[0] for group in classes.classes for name in group}
 
 
 def summarize_kind(found: EffectSeparability) -> DataKindClasses:
@@ -131,10 +179,7 @@ def run(case: Case, options: Namespace) -> Row:
     """Derive the classes, and store or compare them."""
     now = derive()
     if options.write:
-        head = (
-            '# Derived by `make campaign classes`; see discovery/planning/equivalence_classes.py. '
-            'Not to be edited.\n'
-        )
+        head = '# Derived by `make campaign classes`; not to be edited.\n'
         data = now.model_dump()
         TABLE.write_text(
             head + yaml.safe_dump(data, sort_keys=False, width=120, default_flow_style=None)

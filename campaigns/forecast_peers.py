@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, final
 
+from lta_data.even_grid import find_runs
 from lta_discovery.flights.measured_flight import GRID_PERIOD, MeasuredFlight
-from lta_discovery.flights.usable_states import find_marked_runs
 from lta_discovery.state_filter.forecast_sums import list_starts
 from lta_discovery.state_filter.forecasts import COASTING_PERIODS, LEAST_COASTING
 import numpy as np
@@ -73,7 +73,7 @@ class Flown:
 
     def list_starts(self, every: float) -> Indices:
         """Return the grid points of forecasts that teach."""
-        return list_starts(find_marked_runs(self.flight.usable), every)
+        return list_starts(find_runs(self.flight.usable).tolist(), every)
 
 
 @final

@@ -15,7 +15,6 @@ from lta_discovery.discovery.study import Discovery
 from lta_discovery.flights.bags import read_bags
 from lta_discovery.flights.usable_flights import select_usable_flights
 from lta_discovery.model.candidates import vector_components
-from lta_discovery.planning.equivalence_classes import load_class_map
 from lta_discovery.posterior.missing_elements import LEARNING, LINEARIZATIONS
 from lta_discovery.state_filter.linear_flight import FlightSystem
 from lta_discovery.state_filter.noise_model import NoiseModel
@@ -25,6 +24,7 @@ import numpy as np
 
 from campaigns.challenge.case_generator import ChallengeCase, Kind, OtherCaseGenerator, SECONDS
 from campaigns.challenge.recording import write_bag
+from campaigns.classes import load_class_map
 
 VEHICLE: Final = 'gtmab'
 WIDE: Final = (
@@ -95,7 +95,7 @@ def compare_names(
     `named`: of each element, its name and those that cannot be told from it. Effects that flights
     of the kind cannot distinguish count as one.
     """
-    classes = load_class_map('all')
+    classes = load_class_map()
 
     def name_classes(names: Sequence[str]) -> set[str]:
         return {classes.get(one, one) for name in names for one in vector_components(name)}

@@ -6,7 +6,7 @@ setup(
     name='lta_discovery',
     version='1.0.0',
     packages=find_packages(),
-    package_data={'lta_discovery': ['py.typed', 'planning/*.yaml']},
+    package_data={'lta_discovery': ['py.typed']},
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/lta_discovery']),
         ('share/lta_discovery', ['package.xml']),

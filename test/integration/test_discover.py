@@ -44,7 +44,6 @@ def test_a_hidden_effect_is_found_added_and_shown(bags, tmp_path):
     learned = load_vehicle(str(out / 'vehicle.yaml'))
     value = NominalVehicle.from_vehicle(learned).parameter_value('linear_drag', 'surge')
     assert value == pytest.approx(surge['value'], rel=1e-9)
-    assert (out / 'overlay.mcap').stat().st_size > 1000
 
 
 @pytest.mark.long  # the test before has all that it does, but for the flights of its own

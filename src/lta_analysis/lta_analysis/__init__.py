@@ -43,11 +43,13 @@ if TYPE_CHECKING:
     from lta_data.bag.recorded_flight import open_flight as open  # noqa: F401
     from lta_data.compare.request import FlightComparisonRequest
     from lta_discovery.calibration.run import CalibrationRequest
-    from lta_discovery.demo.trial_effect import TrialRequest
     from lta_discovery.discovery.run import DiscoveryRequest
     from lta_discovery.forecast_study import ForecastRequest
-    from lta_discovery.lab_tests.request import LabPlanRequest, LabReadingRequest
-    from lta_discovery.planning.next_flight import SeparatingFlightRequest
+    from lta_discovery.lab_tests.request import (
+        LabPlanRequest,
+        LabReadingRequest,
+        SeparatingTestRequest,
+    )
     from lta_flight.replay.run import NodeReplayRequest
     from lta_flight.sweep.run import SweepRequest
     from lta_studies.cfd.request import RefitRequest, TunnelRequest
@@ -80,7 +82,6 @@ if TYPE_CHECKING:
     discover = as_function(DiscoveryRequest)
     effects = as_function(EffectListRequest)
     effects_new = as_function(EffectSkeletonRequest)
-    effects_try = as_function(TrialRequest)
     energy_breakeven = as_function(BreakEvenRequest)
     energy_budget = as_function(BudgetRequest)
     energy_mounting = as_function(MountingRequest)
@@ -99,7 +100,7 @@ if TYPE_CHECKING:
     reproduce = as_function(ReproductionRequest)
     simulate = as_function(SimulateRequest)
     sweep = as_function(SweepRequest)
-    tests_between = as_function(SeparatingFlightRequest)
+    tests_between = as_function(SeparatingTestRequest)
     tests_plan = as_function(LabPlanRequest)
     tests_read = as_function(LabReadingRequest)
     tune = as_function(TuningRequest)

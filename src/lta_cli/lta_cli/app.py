@@ -194,7 +194,6 @@ FAMILIES: Final[Mapping[str, Mapping[str, Verb | VerbGroup]]] = {
         'discover': call('discover', several=('--train', '--confirm', '--holdout')),
         'effects': call('effects'),
         # Not a group: `lta effects NAME` shows an effect
-        'effects try': call('effects_try'),
         'effects new': call('effects_new'),
     },
     'Design': {
@@ -303,7 +302,7 @@ def require_verb(context: typer.Context) -> None:
 
 
 def join_verb(words: Sequence[str]) -> list[str]:
-    """Return the words with a verb of two words as one: 'effects try'."""
+    """Return the words with a verb of two words as one: 'effects new'."""
     both = ' '.join(words[:2])
     return [both, *words[2:]] if both in VERBS else [*words]
 

@@ -14,26 +14,29 @@ that a forecast owes to later readings.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, final
+from typing import Any, final
 
 from lta_config.errors import BadInput
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.recorded_flight import open_flight
 from lta_discovery.calibration.prepared_flights import prepare_calibration, PreparedCalibration
-from lta_discovery.calibration.result import find_main_score, ForecastRms, ForecastScore
-from lta_discovery.calibration.scores import score_forecasts
-from lta_discovery.calibration.verdict import format_error
-from lta_discovery.error_picture import COLOURS
 from lta_discovery.flights.bags import read_bags
 from lta_discovery.flights.role_assignment import Role
 from lta_discovery.flights.usable_flights import CALIBRATION_TIME, select_usable_flights
-from lta_discovery.formatting import format_number, TO_DEG
+from lta_discovery.forecast_blocks import build_error_tables, build_error_tiles, COLOURS
+from lta_discovery.formatting import format_error
 from lta_discovery.progress import DiscoverProgress
 from lta_discovery.state_filter.forecast_noise import fit_forecast_noise
+from lta_discovery.state_filter.forecast_scores import (
+    COASTING,
+    FILE_MODEL,
+    find_main_score,
+    HorizonErrors,
+    score_forecasts,
+)
 from lta_discovery.state_filter.forecasts import (
     FlightForecasts,
     forecast_flights,
-    FORECAST_INTERVAL,
     list_flight_parameters,
 )
 from lta_discovery.state_filter.likelihood import linearize_all, ParameterPrior
@@ -42,15 +45,12 @@ from lta_discovery.state_filter.noise_model import average_noise, NoiseModel
 from lta_flight.recorded_choices import find_recorded_name
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_report.drawing import add_legend, create_figure
-from lta_report.formatting import Tile
 from lta_report.json_value import to_json_value
-from lta_report.report import Picture, Report, TextSection, TextTable
+from lta_report.report import Picture, Report, TextSection
 from lta_report.request import option, ReportRequest, ROBOT, StudyRun
 import numpy as np
 
 Tell = Callable[[str, float | None], None]
-
-RMS_FIELDS: Final = {'vehicle file': 'errors', 'coasting': 'coasting'}  # fields of FlightForecasts
 
 
 @final
@@ -97,9 +97,9 @@ class ForecastStudy:
     warnings: tuple[str, ...] = ()
 
     @property
-    def scores(self) -> tuple[ForecastScore, ...]:
-        """RMS errors of all flights at each horizon; `before` and `after` are the same."""
-        return score_forecasts(self.forecasts, self.forecasts)
+    def scores(self) -> tuple[HorizonErrors, ...]:
+        """RMS errors of all flights at each horizon."""
+        return score_forecasts({FILE_MODEL: self.forecasts} if self.forecasts else {})
 
     def list_rows(self) -> list[dict[str, Any]]:
         """Return a row for each forecast and horizon that a measured pose judges, in SI units."""
@@ -192,25 +192,23 @@ def build_report(study: ForecastStudy) -> Report:
     """Return the report of a study."""
     scores = study.scores
     main = find_main_score(scores)
-    pair = main.after.position, main.coast.position
+    assert main is not None
+    pair = main.positions[FILE_MODEL], main.positions[COASTING]
     return Report(
         command='simulate --forecasts',
         subject=study.vehicle,
         headline=(
             f'{main.horizon:g} s ahead, the vehicle file forecasts the position to '
             f'{format_error(pair[0])}, and coasting to {format_error(pair[1])} (RMS of '
-            f'{main.count} forecasts).'
+            f'{main.forecasts} forecasts).'
         ),
         introduction=(
             'Forecasts flights with a vehicle file, from past readings and the recorded commands. '
             'Coasting keeps body velocity and rates.'
         ),
-        tiles=[
-            Tile(label, format_number(100.0 * value, 2), 'cm', f'{main.horizon:g} s ahead, RMS')
-            for label, value in zip(('Vehicle file', 'Coasting'), pair, strict=True)
-        ],
+        tiles=list(build_error_tiles(main)),
         blocks=(
-            _build_table(scores),
+            *build_error_tables({'': scores}),
             _build_picture(study, main),
             *(
                 [TextSection('Warnings', study.warnings, bullets=True, printed=True)]
@@ -230,44 +228,21 @@ def build_report(study: ForecastStudy) -> Report:
     )  # fmt: skip
 
 
-def _encode_score(one: ForecastScore) -> dict[str, Any]:
+def _encode_score(one: HorizonErrors) -> dict[str, Any]:
     """Return the RMS errors at a horizon as JSON data, in SI units."""
     return {
         'horizon_s': one.horizon,
-        'count': one.count,
-        'vehicle': one.after._asdict(),
-        'coasting': one.coast._asdict(),
+        'count': one.forecasts,
+        'vehicle': one.errors[FILE_MODEL]._asdict(),
+        'coasting': one.errors[COASTING]._asdict(),
     }
 
 
-def _build_table(scores: Sequence[ForecastScore]) -> TextTable:
-    """Return the table of RMS errors."""
-    rows = [
-        [f'{one.horizon:g} s', kind, *_format_errors(errors), str(one.count)]
-        for one in scores
-        for kind, errors in zip(RMS_FIELDS, (one.after, one.coast), strict=True)
-    ]
-    heads = ('ahead', 'by', 'position', 'attitude', 'nose', 'side', 'up', 'forecasts')
-    note = (
-        f'RMS errors. A forecast begins every {FORECAST_INTERVAL:g} s from past readings only, '
-        'and a flight tells its lift and the strength of its commands on the way. Nose and side '
-        'are those of the position by the heading in which the forecast begins.'
-    )
-    return TextTable('Forecasts', heads, rows, note)
-
-
-def _format_errors(errors: ForecastRms) -> list[str]:
-    """Return the cells of some errors: position, attitude, nose, side and up."""
-    turn = f'{format_number(TO_DEG * errors.attitude)}\N{DEGREE SIGN}'
-    sizes = (errors.nose, errors.side, errors.up)
-    return [format_error(errors.position, 3), turn, *(format_error(one, 3) for one in sizes)]
-
-
-def _build_picture(study: ForecastStudy, main: ForecastScore) -> Picture:
+def _build_picture(study: ForecastStudy, main: HorizonErrors) -> Picture:
     """Return the position error of each forecast by its start."""
     figure, flights = add_legend(create_figure()), study.forecasts
     h = flights[0].horizons.index(main.horizon)
-    for kind, field in RMS_FIELDS.items():
+    for kind, field in ((FILE_MODEL, 'errors'), (COASTING, 'coasting')):
         errors = np.concatenate([getattr(one, field)[:, h, :3] for one in flights])
         figure.add_scatter(
             x=np.concatenate([one.starts for one in flights]),

@@ -9,6 +9,7 @@ from lta_model.effects.protocol import describe_effect
 from lta_report.formatting import MISSING
 
 MINUS: Final = '\N{MINUS SIGN}'
+DIVERGED: Final = 1e3  # m; no forecast over some seconds is off by more
 TO_DEG: Final = 180.0 / math.pi
 DEGREE: Final = '\N{DEGREE SIGN}'
 SHOWN_UNITS: Final = {'rad': (DEGREE, TO_DEG), 'rad/s': (f'{DEGREE}/s', TO_DEG)}
@@ -59,25 +60,15 @@ def format_with_interval(value: float, interval: tuple[float, float]) -> tuple[s
     return a, b, c
 
 
+def format_error(metres: float, digits: int = 2) -> str:
+    """Format a position error."""
+    return 'diverged' if metres > DIVERGED else f'{format_number(100.0 * metres, digits)} cm'
+
+
 def append_unit(text: str, unit: str) -> str:
     """Append the unit to a number; a pure number has none."""
     apart = '' if unit.startswith(DEGREE) else ' '
     return text if unit in ('', '1') else f'{text}{apart}{unit}'
-
-
-def format_quantity(value: float, unit: str, digits: int = 3) -> str:
-    """Format an error in a readable unit: millimetres, centimetres, degrees."""
-    if unit == 'm' and math.isfinite(value):
-        size = abs(value)
-        scale, name = (1e3, 'mm') if size < 0.01 else (100.0, 'cm') if size < 1.0 else (1.0, 'm')
-        return f'{format_number(scale * value, digits)} {name}'
-    name, factor = SHOWN_UNITS.get(unit, (unit, 1.0))
-    return append_unit(format_number(factor * value, digits), name)
-
-
-def format_percent(share: float) -> str:
-    """Format a share in whole per cent."""
-    return MISSING if not math.isfinite(share) else f'{100 * share:.0f}'.replace('-', MINUS)
 
 
 def join_words(words: Sequence[str], last: str = 'and') -> str:

@@ -106,7 +106,7 @@ def test_options_of_several_values_may_stand_once():
 @pytest.mark.parametrize(
     ('words', 'joined'),
     [
-        (['effects', 'try', 'walls'], ['effects try', 'walls']),
+        (['effects', 'new', 'walls'], ['effects new', 'walls']),
         (['effects', 'walls'], ['effects', 'walls']),
         (['effects'], ['effects']),
         ([], []),

@@ -33,7 +33,7 @@ def ask(monkeypatch, capsys):
         ('lta sim', ['simulate']),
         ('lta eff', ['effects']),
         ('lta energy b', ['budget', 'breakeven']),
-        ('lta effects try --se', ['--seed']),
+        ('lta tests between --ro', ['--room']),
         ('lta fly --no-p', ['--no-page']),
         ('lta fly --time ', ['lockstep', 'realtime']),
         ('lta fly --vehicle gt', ['gtmab']),

@@ -4,23 +4,24 @@ from collections.abc import Sequence
 from dataclasses import replace
 import math
 from pathlib import Path
-from typing import Any
 
 from lta_config.files import find_file
 from lta_discovery.calibration.calibrated_file import CALIBRATED_FILE
 from lta_discovery.calibration.first_step import FirstStep
-from lta_discovery.calibration.result import CalibratedValue, Calibration, Correction
+from lta_discovery.calibration.result import (
+    CalibratedValue,
+    Calibration,
+    Correction,
+    JudgedCorrection,
+)
 from lta_discovery.discovery.conclusion import draw_conclusion
 from lta_discovery.discovery.figures import draw_picture
-from lta_discovery.discovery.forecast_comparison import ErrorRatio, ForecastComparison
-from lta_discovery.discovery.overlay import build_overlay
+from lta_discovery.discovery.forecast_comparison import ForecastComparison
 from lta_discovery.discovery.report import build_report
 from lta_discovery.discovery.run import format_learned_vehicle
 from lta_discovery.discovery.study import (
     Discovery,
     estimate_numbers,
-    FILE_MODEL,
-    JudgedCorrection,
     NAMED,
     NamedElement,
     study_flights,
@@ -31,13 +32,12 @@ from lta_discovery.flights.measured_flight import MeasuredFlight, resample_fligh
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.posterior.missing_elements import MissingElements, PresentElement
+from lta_discovery.state_filter.forecast_scores import ErrorRatio, FILE_MODEL
 from lta_discovery.state_filter.forecasts import FlightForecasts
 from lta_discovery.state_filter.linear_flight import FlightSystem
 from lta_discovery.state_filter.noise_model import NoiseModel, wrench_floor
 from lta_model.vehicle import load_vehicle
 from lta_report.report_page import render_report
-from mcap.reader import make_reader
-from mcap_ros2.decoder import DecoderFactory
 import numpy as np
 import pytest
 
@@ -49,7 +49,6 @@ DRAG = 'linear_drag.surge'
 MODELS = (FILE_MODEL, TUNED, NAMED, WRITTEN)
 GOOD = (0.3, 0.2, 0.05, 0.1)  # m; errors of these models along x
 COAST = 0.5  # m
-FORECAST = 'vehicle_file'  # topic
 
 
 def forecast(flight: MeasuredFlight, error: float, coast: float = COAST) -> FlightForecasts:
@@ -97,7 +96,7 @@ def make_study(
     return Discovery(
         load_vehicle('gtmab'), nominal, learned,
         {'A': ('train', flight), 'B': ('holdout', flight)}, ('A',), missing, named, maybe,
-        ForecastComparison(('B',), (flight,), forecasts), True, ('A warning.',), FirstStep(),
+        ForecastComparison(('B',), forecasts), True, ('A warning.',), FirstStep(),
     )  # fmt: skip
 
 
@@ -118,7 +117,7 @@ def test_what_cannot_be_told_apart_is_in_the_headline(gtmab: Known, clean: Fligh
     study = make_study(gtmab, clean.flight, [PresentElement(names, 'effect', 1.0, 41.0)])
     one = draw_conclusion(study)
     assert one.headline.endswith('linear drag (surge) 0.0300 N s/m or quadratic drag (surge).')
-    assert '--plan' in one.advice
+    assert f'lta tests between {DRAG} quadratic_drag.surge finds' in one.advice
 
 
 @pytest.mark.parametrize(
@@ -158,7 +157,7 @@ def calibrate_study(study: Discovery, error: float, is_start: bool = True) -> Di
     first = FirstStep(calibration) if is_start else FirstStep(alternative=calibration)
     forecasts = {
         FILE_MODEL: study.comparison.forecasts[FILE_MODEL],
-        CALIBRATED_FILE: [forecast(study.comparison.flights[0], error)],
+        CALIBRATED_FILE: [forecast(study.flights['B'][1], error)],
         **study.comparison.forecasts,
     }
     return replace(
@@ -256,7 +255,7 @@ def test_a_flight_too_short_for_forecasts_has_names_without_errors(
     gtmab: Known, clean: FlightSystem
 ) -> None:
     study = make_study(gtmab, clean.flight)
-    study = replace(study, comparison=ForecastComparison(('B',), (clean.flight,), {}))
+    study = replace(study, comparison=ForecastComparison(('B',), {}))
     conclusion = draw_conclusion(study)
     assert (conclusion.verdict, conclusion.details) == ('named', ())
     report = build_report(study, conclusion, 'gtmab', (), ())
@@ -305,23 +304,6 @@ def test_the_learned_file_has_the_name_and_nothing_else(
     assert read.parameter_value('linear_drag', 'heave') == gtmab[0].parameter_value(
         'linear_drag', 'heave'
     )
-
-
-def test_the_overlay_has_what_was_measured_and_forecast(
-    gtmab: Known, clean: FlightSystem, tmp_path: Path
-) -> None:
-    """By a reader of somebody else's: each forecast is off by its error."""
-    path = tmp_path / 'overlay.mcap'
-    path.write_bytes(build_overlay(make_study(gtmab, clean.flight).comparison, {}))
-    seen: dict[str, dict[int, Any]] = {}
-    with path.open('rb') as stream:
-        reader = make_reader(stream, decoder_factories=[DecoderFactory()])
-        for _, channel, message, content in reader.iter_decoded_messages():
-            seen.setdefault(channel.topic, {})[message.log_time] = content
-    assert {'/B/measured', f'/B/{FORECAST}', f'/B/{FORECAST}/error'} <= set(seen)
-    for time, off in seen[f'/B/{FORECAST}/error'].items():
-        a, b = (seen[f'/B/{kind}'][time].pose.pose.position for kind in (FORECAST, 'measured'))
-        assert off.vector.x == pytest.approx(a.x - b.x) == pytest.approx(-0.3)
 
 
 @pytest.mark.long

@@ -8,7 +8,6 @@ import sys
 
 from lta_config.atomic_file import PART_SUFFIX, release_folders
 from lta_config.errors import BadInput
-from lta_discovery.discovery.overlay import format_topic_names
 from lta_report.results_folder import check_creatable, resolve_folder, stage_results
 import pytest
 
@@ -54,12 +53,6 @@ def test_a_folder_that_cannot_be_is_refused_before_the_work(tmp_path):
         with pytest.raises(BadInput, match=said):
             check_creatable(place)
     assert [one.name for one in tmp_path.iterdir()] == ['file']
-
-
-def test_flights_whose_names_differ_by_a_sign_have_topics_of_their_own():
-    assert format_topic_names(['a-b', 'a b', '1', 'Ä', 'Ö']) == [
-        'a_b', 'a_b_2', 'flight_1', 'flight_', 'flight__2',
-    ]  # fmt: skip
 
 
 def test_a_folder_that_cannot_be_made_is_refused(tmp_path):

@@ -8,7 +8,7 @@ from typing import Final, final
 
 from lta_config.errors import BadInput
 from lta_discovery.calibration.calibrated_file import state_by_duty
-from lta_discovery.calibration.corrections import list_corrections
+from lta_discovery.calibration.corrections import judge_corrections, list_corrections
 from lta_discovery.calibration.prepared_flights import (
     find_index,
     fit_calibration,
@@ -18,11 +18,10 @@ from lta_discovery.calibration.prepared_flights import (
 from lta_discovery.calibration.result import (
     CalibratedValue,
     Calibration,
-    find_main_score,
-    ForecastScore,
+    JudgedCorrection,
     WIDE,
 )
-from lta_discovery.calibration.scores import forecast_role, relative_error, score_forecasts
+from lta_discovery.calibration.scores import compare_with_file, forecast_role, relative_error
 from lta_discovery.flights.role_assignment import Role
 from lta_discovery.model.calibration_parameters import (
     HEADING,
@@ -30,7 +29,14 @@ from lta_discovery.model.calibration_parameters import (
 )
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import apply_parameters, FreeParameter, NET_LIFT_FORCE
+from lta_discovery.settings import ALIKE_CORRELATION, CLEAR, FORECAST_FIT_RATIO, LEARNED_SHARE
 from lta_discovery.state_filter.forecast_noise import adapt_noise, fit_forecast_noise
+from lta_discovery.state_filter.forecast_scores import (
+    CALIBRATED,
+    FILE_MODEL,
+    find_main_score,
+    HorizonErrors,
+)
 from lta_discovery.state_filter.likelihood import ParameterPrior
 from lta_discovery.state_filter.noise_model import average_noise, NoiseModel
 from lta_discovery.state_filter.parameter_fit import fit_forecasts, ParameterFit
@@ -41,12 +47,6 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Progress = Callable[[str, float | None], None]
 
-LEARNED_SHARE: Final = 0.7  # of the deviation before; a value with a larger one was not learned
-ALIKE_CORRELATION: Final = 0.85  # correlation; values above it cannot be separated
-FAR_VALUE: Final = 3.0  # tolerances; a value further from the file is reported first
-# Of the forecast error of a fit to all readings; a fit to the forecasts themselves needs less, as
-# it follows the noise in them
-FORECAST_FIT_RATIO: Final = 0.9
 MAP_DIRECTION: Final = 'the direction of the axes of the map'
 
 
@@ -67,8 +67,13 @@ def calibrate_flights(
     name: str,
     flights: Sequence[Role],
     tell: Progress,
+    is_judged: bool = False,
 ) -> Calibration:
-    """Calibrate a vehicle with its training flights, and score the result on all."""
+    """
+    Calibrate a vehicle with its training flights, and score the result on all.
+
+    `is_judged`: whether forecasts of the confirming flights judge each correction, too.
+    """
     tell('preparing', 0.0)
     prepared = prepare_calibration(vehicle, flights)
     tell('fitting readings', 0.1)
@@ -78,15 +83,21 @@ def calibrate_flights(
     estimates = _list_estimates(prepared, fit)
     tell('forecasting', 0.7)
     best, built, train = _choose_estimate(prepared, estimates)
-    scores = {'train': train}
-    if prepared.flights['confirm']:
-        before = forecast_role(prepared, 'confirm', nominal, estimates[-1].noise)
-        after = forecast_role(prepared, 'confirm', built, best.noise)
-        scores['confirm'] = score_forecasts(before, after)
-    tell('done', 1.0)
     values = _list_values(nominal, knobs, best, prepared.names['train'])
     own = [one for one in values if not one.flight]
     change, covariance = _compute_mean_change(best, knobs), best.covariance
+    corrections = list_corrections(nominal, knobs, change, covariance, own)
+    scores, worth = {'train': train}, tuple[JudgedCorrection, ...]()
+    if prepared.flights['confirm']:
+        before = forecast_role(prepared, 'confirm', nominal, estimates[-1].noise)
+        after = forecast_role(prepared, 'confirm', built, best.noise)
+        scores['confirm'] = compare_with_file(before, after)
+        if is_judged:
+            worth = judge_corrections(corrections, after, lambda others: {
+                name: forecast_role(prepared, 'confirm', one, best.noise)
+                for name, one in others.items()
+            })  # fmt: skip
+    tell('done', 1.0)
     return Calibration(
         name,
         nominal,
@@ -97,7 +108,8 @@ def calibrate_flights(
         best.method,
         {role: tuple(each) for role, each in prepared.names.items()},
         noise=dict(zip(prepared.names['train'], fit.noise, strict=True)),
-        corrections=list_corrections(nominal, knobs, change, covariance, own),
+        corrections=corrections,
+        worth=worth,
     )
 
 
@@ -142,7 +154,7 @@ def _join(fit: ParameterFit) -> list[tuple[Array, Array]]:
 
 def _choose_estimate(
     prepared: PreparedCalibration, estimates: Sequence[_Estimate]
-) -> tuple[_Estimate, NominalVehicle, tuple[ForecastScore, ...]]:
+) -> tuple[_Estimate, NominalVehicle, tuple[HorizonErrors, ...]]:
     """
     Return the estimate that forecasts the training flights best, its vehicle and its scores.
 
@@ -151,17 +163,18 @@ def _choose_estimate(
     """
     nominal, limit = prepared.nominal, 1.0
     file = forecast_role(prepared, 'train', nominal, estimates[-1].noise)
-    chosen = estimates[-1], nominal, score_forecasts(file, file)
+    chosen = estimates[-1], nominal, compare_with_file(file, file)
     for one in estimates[:-1]:
         try:
             built = _build_calibrated_vehicle(nominal, prepared.parameters, one, with_flows=True)
-            scores = score_forecasts(file, forecast_role(prepared, 'train', built, one.noise))
+            after = forecast_role(prepared, 'train', built, one.noise)
+            scores = compare_with_file(file, after)
         except BadInput:
             continue
         error = relative_error(scores)
         if error < limit:
             main = find_main_score(scores)
-            if main.after.position <= main.before.position:
+            if main and main.positions[CALIBRATED] <= main.positions[FILE_MODEL]:
                 chosen = one, built, scores
         limit = min(limit, FORECAST_FIT_RATIO * error)
     return chosen
@@ -232,9 +245,7 @@ def _build_value(
     ends = (change - WIDE * deviation, change + WIDE * deviation)
     is_known = deviation < LEARNED_SHARE * knob.tolerance
     before, value, (low, high) = _to_file_unit(nominal, knob, change, ends)
-    is_far = is_known and abs(change) > FAR_VALUE * math.hypot(
-        usual.get(knob.name, 0.0), deviation
-    )
+    is_far = is_known and abs(change) > CLEAR * math.hypot(usual.get(knob.name, 0.0), deviation)
     return CalibratedValue(
         knob.name, knob.unit, flight, before, value, (low, high), is_known, is_far,
         tuple(_list_inseparable(knobs, k, covariance)),

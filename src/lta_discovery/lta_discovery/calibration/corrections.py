@@ -5,11 +5,18 @@ The forecasts without an effect show what it is worth: values that are clear in 
 still improve no forecast, as those of a fit that follows an error of the model.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 
-from lta_discovery.calibration.result import CalibratedValue, Correction, WIDE
+from lta_discovery.calibration.result import (
+    CalibratedValue,
+    Correction,
+    JudgedCorrection,
+    WIDE,
+)
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import apply_parameters, FreeParameter
+from lta_discovery.state_filter.forecast_scores import compare_errors
+from lta_discovery.state_filter.forecasts import FlightForecasts
 import numpy as np
 from numpy.typing import NDArray
 
@@ -48,6 +55,25 @@ def list_corrections(
             without = apply_parameters(nominal, parameters, most_probable)[0]
             out.append(Correction(effect, tuple(clear), without))
     return tuple(out)
+
+
+def judge_corrections(
+    corrections: Sequence[Correction],
+    calibrated: Sequence[FlightForecasts],
+    forecast: Callable[[Mapping[str, NominalVehicle]], Mapping[str, Sequence[FlightForecasts]]],
+) -> tuple[JudgedCorrection, ...]:
+    """
+    Return what each correction of a calibration is worth, the most useful first.
+
+    `calibrated`: forecasts of some flights by the calibrated vehicle. `forecast`: forecasts these
+    flights by other vehicles, by name.
+    """
+    others = forecast({one.effect: one.without for one in corrections}) if corrections else {}
+    worth = [
+        JudgedCorrection(one, compare_errors(calibrated, others[one.effect]))
+        for one in corrections
+    ]
+    return tuple(sorted(worth, key=lambda one: one.ratio.value))
 
 
 def classify_value(name: str) -> str:

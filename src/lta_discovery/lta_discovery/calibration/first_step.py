@@ -11,52 +11,33 @@ the file stays, and each flight has a lift of its own.
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Final, final
+from typing import final
 
 from lta_discovery.calibration.calibration import calibrate_flights
 from lta_discovery.calibration.prepared_flights import fit_quickly, prepare_calibration
-from lta_discovery.calibration.result import (
-    CalibratedValue,
-    Calibration,
-    find_main_score,
-    ForecastScore,
-)
+from lta_discovery.calibration.result import CalibratedValue, Calibration
 from lta_discovery.calibration.scores import (
+    compare_with_file,
     forecast_role,
     is_contradicted,
     relative_error,
     relative_position_error,
-    score_forecasts,
 )
 from lta_discovery.flights.role_assignment import assign_roles, Role
 from lta_discovery.model.parameters import NET_LIFT_FORCE
+from lta_discovery.settings import CALLS, CLEAR, ERROR_RATIOS, LIFT_GAP, MAYBE, MUCH, POOR, USELESS
+from lta_discovery.state_filter.forecast_scores import (
+    CALIBRATED,
+    COASTING,
+    FILE_MODEL,
+    find_main_score,
+    HorizonErrors,
+)
 from lta_discovery.state_filter.noise_model import average_noise
 from lta_model.vehicle import Vehicle
 import numpy as np
 
 Progress = Callable[[str, float | None], None]
-
-# Differences from the vehicle file that call for a calibration, by the beginning of the name.
-CALLS: Final = {
-    'wrench_gain': 0.4,
-    'rotor_': 0.5,  # relative; less may be a fault that discovery names
-    'marker_offset.x': 0.025,  # m
-    'marker_offset.y': 0.025,
-    'marker_offset.z': 0.025,
-    'marker_offset': 0.035,  # rad
-    'command_delay': 0.2,  # s; less may be an effect that discovery names
-    # Relative; the mass is not fitted well enough
-    **{f'vehicle.{axis}': 0.25 for axis in ('roll', 'pitch', 'yaw')},
-}
-LIFT_GAP: Final = 0.005  # N; difference between the net lifts of two flights
-LIFT_SIGMA: Final = 3.0  # standard deviations
-MAYBE: Final = 0.7  # of a difference; a linear fit may underestimate it
-USELESS: Final = 0.9  # of the error of coasting; a file with a larger one predicts nothing
-POOR: Final = 0.5  # of the error of coasting; a file with a larger one predicts poorly
-MUCH: Final = 0.7  # of the position error of such a file; a calibration needs less
-# Of the file's forecast error; a calibration needs less, by its method. Where a fit to all
-# readings forecasts poorly, something that the model lacks looks like a turned marker.
-ERROR_RATIOS: Final = {'likelihood': 0.8, 'forecasts': 0.3, 'file': 0.0}
 
 
 @final
@@ -135,16 +116,23 @@ def _is_clearly_better(calibration: Calibration, reasons: Sequence[CalibratedVal
     return error <= ERROR_RATIOS[calibration.method]
 
 
-def _predicts_poorly(scores: Mapping[str, Sequence[ForecastScore]], share: float) -> bool:
+def _list_main_positions(
+    scores: Mapping[str, Sequence[HorizonErrors]],
+) -> list[dict[str, float]]:
+    """Return the position errors by model in each role that has forecasts."""
+    return [main.positions for each in scores.values() if (main := find_main_score(each))]
+
+
+def _predicts_poorly(scores: Mapping[str, Sequence[HorizonErrors]], share: float) -> bool:
     """Return whether the file's errors exceed a share of those of coasting, in all roles."""
-    last = [find_main_score(each) for each in scores.values() if each]
-    return bool(last) and all(one.before[0] > share * one.coast[0] for one in last)
+    sizes = _list_main_positions(scores)
+    return bool(sizes) and all(one[FILE_MODEL] > share * one[COASTING] for one in sizes)
 
 
 def _beats_coasting(calibration: Calibration) -> bool:
     """Return whether a calibration predicts the positions of all roles better than coasting."""
-    last = [find_main_score(each) for each in calibration.scores.values() if each]
-    return calibration.method != 'file' and all(one.after[0] < one.coast[0] for one in last)
+    sizes = _list_main_positions(calibration.scores)
+    return calibration.method != 'file' and all(one[CALIBRATED] < one[COASTING] for one in sizes)
 
 
 def _mark_reasons(calibration: Calibration, reasons: Sequence[CalibratedValue]) -> Calibration:
@@ -178,14 +166,14 @@ def _list_suspicions(vehicle: Vehicle, flights: Sequence[Role]) -> list[str]:
     # A pendulum of another period does not show in few steps
     noise = average_noise(fit.noise)
     alone = forecast_role(prepared, 'train', prepared.nominal, noise)
-    scores = score_forecasts(alone, alone)
+    scores = compare_with_file(alone, alone)
     return ['forecasts'] if _predicts_poorly({'all': scores}, POOR) else []
 
 
 def _is_off(name: str, value: float, deviation: float) -> bool:
     """Return whether a parameter of a quick fit may be off."""
     least = find_calling_difference(name)
-    return least is not None and abs(value) > max(MAYBE * least, LIFT_SIGMA * deviation)
+    return least is not None and abs(value) > max(MAYBE * least, CLEAR * deviation)
 
 
 def find_calling_difference(name: str) -> float | None:
@@ -209,10 +197,10 @@ def _list_different_lifts(calibration: Calibration) -> Iterator[CalibratedValue]
     lifts = calibration.list_of_flights(NET_LIFT_FORCE)
     if lifts:
         low, high = (each(lifts, key=lambda one: one.value) for each in (min, max))
-        if high.value - low.value > max(LIFT_GAP, LIFT_SIGMA * (low.deviation + high.deviation)):
+        if high.value - low.value > max(LIFT_GAP, CLEAR * (low.deviation + high.deviation)):
             yield from (low, high)
 
 
 def is_difference_clear(one: CalibratedValue, least: float) -> bool:
     """Return whether a value is off by more than a size and by more than its interval explains."""
-    return one.is_known and abs(one.value - one.before) > max(least, LIFT_SIGMA * one.deviation)
+    return one.is_known and abs(one.value - one.before) > max(least, CLEAR * one.deviation)

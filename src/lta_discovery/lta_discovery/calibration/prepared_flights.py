@@ -18,6 +18,7 @@ from lta_discovery.model.calibration_parameters import (
 )
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.settings import ANY_HEADING, ASSUMED_TOLERANCE, HEADING_EVIDENCE, WIDER
 from lta_discovery.state_filter.forecast_sums import choose_horizons
 from lta_discovery.state_filter.likelihood import SIMULATION_RAN_AWAY
 from lta_discovery.state_filter.linear_flight import FlightSystem
@@ -38,11 +39,6 @@ DELAY: Final = 'command_delay.delay'
 FIRST_DELAY: Final = 0.1  # s; a fit from no delay at all sees no slope of it
 LOOK_ROUNDS: Final = 3  # linearizations of a first look
 HEADING_FLIGHTS: Final = 2  # flights of a look at other headings
-# Nats; by which another heading than the file's has to be more probable. Of ten simulated vehicles
-# none was more probable the wrong way round after a whole fit
-HEADING_EVIDENCE: Final = 20.0
-ASSUMED_TOLERANCE: Final = 2.0  # tolerances; the assumption must not hold back what is further off
-ANY_HEADING: Final = 1.6  # standard deviation of the heading of such a marker frame [rad]
 TRIED_HEADINGS: Final = (
     0.0,
     0.5 * math.pi,
@@ -51,7 +47,6 @@ TRIED_HEADINGS: Final = (
 )  # where it is looked for [rad]
 # Of the period of a pendulum, by the beginnings of the names
 PENDULUM_KNOBS: Final = ('vehicle.roll', 'vehicle.pitch', 'vehicle.yaw', 'cg_height', 'cg_offset')
-WIDER: Final = 2.0  # times the tolerance of all of these, if one is further off
 
 
 @final

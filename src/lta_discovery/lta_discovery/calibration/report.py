@@ -1,6 +1,6 @@
 """Build the report of a calibration."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from typing import Any, Final
 
@@ -8,27 +8,41 @@ from lta_discovery.calibration.calibrated_file import CALIBRATED_FILE
 from lta_discovery.calibration.result import (
     CalibratedValue,
     Calibration,
-    find_main_score,
-    ForecastScore,
+    JudgedCorrection,
 )
 from lta_discovery.calibration.verdict import (
-    format_error,
     format_forecast_sentence,
     format_headline,
     format_in_unit,
     format_inseparable,
     format_name,
+    format_values,
     list_differences,
 )
-from lta_discovery.error_picture import draw_errors
+from lta_discovery.forecast_blocks import build_error_tables, build_error_tiles, draw_errors
 from lta_discovery.formatting import (
     format_number,
     TO_DEG,
 )
 from lta_discovery.model.parameters import NET_LIFT_FORCE
+from lta_discovery.state_filter.forecast_scores import (
+    CALIBRATED,
+    COASTING,
+    ErrorRatio,
+    FILE_MODEL,
+    find_main_score,
+    HorizonErrors,
+)
 from lta_report.formatting import Tile
+from lta_report.json_value import to_json_value
 from lta_report.report import Emphasis, Picture, Report, TextSection, TextTable
 
+EFFECT_WORDS: Final = {
+    'vehicle': 'mass and inertia',
+    'wrench_gain': 'gain of the commands',
+    'wrench_coupling': 'what commands do on other axes',
+    'marker_offset': 'frame of the markers',
+}  # effects that a reader knows by other words
 FIRST_STEP: Final = 'Calibration: numbers beyond tolerance'
 METHODS: Final = {
     'likelihood': 'all readings, with an unexplained force',
@@ -36,7 +50,6 @@ METHODS: Final = {
     'file': 'nothing forecasts the flights better than the file',
 }
 CALIBRATION_HEADS: Final = ('value', 'vehicle file', 'calibrated', '95 % interval', 'remark')
-ERROR_DIRECTIONS: Final = ('nose', 'side', 'up')  # as in `ForecastRms`
 ALWAYS: Final = (
     'The heading of the tracker defines where the map points. Only a wind in the vehicle file, '
     'which is fixed to the room, shows it. The heading of the markers on the vehicle is fitted.',
@@ -74,8 +87,8 @@ def build_report(calibration: Calibration, calibrated_file: str | None) -> Repor
         blocks=(
             _build_value_table('Vehicle', [one for one in calibration.values if not one.flight]),
             *_build_flight_tables(calibration),
-            _build_score_table(calibration.scores),
-            *_build_axis_tables(calibration.scores),
+            *build_error_tables(calibration.scores),
+            *build_correction_tables(calibration.worth),
             *_build_noise_tables(calibration),
             *_build_pictures(calibration),
             TextSection('What no flight separates', limits, bullets=True, printed=True),
@@ -85,7 +98,12 @@ def build_report(calibration: Calibration, calibrated_file: str | None) -> Repor
                 else []
             ),
         ),
-        data=encode_calibration(calibration),
+        data=to_json_value(
+            {
+                **encode_calibration(calibration),
+                'corrections': encode_corrections(calibration.worth),
+            }
+        ),
         facts={
             'estimated from': METHODS[calibration.method],
             **{role: ', '.join(names) for role, names in calibration.bags.items() if names},
@@ -97,23 +115,14 @@ def build_report(calibration: Calibration, calibrated_file: str | None) -> Repor
 
 def _build_tiles(calibration: Calibration) -> list[Tile]:
     """Return the tiles: differences, and the forecast error."""
-    scores = calibration.scores.get('confirm') or calibration.scores.get('train', ())
     # What a headline names: numbers of the vehicle, and the net lift of the flights
     far = {one.name for one in calibration.values if one.is_far}
     count = len(
         far & {NET_LIFT_FORCE, *(one.name for one in calibration.values if not one.flight)}
     )
-    tiles = [Tile('Beyond tolerance', str(count), '', 'of the calibrated numbers, in bold')]
-    if scores:
-        last = find_main_score(scores)
-        for name, pair in (
-            ('Vehicle file', last.before),
-            ('Calibrated', last.after),
-            ('Coasting', last.coast),
-        ):
-            value = format_number(100.0 * pair[0], 2)
-            tiles.append(Tile(name, value, 'cm', f'position error {last.horizon:g} s ahead'))
-    return tiles
+    tile = Tile('Beyond tolerance', str(count), '', 'of the calibrated numbers, in bold')
+    main = find_main_score(calibration.judging_scores[1])
+    return [tile, *(build_error_tiles(main) if main else ())]
 
 
 def _build_value_table(heading: str, values: Sequence[CalibratedValue]) -> TextTable:
@@ -139,6 +148,34 @@ def build_first_step_table(calibration: Calibration) -> TextTable:
     return TextTable(FIRST_STEP, CALIBRATION_HEADS[:-1], rows)
 
 
+def build_correction_tables(worth: Sequence[JudgedCorrection]) -> Iterator[TextTable]:
+    """Yield the table of what each effect that was calibrated is worth."""
+    rows = [
+        [
+            EFFECT_WORDS.get(effect := one.correction.effect, effect.replace('_', ' ')),
+            ', '.join(format_values(one.correction)),
+            format_ratio(one.ratio),
+            'yes' if one.is_confirmed else 'no',
+        ]
+        for one in worth
+    ]
+    note = (
+        "Position error of the calibrated vehicle by that with the vehicle file's values of an "
+        'effect, and all other values as they are then most probable, without a new fit. '
+        'Confirmed: the interval is below 1.'
+    )
+    if rows:
+        heads = ('calibrated', 'clear values', 'error with it / without', 'confirmed')
+        yield TextTable('What each part of the calibration is worth', heads, rows, note)
+
+
+def format_ratio(one: ErrorRatio) -> str:
+    """Return a ratio of errors with its interval, if it has one."""
+    low, high = one.ci95
+    ends = f' (95 %: {low:.2f} to {high:.2f})' if low == low else ''
+    return f'{one.value:.2f}{ends}'
+
+
 def _build_flight_tables(calibration: Calibration) -> list[TextTable]:
     """Return the table of what each flight has of its own; none if the flights do not tell it."""
     rows = []
@@ -148,38 +185,6 @@ def _build_flight_tables(calibration: Calibration) -> list[TextTable]:
             rows.append([one.flight, format_name(one), before, now, interval])
     heads = ('flight', 'value', 'vehicle file', 'calibrated', '95 % interval')
     return [TextTable('Each flight', heads, rows)] if rows else []
-
-
-def _build_score_table(scores: Mapping[str, Sequence[ForecastScore]]) -> TextTable:
-    """Return the table of forecast errors."""
-    rows = []
-    for role, each in scores.items():
-        for one in each:
-            cells = []
-            for pair in (one.coast, one.before, one.after):
-                turn = format_number(TO_DEG * pair[1])
-                cells.append(f'{format_error(pair[0], 3)}, {turn}\N{DEGREE SIGN}')
-            rows.append([f'{role}, {one.horizon:g} s', *cells, str(one.count)])
-    heads = ('flights and horizon', 'coasting', 'vehicle file', 'calibrated', 'forecasts')
-    note = (
-        'RMS errors of position and attitude. A forecast begins from past readings only, and a '
-        'flight tells its lift and the strength of its commands on the way.'
-    )
-    return TextTable('Forecasts', heads, rows, note)
-
-
-def _build_axis_tables(scores: Mapping[str, Sequence[ForecastScore]]) -> list[TextTable]:
-    """Return the table of position errors by direction; none without forecasts."""
-    rows = []
-    for role, each in scores.items():
-        for one in each:
-            for name in ERROR_DIRECTIONS:
-                three = (one.coast, one.before, one.after)
-                cells = [format_error(getattr(errors, name), 3) for errors in three]
-                rows.append([f'{role}, {one.horizon:g} s', name, *cells])
-    heads = ('flights and horizon', 'direction', 'coasting', 'vehicle file', 'calibrated')
-    note = 'RMS position errors by the heading in which each forecast begins.'
-    return [TextTable('Forecasts by direction', heads, rows, note)] if rows else []
 
 
 def _build_noise_tables(calibration: Calibration) -> list[TextTable]:
@@ -207,21 +212,26 @@ def _build_noise_tables(calibration: Calibration) -> list[TextTable]:
 
 def _build_pictures(calibration: Calibration) -> list[Picture]:
     """Return the figure of the forecast errors, if there are any."""
-    role = 'confirm' if calibration.scores.get('confirm') else 'train'
-    scores = calibration.scores.get(role, ())
-    if not scores:
-        return []
-    models = {'coasting': 'coast', 'vehicle file': 'before', 'calibrated': 'after'}
-    errors = {name: [getattr(one, key)[0] for one in scores] for name, key in models.items()}
+    role, scores = calibration.judging_scores
     where = 'confirming' if role == 'confirm' else 'training'
     caption = f'RMS over all forecasts of the {where} flights.'
-    return [draw_errors([one.horizon for one in scores], errors, caption)]
+    return [draw_errors(scores, caption)] if scores else []
 
 
-def _encode_score(one: ForecastScore) -> dict[str, Any]:
+def _encode_score(one: HorizonErrors) -> dict[str, Any]:
     """Return a score as JSON data."""
-    kinds = {kind: getattr(one, kind)._asdict() for kind in ('coast', 'before', 'after')}
-    return {'horizon_s': one.horizon, **kinds, 'count': one.count}
+    kinds = {'coast': COASTING, 'before': FILE_MODEL, 'after': CALIBRATED}
+    errors = {key: one.errors[name]._asdict() for key, name in kinds.items()}
+    return {'horizon_s': one.horizon, **errors, 'count': one.forecasts}
+
+
+def encode_corrections(worth: Sequence[JudgedCorrection]) -> list[dict[str, Any]]:
+    """Return what corrections are worth as JSON data."""
+    return [
+        {'effect': one.correction.effect, 'values': [each.name for each in one.correction.values],
+         'error_ratio': one.ratio.value, 'ci95': one.ratio.ci95, 'confirmed': one.is_confirmed}
+        for one in worth
+    ]  # fmt: skip
 
 
 def encode_calibration(calibration: Calibration) -> dict[str, Any]:

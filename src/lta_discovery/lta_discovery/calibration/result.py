@@ -1,44 +1,14 @@
 """Define the result of a calibration as plain data."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final, final, NamedTuple
 
 from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.state_filter.forecast_scores import ErrorRatio, HorizonErrors
 from lta_discovery.state_filter.noise_model import NoiseModel
 
 WIDE: Final = 1.96  # standard deviations of a 95 % interval
-MAIN: Final = 3.0  # s; horizon of the errors in headlines
-
-
-@final
-class ForecastRms(NamedTuple):
-    """RMS errors of some forecasts."""
-
-    position: float  # [m]
-    attitude: float  # [rad]
-    # Of the position by the heading in which a forecast begins, and upwards [m]
-    nose: float
-    side: float
-    up: float
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class ForecastScore:
-    """RMS errors of forecasts at one horizon, over all forecasts of some flights."""
-
-    horizon: float  # [s]
-    # With constant velocity and rates, with the vehicle file, and with the calibration
-    coast: ForecastRms
-    before: ForecastRms
-    after: ForecastRms
-    count: int  # number of forecasts
-
-
-def find_main_score(scores: Sequence[ForecastScore]) -> ForecastScore:
-    """Return the score at the horizon that headlines state: `MAIN`, or the furthest below it."""
-    return max((one for one in scores if one.horizon <= MAIN), key=lambda one: one.horizon)
 
 
 @final
@@ -79,6 +49,19 @@ class Correction:
 
 
 @final
+class JudgedCorrection(NamedTuple):
+    """An effect that was calibrated, and what that is worth in forecasts."""
+
+    correction: Correction
+    ratio: ErrorRatio  # position error of the calibrated vehicle by that without the correction
+
+    @property
+    def is_confirmed(self) -> bool:
+        """Whether the forecasts are better with it."""
+        return self.ratio.ci95[1] < 1.0
+
+
+@final
 @dataclass(frozen=True, slots=True)
 class Calibration:
     """Result of a calibration."""
@@ -91,13 +74,21 @@ class Calibration:
     without_flows: NominalVehicle
     values: tuple[CalibratedValue, ...]  # of the vehicle, then by flight
     # Of forecasts of the training and of the confirming flights
-    scores: Mapping[str, tuple[ForecastScore, ...]]
+    scores: Mapping[str, tuple[HorizonErrors, ...]]
     # What the values were estimated from (`report.METHODS`)
     method: str
     bags: Mapping[str, tuple[str, ...]]
     warnings: tuple[str, ...] = ()
     noise: Mapping[str, NoiseModel] = field(default_factory=dict)  # of the training flights
     corrections: tuple[Correction, ...] = ()
+    # By forecasts of the confirming flights, the most useful first; none without such flights
+    worth: tuple[JudgedCorrection, ...] = ()
+
+    @property
+    def judging_scores(self) -> tuple[str, tuple[HorizonErrors, ...]]:
+        """The role of the flights that judge, the confirming ones if there are any, and scores."""
+        role = 'confirm' if self.scores.get('confirm') else 'train'
+        return role, self.scores.get(role, ())
 
     def find(self, name: str) -> CalibratedValue | None:
         """Return a value of the vehicle by name; None if it was not calibrated."""

@@ -77,7 +77,7 @@ def calibrate_vehicle(
     flights = read_bags(bags, robot, lambda bag: tell(f'reading {bag}', None))
     tell('checking data quality', None)
     usable = select_usable_flights(flights, vehicle, CALIBRATION_TIME)
-    calibration = calibrate_flights(vehicle, name, usable.flights, tell)
+    calibration = calibrate_flights(vehicle, name, usable.flights, tell, is_judged=True)
     return report_calibration(vehicle, name, replace(calibration, warnings=usable.warnings))
 
 

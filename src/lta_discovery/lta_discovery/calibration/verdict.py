@@ -4,9 +4,11 @@ from collections.abc import Iterator, Sequence
 import math
 from typing import Final
 
-from lta_discovery.calibration.result import CalibratedValue, Calibration, find_main_score
+from lta_discovery.calibration.result import CalibratedValue, Calibration, Correction
 from lta_discovery.calibration.scores import is_contradicted
 from lta_discovery.formatting import (
+    DIVERGED,
+    format_error,
     format_number,
     format_parameter,
     format_with_interval,
@@ -16,6 +18,12 @@ from lta_discovery.formatting import (
 from lta_discovery.model.calibration_parameters import GAIN_NAMES, HEADING
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import NET_LIFT_FORCE
+from lta_discovery.state_filter.forecast_scores import (
+    CALIBRATED,
+    COASTING,
+    FILE_MODEL,
+    find_main_score,
+)
 import numpy as np
 
 REPORTED_RATE_CHANGE: Final = (
@@ -25,7 +33,6 @@ WRENCH_KINDS: Final = {
     'surge': 'force', 'sway': 'force', 'heave': 'force',
     'roll': 'moment', 'pitch': 'moment', 'yaw': 'moment',
 }  # fmt: skip
-DIVERGED: Final = 1e3  # m; no forecast over some seconds is off by more
 REPORTED_DELAY: Final = 0.03  # s; a shorter delay is not reported
 LISTED: Final = 4  # numbers beyond tolerance that have no words of their own
 MARKER_TURNS: Final = ('yaw', 'pitch', 'roll')
@@ -183,23 +190,23 @@ def format_headline(calibration: Calibration) -> str:
 
 def format_forecast_sentence(calibration: Calibration) -> str:
     """Return how well the calibration forecasts, beside file and coasting; '' if unknown."""
-    role = 'confirm' if calibration.scores.get('confirm') else 'train'
-    scores = calibration.scores.get(role, ())
-    if not scores:
+    role, scores = calibration.judging_scores
+    main = find_main_score(scores)
+    if main is None:
         return 'The flights are too short to compare forecasts.'
-    last = find_main_score(scores)
     where = 'confirming flights' if role == 'confirm' else 'the training flights themselves'
-    file, now, coast = (format_error(each[0]) for each in (last.before, last.after, last.coast))
+    sizes = [main.positions[name] for name in (FILE_MODEL, CALIBRATED, COASTING)]
+    file, now, coast = map(format_error, sizes)
     text = (
-        f'Position error {last.horizon:g} s ahead on {where}: {file} with the vehicle file, '
+        f'Position error {main.horizon:g} s ahead on {where}: {file} with the vehicle file, '
         f'{now} calibrated, {coast} if the vehicle coasted.'
     )
-    if last.after[0] > DIVERGED:
+    if sizes[1] > DIVERGED:
         text += (
             ' The forecasts diverge: the file is far off, or the vehicle is unstable without its '
             'controller, as a multirotor is, so that recorded commands do not predict it.'
         )
-    elif last.after[0] >= last.coast[0]:
+    elif sizes[1] >= sizes[2]:
         text += ' The calibrated model does not beat coasting, so do not rely on its forecasts.'
     return text
 
@@ -219,6 +226,11 @@ def format_in_unit(one: CalibratedValue) -> tuple[str, str, str]:
     return f'{format_number(before)}{end}', f'{now}{end}', f'{low} to {high}'
 
 
+def format_values(correction: Correction) -> list[str]:
+    """Return the clear values of a correction, each with its name and unit."""
+    return [f'{format_parameter(one.name)} {format_in_unit(one)[1]}' for one in correction.values]
+
+
 def format_name(one: CalibratedValue) -> str:
     """Return the name of a number in words."""
     effect, _, part = one.name.partition('.')
@@ -227,11 +239,6 @@ def format_name(one: CalibratedValue) -> str:
     if effect == 'helium_leak':
         return 'loss of lift'
     return format_parameter(one.name)
-
-
-def format_error(metres: float, digits: int = 2) -> str:
-    """Format a position error."""
-    return 'diverged' if metres > DIVERGED else f'{format_number(100.0 * metres, digits)} cm'
 
 
 def format_inseparable(one: CalibratedValue) -> str:

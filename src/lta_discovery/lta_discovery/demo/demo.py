@@ -36,18 +36,7 @@ def run_discovery_demo(seed: int, folder: Path, tell: Tell) -> Report:
     """
     with _remove_if_aborted(folder):
         hidden, bags = draw_clear_effect(seed, folder, tell)
-        return _discover(hidden, bags, tell)
-
-
-def discover_hidden_effect(hidden: DemoEffect, seed: int, folder: Path, tell: Tell) -> Report:
-    """Fly three flights with an effect, and search for it; arguments as for the demonstration."""
-    with _remove_if_aborted(folder):
-        return _discover(hidden, fly_all(hidden, seed, folder, tell), tell)
-
-
-def _discover(hidden: DemoEffect, bags: Mapping[Role, Sequence[Path]], tell: Tell) -> Report:
-    """Return the report of a discovery that says what was hidden, too."""
-    report = discover_effects(DiscoveryRequest.of_bags(HIDDEN_VEHICLE, bags), tell)
+        report = discover_effects(DiscoveryRequest.of_bags(HIDDEN_VEHICLE, bags), tell)
     assert isinstance(report.data, dict)
     truth = {'name': hidden.name, 'value': hidden.value, 'unit': hidden.unit}
     return replace(

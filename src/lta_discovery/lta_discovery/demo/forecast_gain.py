@@ -16,13 +16,14 @@ from lta_discovery.demo.hidden_effect import (
     HIDDEN_VEHICLE,
 )
 from lta_discovery.discovery.forecast_comparison import compare_forecasts, ComparedModel
-from lta_discovery.discovery.study import FILE_MODEL, NAMED, TUNED
+from lta_discovery.discovery.study import NAMED, TUNED
 from lta_discovery.flights.bags import read_bags, Role
 from lta_discovery.flights.measured_flight import MeasuredFlight
 from lta_discovery.flights.usable_flights import select_usable_flights
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import apply_parameters, list_free_parameters
 from lta_discovery.posterior.missing_elements import LEARNING, LINEARIZATIONS
+from lta_discovery.state_filter.forecast_scores import FILE_MODEL
 from lta_discovery.state_filter.forecast_sums import HORIZONS
 from lta_discovery.state_filter.linear_flight import FlightSystem
 from lta_discovery.state_filter.noise_model import NoiseModel

@@ -19,9 +19,9 @@ from lta_config.files import find_file
 from lta_config.topics import load_topic_table
 from lta_control.cascade import Setpoint
 from lta_discovery.changed_quantities import format_hypothesis
+from lta_discovery.lab_tests.rehearsal import POSE_NOISE, TURN_NOISE
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter, list_free_parameters
-from lta_discovery.planning.rehearsal import POSE_NOISE, TURN_NOISE
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_run import SIMULATED_ROBOT
 from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec, load_spec

@@ -9,14 +9,10 @@ from dataclasses import dataclass
 from typing import Final, final, Literal
 
 from lta_discovery.calibration.calibrated_file import CALIBRATED_FILE
-from lta_discovery.calibration.result import Correction
-from lta_discovery.calibration.scores import WORSE
-from lta_discovery.calibration.verdict import format_error, format_in_unit, list_differences
-from lta_discovery.discovery.forecast_comparison import COASTING, HorizonErrors
+from lta_discovery.calibration.result import JudgedCorrection
+from lta_discovery.calibration.verdict import format_values, list_differences
 from lta_discovery.discovery.study import (
     Discovery,
-    FILE_MODEL,
-    JudgedCorrection,
     NAMED,
     NamedElement,
     ParameterEstimate,
@@ -25,6 +21,7 @@ from lta_discovery.discovery.study import (
 )
 from lta_discovery.formatting import (
     append_unit,
+    format_error,
     format_number,
     format_parameter,
     format_with_interval,
@@ -32,7 +29,8 @@ from lta_discovery.formatting import (
     SHOWN_UNITS,
 )
 from lta_discovery.model.candidates import vector_components
-from lta_discovery.posterior.settings import UNEXPLAINED
+from lta_discovery.settings import UNEXPLAINED, WORSE
+from lta_discovery.state_filter.forecast_scores import COASTING, FILE_MODEL, HorizonErrors
 from lta_discovery.state_filter.noise_model import average_noise, wrench_floor
 from lta_model.effects.protocol import AXES
 import numpy as np
@@ -89,14 +87,17 @@ def draw_conclusion(study: Discovery) -> Conclusion:
     names = join_words([format_element(one) for one in numbers])
     verb = 'lacks' if any(one.present.kind == 'effect' for one in numbers) else 'has wrong'
     is_better = main is None or main.errors[WRITTEN].position < WORSE * main.errors[base].position
-    doubt = any(one.alternatives for one in numbers)
+    doubt = next((one.present.names for one in numbers if one.alternatives), ())
     advice = (
         'Use the corrected vehicle file, vehicle.yaml in the results folder.'
         if is_better
         else f'{CONCLUSION_ADVICE[base]} With what is named it forecasts these flights worse.'
     )
     if is_better and doubt:
-        advice += ' These flights do not show which of the alternatives is right; see --plan.'
+        advice += (
+            ' These flights do not show which of the alternatives is right; lta tests between '
+            f'{doubt[0]} {doubt[1]} finds a test that does.'
+        )
     return Conclusion(
         'named+unexplained' if rest else 'named',
         f'The vehicle file {verb} {names}.',
@@ -223,11 +224,6 @@ def _format_correction(one: JudgedCorrection, study: Discovery) -> str:
         f'Forecasts of {where} confirm {join_words(format_values(one.correction))}: without, the '
         f'position error is {loss} % ({low} to {high}) larger{ahead}.'
     )
-
-
-def format_values(correction: Correction) -> list[str]:
-    """Return the clear values of a correction, each with its name and unit."""
-    return [f'{format_parameter(one.name)} {format_in_unit(one)[1]}' for one in correction.values]
 
 
 def _list_possible(study: Discovery) -> tuple[str, ...]:

@@ -7,14 +7,13 @@ from textwrap import wrap
 from typing import Final
 
 from lta_discovery.calibration.calibrated_file import CALIBRATED_FILE
-from lta_discovery.calibration.verdict import format_error
 from lta_discovery.discovery.conclusion import Conclusion
 from lta_discovery.discovery.forecast_comparison import ForecastComparison
-from lta_discovery.discovery.study import Discovery, FILE_MODEL, NAMED, TUNED
-from lta_discovery.error_picture import COLOURS, draw_errors, draw_errors_along
-from lta_discovery.flights.measured_flight import GRID_PERIOD, MeasuredFlight
-from lta_discovery.model.quaternions import quaternion_exponential, quaternion_product
-from lta_discovery.state_filter.forecasts import FlightForecasts
+from lta_discovery.discovery.study import Discovery, NAMED, TUNED
+from lta_discovery.flights.measured_flight import MeasuredFlight
+from lta_discovery.forecast_blocks import COLOURS, draw_errors_along
+from lta_discovery.formatting import format_error
+from lta_discovery.state_filter.forecast_scores import FILE_MODEL
 from lta_model.effects.protocol import AXES
 from lta_report.drawing import add_legend, create_figure
 from lta_report.palette import ESTIMATE, TRUTH
@@ -41,17 +40,6 @@ FIGURE_STYLE: Final = (
 )
 
 
-def build_forecast_picture(study: Discovery) -> Picture:
-    """Return the figure of the errors by horizon."""
-    scores = study.comparison.scores
-    where = 'held-out flights' if study.held_out else 'flights that the search has seen'
-    return draw_errors(
-        [one.horizon for one in scores],
-        {name: [one.errors[name].position for one in scores] for name in scores[0].errors},
-        f'RMS over all forecasts of {where}.',
-    )
-
-
 def build_pictures(study: Discovery) -> Iterator[Block]:
     """Yield forecasts along the first judged flight, and what stays unexplained in each flight."""
     comparison = study.comparison
@@ -76,20 +64,6 @@ def build_pictures(study: Discovery) -> Iterator[Block]:
     yield wrenches[0]
     if wrenches[1:]:
         yield ReportSection('Unexplained force in the other flights', wrenches[1:], folded=True)
-
-
-def predict_poses(
-    flight: MeasuredFlight, forecasts: FlightForecasts, horizon: float
-) -> tuple[Array, Array]:
-    """Return times, shape (S,), and the poses forecast for them, shape (S, 7) [m]."""
-    h = forecasts.horizons.index(horizon)
-    at = np.rint((forecasts.starts + horizon - flight.time[0]) / GRID_PERIOD).astype(np.int64)
-    inside = at < len(flight.time)
-    at, errors = at[inside], forecasts.errors[inside, h]
-    errors = np.where(np.isfinite(errors), errors, np.nan)
-    # An error is from the forecast pose to the measured one, a rotation in the body
-    turn = quaternion_product(flight.quaternion[at], quaternion_exponential(-errors[:, 3:]))
-    return flight.time[at], np.column_stack([flight.position[at] - errors[:, :3], turn])
 
 
 def _draw_wrench(

@@ -4,14 +4,17 @@ from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
 from lta_discovery.calibration.calibrated_file import CALIBRATED_FILE
-from lta_discovery.calibration.report import build_first_step_table, encode_calibration
-from lta_discovery.calibration.verdict import format_error
-from lta_discovery.discovery.conclusion import Conclusion, format_names, format_values
-from lta_discovery.discovery.figures import build_forecast_picture, build_pictures
-from lta_discovery.discovery.forecast_comparison import COASTING, ErrorRatio, HorizonErrors
+from lta_discovery.calibration.report import (
+    build_correction_tables,
+    build_first_step_table,
+    encode_calibration,
+    encode_corrections,
+    format_ratio,
+)
+from lta_discovery.discovery.conclusion import Conclusion, format_names
+from lta_discovery.discovery.figures import build_pictures
 from lta_discovery.discovery.study import (
     Discovery,
-    FILE_MODEL,
     NAMED,
     NamedElement,
     TUNED,
@@ -19,6 +22,7 @@ from lta_discovery.discovery.study import (
 )
 from lta_discovery.flights.measured_flight import GRID_PERIOD
 from lta_discovery.flights.outliers import ExcludedInterval
+from lta_discovery.forecast_blocks import build_error_tables, build_error_tiles, draw_errors
 from lta_discovery.formatting import (
     append_unit,
     explain_effect,
@@ -27,8 +31,8 @@ from lta_discovery.formatting import (
     format_with_interval,
     join_words,
     SHOWN_UNITS,
-    TO_DEG,
 )
+from lta_discovery.state_filter.forecast_scores import COASTING, FILE_MODEL, HorizonErrors
 from lta_discovery.state_filter.noise_model import average_noise, wrench_floor
 from lta_model.effects.protocol import AXES
 from lta_report.formatting import Tile
@@ -37,12 +41,6 @@ from lta_report.report import Picture, Report, ReportSection, TextSection, TextT
 
 REPORT_SCHEMA: Final = 1  # of discovery.json
 LEAST_PROBABILITY: Final = 0.02  # of an element that the table of candidates lists
-EFFECT_WORDS: Final = {
-    'vehicle': 'mass and inertia',
-    'wrench_gain': 'gain of the commands',
-    'wrench_coupling': 'what commands do on other axes',
-    'marker_offset': 'frame of the markers',
-}  # effects that a reader knows by other words
 ROLES: Final = {'train': 'learned from', 'confirm': 'learned from', 'holdout': 'held out'}
 
 
@@ -68,7 +66,7 @@ def build_report(
         tiles=list(_build_tiles(study)),
         blocks=(
             *_build_calibration_tables(study),
-            *_build_correction_tables(study),
+            *build_correction_tables(study.corrections),
             *_build_named_tables(study),
             *_build_forecast_blocks(study),
             *build_pictures(study),
@@ -93,36 +91,12 @@ def _build_tiles(study: Discovery) -> Iterator[Tile]:
     )  # fmt: skip
     main = study.comparison.main
     if main is not None:
-        for name, errors in main.errors.items():
-            value, _, unit = format_error(errors.position).partition(' ')
-            title = name if name.endswith('.yaml') else name.capitalize()
-            yield Tile(title, value, unit, f'position error {main.horizon:g} s ahead, RMS')
+        yield from build_error_tiles(main)
 
 
 def _build_calibration_tables(study: Discovery) -> list[TextTable]:
     calibration = study.first.compared
     return [] if calibration is None else [build_first_step_table(calibration)]
-
-
-def _build_correction_tables(study: Discovery) -> Iterator[TextTable]:
-    """Yield the table of what each effect that was calibrated is worth."""
-    rows = [
-        [
-            EFFECT_WORDS.get(effect := one.correction.effect, effect.replace('_', ' ')),
-            ', '.join(format_values(one.correction)),
-            _format_ratio(one.ratio),
-            'yes' if one.is_confirmed else 'no',
-        ]
-        for one in study.corrections
-    ]
-    note = (
-        "Position error of calibrated.yaml by that with the vehicle file's values of an effect, "
-        'and all other values as they are then most probable, without a new fit. Confirmed: the '
-        'interval is below 1.'
-    )
-    if rows:
-        heads = ('calibrated', 'clear values', 'error with it / without', 'confirmed')
-        yield TextTable('What each part of the calibration is worth', heads, rows, note)
 
 
 def _build_named_tables(study: Discovery) -> Iterator[TextTable | TextSection]:
@@ -173,41 +147,19 @@ def _list_rows(one: NamedElement) -> Iterator[list[str]]:
 
 
 def _build_forecast_blocks(study: Discovery) -> list[Picture | TextTable]:
-    """Return figure and table of the forecast errors; nothing if no flight is long enough."""
-    if not study.comparison.scores:
+    """Return figure and tables of the forecast errors; nothing if no flight is long enough."""
+    scores = study.comparison.scores
+    if not scores:
         return []
-    return [build_forecast_picture(study), _build_forecast_table(study)]
-
-
-def _build_forecast_table(study: Discovery) -> TextTable:
-    """Return the table of forecast errors."""
-    heads = ['ahead']
-    rows = []
-    for score in study.comparison.scores:
-        heads = ['ahead', *score.errors, 'forecasts']
-        cells = [
-            f'{format_error(one.position, 3)}, {format_number(TO_DEG * one.attitude)}'
-            '\N{DEGREE SIGN}'
-            for one in score.errors.values()
-        ]
-        rows.append([f'{score.horizon:g} s', *cells, str(score.forecasts)])
     where = 'held-out flights' if study.held_out else 'flights that the search has seen'
-    note = (
-        f'RMS errors of position and attitude on {where}. A forecast begins from past readings '
-        'only, and a flight tells its lift and the strength of its commands on the way.'
-    )
+    remark = f'The flights are {where}.'
     if NAMED in study.comparison.forecasts:
-        note += (
-            f' What is named multiplies the error of fitted tolerances by '
-            f'{_format_ratio(study.comparison.compare(NAMED, TUNED))}.'
-        )
-    return TextTable('Forecasts', heads, rows, note)
-
-
-def _format_ratio(one: ErrorRatio) -> str:
-    low, high = one.ci95
-    ends = f' (95 %: {low:.2f} to {high:.2f})' if low == low else ''
-    return f'{one.value:.2f}{ends}'
+        ratio = format_ratio(study.comparison.compare(NAMED, TUNED))
+        remark += f' What is named multiplies the error of fitted tolerances by {ratio}.'
+    return [
+        draw_errors(scores, f'RMS over all forecasts of {where}.'),
+        *build_error_tables({'': scores}, remark),
+    ]
 
 
 def _build_details(study: Discovery) -> Iterator[TextTable]:
@@ -261,12 +213,7 @@ def _encode(
             if not one.estimates
         ],
         'possible': [_encode_element(one) for one in study.possible],
-        'corrections': [
-            {'effect': one.correction.effect,
-             'values': [each.name for each in one.correction.values],
-             'error_ratio': one.ratio.value, 'ci95': one.ratio.ci95, 'confirmed': one.is_confirmed}
-            for one in study.corrections
-        ],
+        'corrections': encode_corrections(study.corrections),
         'probabilities': missing.probabilities,
         'trust': missing.trust,
         'unexplained': {

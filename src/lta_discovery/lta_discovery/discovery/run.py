@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Final, final, Self
 
-from lta_bridge.provenance import describe_environment, read_commit
+from lta_bridge.provenance import read_commit
 from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_discovery.calibration.calibrated_file import (
@@ -20,14 +20,11 @@ from lta_discovery.calibration.result import Calibration
 from lta_discovery.calibration.verdict import format_lift_warning, list_differences
 from lta_discovery.discovery.conclusion import draw_conclusion, format_names
 from lta_discovery.discovery.figures import draw_picture, PICTURE
-from lta_discovery.discovery.overlay import build_overlay, OVERLAY_FILE
 from lta_discovery.discovery.report import build_report
 from lta_discovery.discovery.study import Discovery, NamedElement, study_flights, WRITTEN
 from lta_discovery.flights.bags import read_bags, Role
 from lta_discovery.flights.usable_flights import select_usable_flights, UsableFlights
 from lta_discovery.formatting import format_with_interval, join_words
-from lta_discovery.planning.equivalence_classes import classify_data_kind
-from lta_discovery.planning.next_flight import NEXT_FLIGHT_FILE, plan_next_flight
 from lta_discovery.progress import DiscoverProgress
 from lta_model.vehicle import load_vehicle, parse_vehicle, Vehicle
 from lta_report.report import Report
@@ -53,9 +50,8 @@ class DiscoveryRequest(ReportRequest, command='discover'):
     that these flights cannot tell from it. The result may also be that nothing is missing, or that
     the flights do not decide.
 
-    Writes report.html, vehicle.yaml (the vehicle file with what is named), overlay.mcap (measured
-    and forecast, for Foxglove) and discovery.json. With --plan, also next_flight.yaml, a scenario
-    for "lta fly", where a flight tells alternatives apart.
+    Writes report.html, vehicle.yaml (the vehicle file with what is named), picture.svg and
+    discovery.json.
 
     A single flight is split in time, which gives weaker evidence. Method and accuracy:
     docs/discovery.md.
@@ -85,7 +81,6 @@ class DiscoveryRequest(ReportRequest, command='discover'):
     demo: bool = option(
         'Demonstration: simulate flights with a hidden effect and discover it.', default=False
     )
-    plan: bool = option('Also plan the next flight that tells alternatives apart.', default=False)
     calibration: bool = option(
         'Calibrate the vehicle first, where the flights call for it.', default=True
     )
@@ -142,16 +137,13 @@ def discover_effects(request: DiscoveryRequest, tell: Tell) -> Report:
     study, text, calibrated = study_usable_flights(request, vehicle, usable, tell)
     conclusion = draw_conclusion(study)
     report = build_report(study, conclusion, request.vehicle, usable.cuts, usable.warnings)
-    origin = {**describe_environment(), 'flights': ', '.join(study.comparison.names)}
-    outputs: dict[str, str | bytes] = {OVERLAY_FILE: build_overlay(study.comparison, origin)}
+    outputs = dict[str, str | bytes]()
     if picture := draw_picture(conclusion, study.comparison):
         outputs[PICTURE] = picture
     if conclusion.writes_calibrated:
         outputs[CALIBRATED_FILE] = calibrated
     if conclusion.writes_file:
         outputs[WRITTEN] = format_learned_vehicle(text, study)
-    if request.plan:
-        report = _add_next_flight(report, outputs, request, study, text, tell)
     return replace(report, outputs=outputs)
 
 
@@ -242,28 +234,3 @@ def _list_notes(one: NamedElement) -> list[tuple[str, str, str]]:
         effect, _, name = each.name.partition('.')
         out.append((effect, name, f'{note}; it may be {instead} instead' if instead else note))
     return out
-
-
-def _add_next_flight(
-    report: Report,
-    outputs: dict[str, str | bytes],
-    request: DiscoveryRequest,
-    study: Discovery,
-    text: str,
-    tell: Tell,
-) -> Report:
-    """Return the report with the flight that tells alternatives apart, if there are any."""
-    doubtful = next((one for one in study.named if one.alternatives), None)
-    if doubtful is None:
-        words = 'No next flight is planned: no named effect has an alternative.'
-        return replace(report, closing=(*report.closing, words))
-    values = {
-        one.name: float(value)
-        for one, value in zip(study.missing.parameters, study.missing.values, strict=True)
-        if one.name in doubtful.present.names
-    }
-    kind = classify_data_kind([study.flights[name][1] for name in study.learned_from])
-    plan = plan_next_flight(request.vehicle, text, doubtful.present.names, values, kind, tell)
-    if plan.scenario is not None:
-        outputs[NEXT_FLIGHT_FILE] = plan.format_scenario()
-    return replace(report, closing=(*report.closing, plan.text))

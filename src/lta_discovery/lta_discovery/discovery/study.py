@@ -6,18 +6,18 @@ The forecasts that judge its result are those of flights that it has not seen, w
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 import math
 from typing import Final, final, NamedTuple
 
 from lta_discovery.calibration.calibrated_file import CALIBRATED_FILE
+from lta_discovery.calibration.corrections import judge_corrections
 from lta_discovery.calibration.first_step import FirstStep
 from lta_discovery.calibration.priors import apply_calibration, free_flight_lifts
-from lta_discovery.calibration.result import Correction, WIDE
+from lta_discovery.calibration.result import JudgedCorrection, WIDE
 from lta_discovery.discovery.forecast_comparison import (
     compare_forecasts,
     ComparedModel,
-    ErrorRatio,
     ForecastComparison,
 )
 from lta_discovery.flights.measured_flight import MeasuredFlight
@@ -32,6 +32,7 @@ from lta_discovery.posterior.missing_elements import (
     MissingElementSearch,
     PresentElement,
 )
+from lta_discovery.state_filter.forecast_scores import FILE_MODEL
 from lta_discovery.state_filter.forecast_sums import choose_horizons
 from lta_discovery.state_filter.linear_flight import FlightSystem
 from lta_model.effects import EFFECTS
@@ -42,8 +43,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Progress = Callable[[str, float | None], None]
 
-# Names of the compared models, beside CALIBRATED_FILE
-FILE_MODEL: Final = 'vehicle file'
+# Names of the compared models, beside CALIBRATED_FILE and the vehicle file
 TUNED: Final = 'tolerances fitted'
 NAMED: Final = 'with what is named'
 WRITTEN: Final = 'vehicle.yaml'
@@ -77,19 +77,6 @@ class NamedElement:
     def alternatives(self) -> tuple[str, ...]:
         """What the flights cannot tell from it."""
         return self.present.names[1:]
-
-
-@final
-class JudgedCorrection(NamedTuple):
-    """An effect that was calibrated, and what that is worth in forecasts."""
-
-    correction: Correction
-    ratio: ErrorRatio  # position error of the calibrated vehicle by that without the correction
-
-    @property
-    def is_confirmed(self) -> bool:
-        """Whether the forecasts are better with it."""
-        return self.ratio.ci95[1] < NO_GAIN
 
 
 @final
@@ -189,7 +176,7 @@ def study_flights(
         held_out,
         (*warnings, *remarks),
         first,
-        _judge_corrections(first, comparison, compare),
+        _judge_calibration(first, comparison, compare),
     )
 
 
@@ -267,29 +254,25 @@ def _build_models(
     return models, learned
 
 
-def _judge_corrections(
+def _judge_calibration(
     first: FirstStep,
     comparison: ForecastComparison,
     compare: Callable[[Sequence[ComparedModel]], ForecastComparison],
 ) -> tuple[JudgedCorrection, ...]:
     """
-    Return what each correction of the calibration is worth, the most useful first.
+    Return what each correction of the calibration is worth.
 
     `comparison`: has the forecasts of the calibrated vehicle. `compare`: forecasts other models.
     """
     calibration = first.compared
-    if calibration is None or comparison.main is None or not calibration.corrections:
+    if calibration is None or comparison.main is None:
         return ()
     noise = tuple(calibration.noise.values())
-    others = [ComparedModel(one.effect, one.without, noise) for one in calibration.corrections]
-    whole = comparison.forecasts[CALIBRATED_FILE]
-    forecasts = {**compare(others).forecasts, CALIBRATED_FILE: whole}
-    both = replace(comparison, forecasts=forecasts)
-    ratios = [
-        JudgedCorrection(one, both.compare(CALIBRATED_FILE, one.effect))
-        for one in calibration.corrections
-    ]
-    return tuple(sorted(ratios, key=lambda one: one.ratio.value))
+    return judge_corrections(
+        calibration.corrections,
+        comparison.forecasts[CALIBRATED_FILE],
+        lambda others: compare([ComparedModel(*each, noise) for each in others.items()]).forecasts,
+    )
 
 
 def _build_possible_models(

@@ -13,9 +13,9 @@ from collections.abc import Sequence
 import math
 from typing import Final, final, NamedTuple
 
+from lta_data.even_grid import find_runs
 from lta_discovery.flights.measured_flight import GRID_PERIOD, MeasuredFlight
 from lta_discovery.flights.role_assignment import Role
-from lta_discovery.flights.usable_states import find_marked_runs
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.quaternions import (
     quaternion_exponential,
@@ -75,7 +75,7 @@ def find_swing_law(flight: MeasuredFlight) -> SwingLaw | None:
     rest = np.linalg.lstsq(law[:2].T, -law[4], rcond=None)[0]
     usual = float(np.linalg.norm(turning[finite], axis=1).max())
     unlike = np.linalg.norm(turning - terms @ law, axis=1) > FREE_MISFIT * usual
-    for first, end in find_marked_runs(unlike):
+    for first, end in find_runs(unlike):
         is_held = end - first >= SHORTEST_HOLD / GRID_PERIOD and end <= late[0]
         if is_held and unlike[end : late[0]].sum() <= ODD * (late[0] - end):
             return SwingLaw(float(flight.time[end]) + RELEASE_MARGIN, rest)
@@ -215,7 +215,7 @@ def smooth_derivative(values: Array, order: int) -> Array:
     """Return a smoothed derivative on the grid; NaN near gaps."""
     out = np.full_like(values, np.nan)
     valid: NDArray[np.bool_] = np.asarray(np.isfinite(values).all(axis=1))
-    for begin, end in find_marked_runs(valid):
+    for begin, end in find_runs(valid):
         if end - begin >= WINDOW:
             smooth = savgol_filter(
                 values[begin:end], WINDOW, 3, deriv=order, delta=GRID_PERIOD, axis=0

@@ -28,6 +28,7 @@ GRID_PERIOD: Final = 0.04  # s; of the grid
 WARM_UP: Final = 2.0  # s; filters and motors settle
 MOTOR_WARM_UP: Final = 0.5  # s; the same for flights with a tracker only: motors settle
 GAP: Final = 0.12  # s; longest gap of a tracker that is interpolated
+SHORTEST_RUN: Final = 25  # grid points, one second; the motion of less is not studied
 BRIDGED: Final = 0.5  # s; a shorter gap does not end a piece, but has no poses
 ALL_CHANNELS: Final = (
     'x', 'y', 'z', 'turn_x', 'turn_y', 'turn_z', 'p', 'q', 'r', 'fx', 'fy', 'fz',

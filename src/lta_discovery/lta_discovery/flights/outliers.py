@@ -10,9 +10,9 @@ commands beyond what the actuators can do are clipped.
 from dataclasses import dataclass, replace
 from typing import Final, final
 
+from lta_data.even_grid import find_runs
 from lta_discovery.flights.measured_flight import FlightStreams, MeasuredFlight, Stream
 from lta_discovery.flights.noise import NOISE_MEDIAN
-from lta_discovery.flights.usable_states import find_marked_runs
 import numpy as np
 from numpy.typing import NDArray
 
@@ -47,7 +47,7 @@ def find_outliers(values: Array, noise: float) -> Flags:
     # Cubic through the two neighbours on either side, at the centre: weights -1, 4, 4, -1 by 6.
     through = (4.0 * (values[1:-3] + values[3:-1]) - values[:-4] - values[4:]) / 6.0
     doubt[2:-2] = np.abs(values[2:-2] - through) > WILD * noise
-    for begin, end in find_marked_runs(doubt):
+    for begin, end in find_runs(doubt):
         around = np.r_[max(0, begin - AROUND) : begin, end : min(len(values), end + AROUND)]
         # Doubtful readings must not shape the second cubic
         around = around[np.isfinite(values[around]) & ~doubt[around]]
@@ -119,7 +119,7 @@ def _mark_short_runs(beyond: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Return the marked samples of each column that are in runs of at most `LONGEST_SPIKE`."""
     out = beyond.copy()
     for column, marks in zip(beyond.T, out.T, strict=True):
-        for begin, end in find_marked_runs(column):
+        for begin, end in find_runs(column):
             if end - begin > LONGEST_SPIKE:
                 marks[begin:end] = False
     return out

@@ -9,9 +9,9 @@ hand or a wall shows as one that neither commands nor motion explain.
 
 from typing import Final, final, NamedTuple
 
+from lta_data.even_grid import find_runs
 from lta_discovery.flights.free_swings import find_swing_law, smooth_derivative, WINDOW
 from lta_discovery.flights.measured_flight import FlightStreams, GRID_PERIOD, MeasuredFlight
-from lta_discovery.flights.usable_states import find_marked_runs
 from lta_discovery.model.quaternions import rotation_matrix
 import numpy as np
 from numpy.typing import NDArray
@@ -114,10 +114,10 @@ def _find_rest_end(flight: MeasuredFlight) -> float:
     )
     # A gap in the poses continues what was before it
     still = idle & ~(speed > CARRIED) & ~(rate > CARRIED_RATE)
-    runs = find_marked_runs(still)
+    runs = find_runs(still)
     reach = round(STANDING / GRID_PERIOD)
     # The first points have no smoothed speed, so the run may begin a little later
-    if not runs or runs[0][0] > WINDOW or runs[0][1] - runs[0][0] < reach:
+    if not len(runs) or runs[0][0] > WINDOW or runs[0][1] - runs[0][0] < reach:
         return float(flight.time[0])
     end = min(runs[0][1] + round(AFTER / GRID_PERIOD), len(flight.time) - 1)
     return float(flight.time[end])
@@ -182,7 +182,7 @@ def _find_disturbances(flight: MeasuredFlight, inside: Mask) -> list[Transient]:
     strong = finite & (unexplained > limit)
     idle = _mark_idle_points(flight)
     near, out = round(STEADY_HAND_TIME / GRID_PERIOD), list[tuple[int, int]]()
-    for begin, end in find_marked_runs(strong):
+    for begin, end in find_runs(strong):
         if (end - begin) * GRID_PERIOD < LONE:
             continue
         # Carried from one place to the next, the vehicle gets no command

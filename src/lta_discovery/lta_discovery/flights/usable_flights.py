@@ -7,7 +7,7 @@ of the library (tracker lag, clock drift) are kept, with a warning.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Final, final
 
 from lta_config.errors import BadInput
@@ -15,6 +15,7 @@ from lta_data.data_quality.checks import clocks, hand_motion, impossible_values
 from lta_data.data_quality.free_swing import require_commands
 from lta_data.data_quality.recording import QualityFinding
 from lta_data.data_quality.registry import run_checks
+from lta_data.even_grid import find_runs
 from lta_data.scene import find_tracker_prefix
 from lta_discovery.flights.bags import (
     check_same_vehicle,
@@ -28,6 +29,7 @@ from lta_discovery.flights.measured_flight import (
     GAP,
     MeasuredFlight,
     resample_flight,
+    SHORTEST_RUN,
     Stream,
 )
 from lta_discovery.flights.outliers import (
@@ -39,12 +41,10 @@ from lta_discovery.flights.sentence_merger import merge_sentences
 from lta_discovery.flights.streams import build_streams, convert_to_duties
 from lta_discovery.flights.timestamp_repair import add_stamp_noise, repair_timestamps
 from lta_discovery.flights.transients import find_transients, format_cut
-from lta_discovery.flights.usable_states import find_marked_runs, SHORTEST_RUN
 from lta_discovery.model.nominal import NominalVehicle
 from lta_model.vehicle import Vehicle
 from lta_report.formatting import format_count
 import numpy as np
-from numpy.typing import NDArray
 
 LARGEST_BAD_SHARE: Final = 0.5  # of a flight; a channel that is bad for longer is dropped
 INTERVAL_MARGIN: Final = 0.2  # s; margin cut on either side of an interval
@@ -62,7 +62,6 @@ SWINGING: Final = 0.05  # rad
 SATURATED_DUTY: Final = 0.98  # duty; from it on a rotor is saturated
 LOST: Final = 0.02  # of the poses; more lost poses are reported
 DUTY: Final = 'motors/effort.'
-LIGHT: Final = 'illuminance/illuminance'
 LATE: Final = ('lag', 'drift')  # clock faults that may be an effect of the library
 # Columns of each sensor in MeasuredFlight.readings, by the prefix of its channels.
 SENSOR_COLUMNS: Final = {
@@ -83,8 +82,6 @@ class UsableFlights:
     flights: tuple[tuple[str, Role, MeasuredFlight], ...]  # input of a study
     cuts: tuple[ExcludedInterval, ...]
     warnings: tuple[str, ...]
-    # Illuminance on the grid, by flight [lx]
-    light: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
 
 
 def select_usable_flights(
@@ -154,16 +151,8 @@ def select_usable_flights(
     for role in dict.fromkeys(one.role for one in flights):
         if not any(own == role for _, own, _ in usable):
             warnings.append(f'No flight of --{role} is usable; the study goes on without it.')
-    light = {
-        one.name: np.interp(flight.time, channel.time, channel.values)
-        for one in flights
-        for name, _, flight in usable
-        if one.name == name
-        and (channel := one.recording.channels.get(LIGHT)) is not None
-        and len(channel.time) > 1
-    }
     return UsableFlights(
-        tuple(usable), tuple(cuts), tuple(merge_sentences(warnings, len(flights))), light
+        tuple(usable), tuple(cuts), tuple(merge_sentences(warnings, len(flights)))
     )
 
 
@@ -401,7 +390,7 @@ def _list_data_warnings(name: str, flight: MeasuredFlight, streams: FlightStream
 
 def _find_longest_run(flight: MeasuredFlight) -> int:
     """Return the length of the longest usable run of a flight, in grid points."""
-    return max((end - begin for begin, end in find_marked_runs(flight.usable)), default=0)
+    return max((end - begin for begin, end in find_runs(flight.usable)), default=0)
 
 
 def _usable_seconds(flight: MeasuredFlight) -> float:

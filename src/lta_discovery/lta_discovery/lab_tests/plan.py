@@ -8,20 +8,24 @@ all shorter ones.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Final, final, Literal
+from typing import Final, final
 
 from lta_config.constants import STANDARD_GRAVITY
-from lta_discovery.flights.measured_flight import ALL_CHANNELS, GRID_PERIOD, MeasuredFlight, Stream
+from lta_discovery.flights.measured_flight import MeasuredFlight
 from lta_discovery.lab_tests.design import (
     LabTest,
     LEAST_STEP,
     list_designed_tests,
     list_step_variants,
     LONGEST_WAY,
-    rest_duties,
     scale_step,
-    step_duties,
-    STEP_REST,
+)
+from lta_discovery.lab_tests.rehearsal import (
+    build_commands,
+    Commands,
+    measure_information,
+    path_extent,
+    rehearse_test,
 )
 from lta_discovery.model.calibration_parameters import (
     list_calibration_parameters,
@@ -31,24 +35,17 @@ from lta_discovery.model.calibration_parameters import (
 )
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.planning.rehearsal import measure_information, POSE_NOISE, TURN_NOISE
-from lta_discovery.replay.replay import FlightReplay, STEPS_PER_PERIOD
 from lta_model.effects.protocol import AXES
-from lta_model.state import ACTUATORS
 from lta_model.vehicle import Vehicle
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-Commands = Literal['rotors', 'wrench']
 
-PILOT_HOLD_TIMES: Final = (0.4, 1.6)  # s; shortest and mean time for which a pilot holds a command
 MORE: Final = 2.0  # times the information of any shorter test; a test that has it is needed
 NO_WRENCH: Final = np.zeros((0, len(AXES)))  # no commanded wrench
 UNTAUGHT_SHARE: Final = 0.8  # of the deviation before; a larger one means that no test teaches it
 LAW_TERMS: Final = {'smaller': 'exponent', 'reverse': 'reverse'}  # that a variant shows
-HIGH: Final = 100.0  # m; rehearsals never meet the floor
-FREE_FLIGHT_SEED: Final = 37  # of the commands of the free flight
 
 
 @final
@@ -88,9 +85,9 @@ def plan_lab_tests(
     move.
     """
     nominal = NominalVehicle.from_vehicle(vehicle)
-    tests = _fit_steps(vehicle, nominal, list_designed_tests(vehicle, room), commands, room)
+    tests = list_fitting_tests(vehicle, nominal, commands, room)
     # Without the free flight, whose sizes are those of the pilot
-    orders = [_build_commands(vehicle, test, commands, 0.0) for test in tests[:-1]]
+    orders = [build_commands(vehicle, test, commands, 0.0) for test in tests[:-1]]
     duties = [each.values for each, _ in orders]
     wrench = np.concatenate([each.values for _, each in orders if each is not None] or [NO_WRENCH])
     nominal = set_references(nominal, wrench)
@@ -128,7 +125,7 @@ def plan_lab_tests(
                 test,
                 tuple((knobs[j].name, float(alone[k, j])) for j in order),
                 tuple(knobs[j].name for j in best) if k in drilled else (),
-                _path_extent(flight),
+                path_extent(flight),
                 k not in drilled or bool(best),
             )
         )
@@ -149,15 +146,11 @@ def _shows_law(test: LabTest, name: str) -> bool:
     return name == f'wrench_gain.{LAW_TERMS[test.variant]}_{test.axis}' if test.variant else False
 
 
-def _fit_steps(
-    vehicle: Vehicle,
-    nominal: NominalVehicle,
-    tests: Sequence[LabTest],
-    commands: Commands,
-    room: float,
+def list_fitting_tests(
+    vehicle: Vehicle, nominal: NominalVehicle, commands: Commands, room: float
 ) -> list[LabTest]:
     """
-    Return the tests with steps whose rehearsed way, on all axes, fits the room. [m]
+    Return the tests of a vehicle, with steps whose rehearsed way, on all axes, fits the room. [m]
 
     Each is followed by its variants. A vehicle that is commanded by duties has no smaller one:
     its file has the curve of each rotor.
@@ -165,14 +158,14 @@ def _fit_steps(
 
     def fit(test: LabTest) -> LabTest:
         while test.share > LEAST_STEP:
-            if max(_path_extent(rehearse_test(vehicle, nominal, test, commands))) <= room:
+            if max(path_extent(rehearse_test(vehicle, nominal, test, commands))) <= room:
                 break
             test = scale_step(vehicle, test)
         return test
 
     out: list[LabTest] = []
     steps: list[LabTest] = []
-    for test in tests:
+    for test in list_designed_tests(vehicle, room):
         if test.kind == 'free_flight':
             out.append(replace(test, parts=tuple(steps)))
         elif test.kind != 'step':
@@ -226,88 +219,3 @@ def _add_information(information: Array, knobs: Sequence[FreeParameter]) -> Arra
     after = np.diag(np.linalg.inv(information + np.diag(before)))
     gain: Array = np.maximum(1.0 / after - before, 0.0)
     return gain
-
-
-def rehearse_test(
-    vehicle: Vehicle, nominal: NominalVehicle, test: LabTest, commands: Commands
-) -> MeasuredFlight:
-    """Return the flight of a test with the model of the vehicle file, as a tracker sees it."""
-    count = round(test.seconds / GRID_PERIOD)
-    time = GRID_PERIOD * np.arange(count + 1, dtype=np.float64)
-    weight = vehicle.heaviness * STANDARD_GRAVITY
-    if test.is_neutral:
-        nominal = nominal.with_value('net_lift', 'force', weight)
-    duties, wrench = _build_commands(vehicle, test, commands, weight)
-    blank = MeasuredFlight(
-        time,
-        np.zeros((count + 1, 3)),
-        np.tile([0.0, 0.0, 0.0, 1.0], (count + 1, 1)),
-        np.full((count + 1, 8), np.nan),
-        np.array([POSE_NOISE] * 3 + [TURN_NOISE] * 3 + [np.inf] * (len(ALL_CHANNELS) - 6)),
-        np.ones(count + 1, dtype=np.bool_),
-        duties,
-        np.full(count + 1, np.nan),
-        wrench,
-    )
-    start = _release_state(test)[None]
-    replay = FlightReplay(blank, np.array([0]), count, vehicle.pack_command(()))
-    rows = replay.build_replay_rows(nominal)
-    none = np.zeros((1, replay.span, len(AXES)))
-    inputs = replay.compute_body_inputs(rows)
-    states = replay.integrate_pieces(rows, inputs, start, none)[0, ::STEPS_PER_PERIOD]
-    return replace(blank, position=states[:, :3].copy(), quaternion=states[:, 3:7].copy())
-
-
-def _release_state(test: LabTest) -> Array:
-    """Return the state in which a vehicle is let go."""
-    state = np.zeros(13)
-    state[2] = HIGH
-    state[6] = np.cos(0.5 * test.tilt)
-    if test.tilt:
-        state[3 + ('roll', 'pitch', 'yaw').index(test.axis)] = np.sin(0.5 * test.tilt)
-    state[12] = test.rate
-    return state
-
-
-def _build_commands(
-    vehicle: Vehicle, test: LabTest, commands: Commands, weight: float
-) -> tuple[Stream, Stream | None]:
-    """Return the duties and the commanded wrench of a test."""
-    time, levels = _list_levels(test)
-    duties = np.zeros((len(time), len(vehicle.rotors)))
-    if commands == 'wrench':
-        wrench = np.zeros((len(time), len(AXES)))
-        for step, level in levels:
-            wrench[:, AXES.index(step.axis)] = step.size * level
-        if not test.is_neutral:
-            wrench[:, AXES.index('heave')] += weight
-        return Stream(time[:1], duties[:1, :ACTUATORS]), Stream(time, wrench)
-    if not test.is_neutral:
-        rest = np.array(rest_duties(vehicle))
-        duties += rest
-        for step, level in levels:
-            duties += level[:, None] * (np.array(step_duties(vehicle, step)) - rest)
-    lowest = [-1.0 if rotor.reversible else 0.0 for rotor in vehicle.rotors]
-    return Stream(time, np.clip(duties, lowest, 1.0)[:, :ACTUATORS]), None
-
-
-def _list_levels(test: LabTest) -> tuple[Array, list[tuple[LabTest, Array]]]:
-    """Return times [s], and the level of each step: 1 is the whole of it."""
-    if test.kind == 'step':
-        return np.array([0.0, STEP_REST]), [(test, np.array([0.0, 1.0]))]
-    if test.kind != 'free_flight':
-        return np.zeros(1), []
-    draw = np.random.default_rng(FREE_FLIGHT_SEED)
-    time = np.arange(0.0, test.seconds, PILOT_HOLD_TIMES[0])
-    levels = []
-    for step in test.parts:
-        # A pilot holds each command for a while, on each axis by itself
-        held = np.cumsum(draw.random(len(time)) < PILOT_HOLD_TIMES[0] / PILOT_HOLD_TIMES[1])
-        levels.append((step, draw.choice([-1.0, 0.0, 1.0], len(time))[held - held[0]]))
-    return time, levels
-
-
-def _path_extent(flight: MeasuredFlight) -> tuple[float, float]:
-    """Return the horizontal and the vertical extent of a path. [m]"""
-    x, y, z = np.ptp(flight.position, axis=0)
-    return float(np.hypot(x, y)), float(z)

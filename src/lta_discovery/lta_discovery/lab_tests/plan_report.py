@@ -8,11 +8,10 @@ from lta_config.constants import STANDARD_GRAVITY
 from lta_discovery.formatting import format_number, join_words
 from lta_discovery.lab_tests.design import Kind, LabTest, rest_duties, step_duties
 from lta_discovery.lab_tests.plan import LabPlan, PlannedTest
-from lta_discovery.lab_tests.plan_sketches import draw_sketches
 from lta_discovery.lab_tests.words import format_amplitude, name_parameters
 from lta_model.vehicle import Vehicle
 from lta_report.formatting import format_count, Tile
-from lta_report.report import HtmlBlock, Report, TextSection, TextTable
+from lta_report.report import Report, TextSection, TextTable
 
 FREE_FLIGHTS: Final = 2  # free flights: one teaches, one confirms
 SHOWN: Final = 5  # things that a test teaches, as shown
@@ -97,7 +96,6 @@ def build_plan_report(plan: LabPlan, vehicle: Vehicle) -> Report:
         ],
         blocks=(
             _build_test_table(needed, plan, vehicle),
-            HtmlBlock(draw_sketches([one.test for one in needed]), 'Sketches'),
             _build_reason_table(needed, vehicle),
             *sections,
         ),

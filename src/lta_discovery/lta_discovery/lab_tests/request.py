@@ -1,16 +1,24 @@
-"""What `lta tests plan` and `lta tests read` take."""
+"""What `lta tests plan`, `lta tests read` and `lta tests between` take."""
 
 from pathlib import Path
-from typing import final
+from typing import Any, final
 
 from lta_data.importers.draft.choices import Answers
 from lta_discovery.lab_tests.design import LONGEST_WAY
 from lta_discovery.lab_tests.plan import plan_lab_tests
 from lta_discovery.lab_tests.reading import read_lab_tests
+from lta_discovery.lab_tests.rehearsal import Commands
 from lta_discovery.progress import DiscoverProgress
 from lta_model.vehicle import load_vehicle
 from lta_report.report import Report
 from lta_report.request import argument, option, ReportRequest, ROBOT, StudyRun, VEHICLE_NAME
+
+WRENCH: Any = option(
+    'The vehicle is commanded by force and moment instead of duties.', default=False
+)
+ROOM: Any = option(
+    'Longest way of a test in metres; steps are made smaller.', default=LONGEST_WAY, low=0.5
+)
 
 
 @final
@@ -30,12 +38,8 @@ class LabPlanRequest(ReportRequest, command='tests plan', folder='tests-plan'):
     """
 
     vehicle: str = VEHICLE_NAME
-    wrench: bool = option(
-        'The vehicle is commanded by force and moment instead of duties.', default=False
-    )
-    room: float = option(
-        'Longest way of a test in metres; steps are made smaller.', default=LONGEST_WAY, low=0.5
-    )
+    wrench: bool = WRENCH
+    room: float = ROOM
 
     def run(self, run: StudyRun) -> Report:
         """Return the report of the plan."""
@@ -88,3 +92,32 @@ class LabReadingRequest(ReportRequest, command='tests read', folder='tests-read'
                 progress.show_stage,
             )  # fmt: skip
         return build_reading_report(reading)
+
+
+@final
+class SeparatingTestRequest(ReportRequest, command='tests between', folder='tests-between'):
+    """
+    Find the test that tells two effects of a vehicle apart.
+
+    Each test of "lta tests plan" is rehearsed with the vehicle file, as a tracker sees it. Says
+    which one is expected to favour the true effect clearly, or what to measure where none does.
+
+    Exit status 0: done. 2: bad input.
+
+    Example: lta tests between linear_drag.surge added_mass.surge --vehicle gtmab
+    """
+
+    first: str = argument('Effect, such as linear_drag.surge.')
+    second: str = argument('Another effect.')
+    vehicle: str = option('Vehicle name or file.', complete='vehicle')
+    wrench: bool = WRENCH
+    room: float = ROOM
+
+    def run(self, run: StudyRun) -> Report:
+        """Return the report of the tests."""
+        from lta_discovery.lab_tests.between import build_separation_report, rate_tests
+
+        pair = self.first, self.second
+        commands: Commands = 'wrench' if self.wrench else 'rotors'
+        rated = rate_tests(load_vehicle(self.vehicle), *pair, commands, self.room)
+        return build_separation_report(self.vehicle, pair, rated)

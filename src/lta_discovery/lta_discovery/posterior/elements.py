@@ -14,7 +14,7 @@ from typing import final, Literal, NamedTuple
 
 from lta_discovery.model.candidates import vector_components
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.posterior.settings import (
+from lta_discovery.settings import (
     EFFECT_SIZES,
     EXPECTED_EFFECTS,
     EXPECTED_FORCES,

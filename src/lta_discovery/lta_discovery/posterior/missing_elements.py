@@ -28,7 +28,7 @@ from lta_discovery.posterior.elements import (
 from lta_discovery.posterior.force_columns import build_scene, compute_wrenches
 from lta_discovery.posterior.linear_evidence import LinearEvidence
 from lta_discovery.posterior.model_search import log_prior, ModelSearch, ScoredModel
-from lta_discovery.posterior.settings import (
+from lta_discovery.settings import (
     ALIKE,
     CAPPED_NOISE_FLOORS,
     CERTAIN,

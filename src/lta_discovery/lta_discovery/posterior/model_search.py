@@ -18,7 +18,7 @@ from lta_discovery.posterior.elements import (
     NO_ELEMENTS,
 )
 from lta_discovery.posterior.linear_evidence import LinearEvidence, RestrictedEvidence
-from lta_discovery.posterior.settings import (
+from lta_discovery.settings import (
     ADDED,
     BEAM_WIDTH,
     GROWTH,

@@ -79,6 +79,7 @@ class LinearizationPoint(NamedTuple):
 class SensorStep(NamedTuple):
     """A sensor parameter: the rows before and after its step, and the step."""
 
+    column: int  # of the parameter
     before: ReplayRows
     after: ReplayRows
     step: float
@@ -91,82 +92,61 @@ class LinearizationInputs(NamedTuple):
     # Of the point itself
     rows: ReplayRows
     ready: BodyInputs
-    # Parameters that change the motion, and those that change only the readings
-    moving: tuple[int, ...]
-    reading: tuple[int, ...]
-    turns: ParameterSteps  # of the former
-    turned: tuple[SensorStep, ...]  # of the latter
-
-
-@final
-class _ParameterSets:
-    """Parameter sets and their inputs; the first is the point itself."""
-
-    def __init__(self, replay: FlightReplay, base: BuiltVehicle) -> None:
-        self._replay = replay
-        self.rows = [replay.adapt_rows(*base)]
-        self.ready = [replay.compute_body_inputs(self.rows[0])]
-        # Index of the inputs of each set; several sets share the same inputs
-        self.faced = [0]
-
-    def add_pair(self, base: BuiltVehicle, one: VehicleStep) -> tuple[int, int, float]:
-        """Add the two sets of a parameter's step; return their indices and the step."""
-        before = 0 if one.before is base else self._add_set(one.parameter, one.before)
-        return before, self._add_set(one.parameter, one.after), one.step
-
-    def _add_set(self, knob: FreeParameter, built: BuiltVehicle) -> int:
-        """Add the set of a vehicle with a changed parameter."""
-        rows = self._replay.adapt_rows(*built)
-        self.faced.append(self._select_inputs(knob, rows))
-        self.rows.append(rows)
-        return len(self.rows) - 1
-
-    def _select_inputs(self, knob: FreeParameter, rows: ReplayRows) -> int:
-        """Return the index of a set's inputs, recomputing only what the parameter affects."""
-        # Commands and memory do not depend on it
-        if knob.reaches == 'body':
-            return 0
-        if knob.reaches == 'wrench':
-            self.ready.append(self._replay.update_wrench(rows, self.ready[0]))
-        else:
-            # The slow actuator simulation is repeated only if thrusts change
-            before = self.ready[0] if knob.reaches == 'memory' else None
-            self.ready.append(self._replay.compute_body_inputs(rows, before))
-        return len(self.ready) - 1
-
-    def stack_parameter_sets(self, pairs: Sequence[tuple[int, int, float]]) -> ParameterSteps:
-        """Return all sets as arrays."""
-        before, after, steps = zip(*pairs, strict=True) if pairs else ((), (), ())
-        # Sensitivities are computed per grid period, the trajectory per integrator step
-        met_by = [ready.average_periods() for ready in self.ready]
-        return ParameterSteps(
-            np.array([rows.body for rows in self.rows]),
-            np.array([rows.body_on for rows in self.rows]),
-            np.array(self.faced, dtype=np.int64),
-            np.array([means[0] for means in met_by]),
-            np.array([means[1] for means in met_by]),
-            np.array([means[2] for means in met_by]),
-            np.array(before, dtype=np.int64),
-            np.array(after, dtype=np.int64),
-            np.array(steps, dtype=np.float64),
-        )
+    moving: tuple[int, ...]  # columns of the parameters that change the motion
+    turns: ParameterSteps  # of these
+    turned: tuple[SensorStep, ...]  # of the parameters that change only the readings
 
 
 def prepare_linearization(replay: FlightReplay, point: LinearizationPoint) -> LinearizationInputs:
     """Prepare the linearization of a flight about a point."""
-    sets, pairs, turned = _ParameterSets(replay, point.base), [], []
-    moving, reading = [], []
-    base = sets.rows[0]
+    # Parameter sets, of which the first is the point itself, and by what each is driven: several
+    # sets share the same inputs
+    sets = [replay.adapt_rows(*point.base)]
+    inputs, faced = [replay.compute_body_inputs(sets[0])], [0]
+
+    def add_set(parameter: FreeParameter, built: BuiltVehicle) -> int:
+        """Add the set of a vehicle, and recompute only what its parameter affects."""
+        if built is point.base:
+            return 0
+        rows = replay.adapt_rows(*built)
+        sets.append(rows)
+        if parameter.reaches == 'body':
+            # Commands and memory do not depend on it
+            faced.append(0)
+            return len(sets) - 1
+        if parameter.reaches == 'wrench':
+            inputs.append(replay.update_wrench(rows, inputs[0]))
+        else:
+            # The slow actuator simulation is repeated only if thrusts change
+            before = inputs[0] if parameter.reaches == 'memory' else None
+            inputs.append(replay.compute_body_inputs(rows, before))
+        faced.append(len(inputs) - 1)
+        return len(sets) - 1
+
+    moving, turned = list[int](), list[SensorStep]()
+    pairs = list[tuple[int, int, float]]()
     for one in point.steps:
         # Parameters of readings do not change the motion, and need no simulation.
         if one.parameter.reaches != 'reading' or replay.delays_commands(one.parameter):
             moving.append(one.column)
-            pairs.append(sets.add_pair(point.base, one))
-            continue
-        reading.append(one.column)
-        before = base if one.before is point.base else replay.adapt_rows(*one.before)
-        turned.append(SensorStep(before, replay.adapt_rows(*one.after), one.step))
-    turns = sets.stack_parameter_sets(pairs)
-    return LinearizationInputs(
-        base, sets.ready[0], tuple(moving), tuple(reading), turns, tuple(turned)
+            before, after = (add_set(one.parameter, each) for each in (one.before, one.after))
+            pairs.append((before, after, one.step))
+        else:
+            is_same = one.before is point.base
+            rows = sets[0] if is_same else replay.adapt_rows(*one.before)
+            turned.append(SensorStep(one.column, rows, replay.adapt_rows(*one.after), one.step))
+    # Sensitivities are computed per grid period, the trajectory per integrator step
+    commands, memory, wrench = zip(*(one.average_periods() for one in inputs), strict=True)
+    table = np.array(pairs, dtype=np.float64).reshape(-1, 3)
+    turns = ParameterSteps(
+        np.array([rows.body for rows in sets]),
+        np.array([rows.body_on for rows in sets]),
+        np.array(faced, dtype=np.int64),
+        np.array(commands),
+        np.array(memory),
+        np.array(wrench),
+        table[:, 0].astype(np.int64),
+        table[:, 1].astype(np.int64),
+        table[:, 2].copy(),
     )
+    return LinearizationInputs(sets[0], inputs[0], tuple(moving), turns, tuple(turned))

@@ -237,9 +237,7 @@ class FlightReplay:
         )  # fmt: skip
         return out
 
-    def state_jacobians(
-        self, turns: ParameterSteps, states: Array, latent: Array, which: slice = ALL
-    ) -> Array:
+    def state_jacobians(self, turns: ParameterSteps, states: Array, latent: Array) -> Array:
         """
         Return the Jacobians of the state rates (`variational_equation`), shape (S, n, 12, 12).
 
@@ -248,13 +246,13 @@ class FlightReplay:
         """
         out = np.zeros((*states.shape[:2], STATE_WIDTH, STATE_WIDTH))
         load_body_kernel().jacobians(
-            turns.rows[0].copy(), turns.on[0], self._periods[which], states, turns.commands[0],
+            turns.rows[0].copy(), turns.on[0], self._periods, states, turns.commands[0],
             self._sparse, turns.memory[0], turns.wrench[0], latent, NUDGE, out,
         )  # fmt: skip
         return out
 
     def parameter_sensitivities(
-        self, turns: ParameterSteps, states: Array, latent: Array, which: slice = ALL
+        self, turns: ParameterSteps, states: Array, latent: Array
     ) -> Array:
         """
         Return the sensitivities of the accelerations to parameters, shape (S, n, 6, K).
@@ -265,7 +263,7 @@ class FlightReplay:
         # Work space of the kernel
         answers = np.empty((len(turns.rows), states.shape[1], AXIS_COUNT))
         load_body_kernel().answers(
-            turns.rows, turns.on, turns.faced, self._periods[which], states, turns.commands,
+            turns.rows, turns.on, turns.faced, self._periods, states, turns.commands,
             self._sparse, turns.memory, turns.wrench, latent, turns.before, turns.after,
             turns.steps, answers, out,
         )  # fmt: skip

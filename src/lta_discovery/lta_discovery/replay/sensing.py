@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Final, final, NamedTuple
+from typing import Any, Final, final
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_discovery.flights.measured_flight import GRID_PERIOD, MeasuredFlight
@@ -51,14 +51,6 @@ class SensorPlaces:
         a, b, c = sensors.imu_position.vector
         d, e, f = sensors.range_position.vector
         return cls((a, b, c), (d, e, f), floor)
-
-
-class PredictedReadings(NamedTuple):
-    """Predicted position, quaternion, and rates, force, range, pressure; shape (..., k)."""
-
-    position: Array
-    quaternion: Array
-    readings: Array
 
 
 def apply_channel_effects(chain: Chain, values: Array, time: Array) -> Array:
@@ -233,15 +225,11 @@ def _specific_force(state: Array, rate: Array, place: tuple[float, float, float]
     return np.stack(whole(*across, place, STANDARD_GRAVITY), axis=-1)
 
 
-def ideal_readings(
-    begin: Array, end: Array, places: SensorPlaces, middle: Array | None = None
-) -> Array:
+def ideal_readings(begin: Array, middle: Array, end: Array, places: SensorPlaces) -> Array:
     """
     Return rates, force, range and pressure of ideal sensors over a grid period, shape (..., 8).
 
-    The states are those at the ends of the period. The first six readings are its means: by
-    Simpson's rule where the state in the middle is given, which matters for a swing of 5 rad/s,
-    and else by the trapezoidal rule. [SI]
+    The first six readings are means of the period, by Simpson's rule from its three states. [SI]
     """
     vertical = body_vertical(begin)
     # The beam leaves along the body's vertical: height over the cosine of the tilt
@@ -250,9 +238,7 @@ def ideal_readings(
     height = begin[..., 2] + vertical @ np.array(places.imu)
     pressure = places.floor * (1.0 - LAPSE * height / SEA_TEMPERATURE) ** EXPONENT
     change = (end - begin) / GRID_PERIOD
-    states, weights = [begin, end], [0.5, 0.5]
-    if middle is not None:
-        states, weights = [begin, middle, end], [1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0]
+    states, weights = [begin, middle, end], [1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0]
     rates = np.tensordot(weights, [one[..., 10:13] for one in states], axes=1)
     forces = [_specific_force(one, change, places.imu) for one in states]
     force = np.tensordot(weights, forces, axes=1)
@@ -266,24 +252,6 @@ def apply_sensor_effects(exact: Array, time: Array, acting: Mapping[str, Chain])
         if acting[name]:
             out[..., part] = apply_channel_effects(acting[name], exact[..., part], time)
     return out
-
-
-def predict_readings(
-    states: Array,
-    time: Array,
-    acting: Mapping[str, Chain],
-    places: SensorPlaces,
-    exact: Array | None = None,
-) -> PredictedReadings:
-    """
-    Predict the readings along trajectories on the grid.
-
-    `states`, shape (..., n + 1, 13): the last one only ends the last period.
-    """
-    begin, end = states[..., :-1, :], states[..., 1:, :]
-    position, quaternion = predict_pose(states, time, acting)
-    exact = ideal_readings(begin, end, places) if exact is None else exact
-    return PredictedReadings(position, quaternion, apply_sensor_effects(exact, time, acting))
 
 
 def estimate_floor_pressure(flight: MeasuredFlight, places: SensorPlaces) -> float:

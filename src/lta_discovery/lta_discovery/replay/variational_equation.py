@@ -32,12 +32,12 @@ def apply_state_changes(states: Array, change: Array) -> Array:
     )
 
 
-def discretize_dynamics(jacobian: Array, dt: float) -> tuple[Array, Array]:
-    """Return A and B of x' = A x + B g over a step in which F and g are constant."""
+def integrate_dynamics(jacobian: Array, dt: float) -> Array:
+    """Return B of x' = A x + B g over a step in which F and g are constant."""
     eye = np.eye(STATE_WIDTH)
-    # Taylor series of the integral of exp(F t) in Horner form; A is of fourth order
+    # Taylor series of the integral of exp(F t) in Horner form, of fourth order
     hf = dt * jacobian
     half = eye + hf / 4.0
     third = eye + (hf / 3.0) @ half
-    b = dt * (eye + (hf / 2.0) @ third)
-    return eye + jacobian @ b, b
+    b: Array = dt * (eye + (hf / 2.0) @ third)
+    return b

@@ -29,18 +29,18 @@ from lta_discovery.replay.linearization_inputs import (
 from lta_discovery.replay.reading_jacobian import reading_jacobians
 from lta_discovery.replay.replay import AXIS_COUNT, FlightReplay, STEPS_PER_PERIOD
 from lta_discovery.replay.sensing import (
+    apply_sensor_effects,
     estimate_floor_pressure,
     ideal_readings,
     pose_sensitivity,
     predict_pose,
-    predict_readings,
     SensorPlaces,
     transform_to_map,
     transform_to_tracker,
 )
 from lta_discovery.replay.variational_equation import (
     apply_state_changes,
-    discretize_dynamics,
+    integrate_dynamics,
     NUDGE,
     STATE_WIDTH,
 )
@@ -240,7 +240,7 @@ class FlightSystem:
             np.broadcast_to(np.eye(STATE_WIDTH), (n, STATE_WIDTH, STATE_WIDTH))
         )
         read[:, :POSE_SIZE] = pose_sensitivity(eye, motion, acting)
-        for turn, k in zip(about.turned, about.reading, strict=True):
+        for turn in about.turned:
             # Most steps begin at the vehicle itself
             is_same = turn.before is about.rows
             before = (
@@ -248,11 +248,11 @@ class FlightSystem:
             )
             after = predict_pose(grid, time, turn.after.acting)
             change = [(after[0] - before[0])[0], _rotation_between(before[1][0], after[1][0])]
-            read_moved[:, :POSE_SIZE, k] = np.concatenate(change, axis=1) / turn.step
+            read_moved[:, :POSE_SIZE, turn.column] = np.concatenate(change, axis=1) / turn.step
             # From afar, a calibration finds better values where the first state does not turn
             if self._is_smooth:
                 pair = (transform_to_map(first, rows.acting) for rows in (turn.before, turn.after))
-                begun[..., k] = _change_between(*pair) / turn.step
+                begun[..., turn.column] = _change_between(*pair) / turn.step
         if m > POSE_SIZE:
             parts = (left, read, felt, read_moved)
             self._linearize_sensors(states, about, parts, (step, push, moved))
@@ -279,7 +279,7 @@ class FlightSystem:
         states = replay.integrate_pieces(about.rows, about.ready, begin, latent)
         end, middle = states[:, -1], np.ascontiguousarray(states[:, MIDDLE, None])
         jacobians = replay.state_jacobians(about.turns, middle, wrench)
-        _, b = discretize_dynamics(jacobians, GRID_PERIOD)
+        b = integrate_dynamics(jacobians, GRID_PERIOD)
         # Accelerations enter the last six components of a change only
         b = np.ascontiguousarray(b[:, 0, :, AXIS_COUNT:])
         # What the unexplained wrench does depends on no parameter
@@ -324,8 +324,8 @@ class FlightSystem:
         # Each period as a piece of its own, from the measured state to the model's
         grid, time = states[:, :: 2 * MIDDLE], self.flight.time[:-1, None]
         acting, places = about.rows.acting, self._places
-        exact = ideal_readings(grid[:, :1], grid[:, 1:], places, states[:, MIDDLE, None])
-        base = predict_readings(grid, time, acting, places, exact).readings[:, 0]
+        exact = ideal_readings(grid[:, :1], states[:, MIDDLE, None], grid[:, 1:], places)
+        base = apply_sensor_effects(exact, time, acting)[:, 0]
         left[:-1, POSE_SIZE:] = self.flight.readings[:-1] - base
         first, last = reading_jacobians(grid, exact, time, acting, places)
         first, last = first[:, 0], last[:, 0]
@@ -335,12 +335,12 @@ class FlightSystem:
         felt[:-1, POSE_SIZE:] = last @ push
         left[:-1, POSE_SIZE:] += _apply(felt[:, POSE_SIZE:], self._wrench)[:-1]
         read_moved[:-1, POSE_SIZE:] = last @ moved
-        for turn, k in zip(about.turned, about.reading, strict=True):
+        for turn in about.turned:
             before, after = (
-                predict_readings(grid, time, rows.acting, places, exact).readings[:, 0]
+                apply_sensor_effects(exact, time, rows.acting)[:, 0]
                 for rows in (turn.before, turn.after)
             )
-            read_moved[:-1, POSE_SIZE:, k] += (after - before) / turn.step
+            read_moved[:-1, POSE_SIZE:, turn.column] += (after - before) / turn.step
         absent = ~np.isfinite(self.flight.noise[POSE_SIZE:])
         left[:, POSE_SIZE:][:, absent] = np.nan
 

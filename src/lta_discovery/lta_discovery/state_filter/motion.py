@@ -7,8 +7,8 @@ is linear about them estimates how far off they are.
 
 from typing import Final
 
-from lta_discovery.flights.measured_flight import GRID_PERIOD, MeasuredFlight
-from lta_discovery.flights.usable_states import find_marked_runs, SHORTEST_RUN
+from lta_data import even_grid
+from lta_discovery.flights.measured_flight import GRID_PERIOD, MeasuredFlight, SHORTEST_RUN
 from lta_discovery.model.quaternions import (
     quaternion_conjugate,
     quaternion_exponential,
@@ -79,7 +79,7 @@ def _fit_points(
 def find_runs(flight: MeasuredFlight, motion: Array) -> list[tuple[int, int]]:
     """Return the runs of grid points, as (first, end), in which the motion is known."""
     measured = np.isfinite(motion).all(axis=1) & flight.usable
-    return [(a, b) for a, b in find_marked_runs(measured) if b - a >= SHORTEST_RUN]
+    return [(a, b) for a, b in even_grid.find_runs(measured).tolist() if b - a >= SHORTEST_RUN]
 
 
 def collect_readings(flight: MeasuredFlight, motion: Array) -> tuple[Array, Array]:

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
 
-from lta_discovery.flights.usable_states import SHORTEST_RUN
+from lta_discovery.flights.measured_flight import SHORTEST_RUN
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.parallel import map_parallel
 from lta_discovery.replay.replay import AXIS_COUNT

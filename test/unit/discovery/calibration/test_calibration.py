@@ -22,14 +22,8 @@ from lta_discovery.calibration.calibrated_file import (
 from lta_discovery.calibration.calibration import calibrate_flights
 from lta_discovery.calibration.prepared_flights import fit_quickly, prepare_calibration
 from lta_discovery.calibration.report import build_report
-from lta_discovery.calibration.result import (
-    Calibration,
-    find_main_score,
-    ForecastRms,
-    ForecastScore,
-)
+from lta_discovery.calibration.result import Calibration
 from lta_discovery.calibration.verdict import format_forecast_sentence, format_inseparable
-from lta_discovery.discovery.forecast_comparison import COASTING
 from lta_discovery.discovery.run import DiscoveryRequest, study_usable_flights
 from lta_discovery.discovery.study import Discovery, TUNED
 from lta_discovery.flights.bags import read_bags, Role
@@ -37,6 +31,14 @@ from lta_discovery.flights.usable_flights import select_usable_flights
 from lta_discovery.model.calibration_parameters import list_calibration_parameters
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import list_free_parameters
+from lta_discovery.state_filter.forecast_scores import (
+    CALIBRATED,
+    COASTING,
+    FILE_MODEL,
+    find_main_score,
+    ForecastRms,
+    HorizonErrors,
+)
 from lta_model.effects.protocol import AXES
 from lta_model.vehicle import load_vehicle
 import numpy as np
@@ -76,6 +78,13 @@ def calibrated(tmp_path_factory: pytest.TempPathFactory) -> tuple[CalibrationCas
     return calibrate_case(6, tmp_path_factory.mktemp('calibration'))
 
 
+def list_main_positions(found: Calibration, role: str) -> list[float]:
+    """Return the position errors of the file, the calibration and coasting. [m]"""
+    main = find_main_score(found.scores[role])
+    assert main is not None
+    return [main.positions[name] for name in (FILE_MODEL, CALIBRATED, COASTING)]
+
+
 def assert_truth_is_found(case: CalibrationCase, found: Calibration, share: float = 0.5) -> None:
     """Check all values against the truth: at most one in twenty is outside of its interval."""
     inside = []
@@ -90,8 +99,8 @@ def assert_truth_is_found(case: CalibrationCase, found: Calibration, share: floa
         inside.append(one.ci95[0] <= case.lifts[one.flight] <= one.ci95[1])
         assert abs(one.value - case.lifts[one.flight]) < 4e-3
     assert np.mean(inside) >= 0.85
-    main = find_main_score(found.scores['confirm'])
-    assert main.after.position < share * min(main.before.position, main.coast.position)
+    file, calibrated, coasting = list_main_positions(found, 'confirm')
+    assert calibrated < share * min(file, coasting)
 
 
 def test_a_hidden_calibration_is_found(calibrated: tuple[CalibrationCase, Calibration]) -> None:
@@ -230,7 +239,9 @@ def test_a_single_swing_shows_a_pendulum_forty_percent_faster_than_the_files(
         assert one is not None
         assert one.is_known
         assert one.ci95[0] < truth < one.ci95[1], (name, one)
-    assert find_main_score(found.scores['train']).after.attitude < math.radians(1.5)
+    main = find_main_score(found.scores['train'])
+    assert main is not None
+    assert main.errors[CALIBRATED].attitude < math.radians(1.5)
 
 
 @pytest.mark.parametrize('share', [1.0, 1.7])
@@ -263,7 +274,7 @@ def test_a_drag_is_found_in_single_steps(tmp_path: Path, share: float) -> None:
     far = found.scores['confirm'][-1]
     assert far.horizon == 8.0
     # Along the nose, where half of the force makes 2 m
-    assert far.after.nose < min(0.1, far.before.nose)
+    assert far.errors[CALIBRATED].nose < min(0.1, far.errors[FILE_MODEL].nose)
 
 
 def test_the_first_line_says_what_is_wrong(
@@ -283,10 +294,9 @@ def test_forecasts_that_diverge_are_no_numbers(
     calibrated: tuple[CalibrationCase, Calibration],
 ) -> None:
     """As those of a multirotor, which tips over without its controller."""
-    coast, before, after = (
-        ForecastRms(size, 0.5, size, size, size) for size in (1.4, math.inf, 2e19)
-    )
-    lost = ForecastScore(3.0, coast, before, after, 9)
+    sizes = {COASTING: 1.4, FILE_MODEL: math.inf, CALIBRATED: 2e19}
+    errors = {name: ForecastRms(size, 0.5, size, size, size) for name, size in sizes.items()}
+    lost = HorizonErrors(3.0, errors, 9)
     found = replace(calibrated[1], scores={'confirm': (lost,)})
     sentence = format_forecast_sentence(found)
     assert 'diverged with the vehicle file, diverged calibrated, 140 cm if' in sentence
@@ -304,8 +314,8 @@ def test_a_marker_frame_without_regard_to_the_nose_is_found(tmp_path: Path) -> N
     angles = [found.find(f'marker_offset.{angle}') for angle in ('yaw', 'pitch', 'roll')]
     fitted = Rotation.from_euler('ZYX', [one.value for one in angles if one is not None])
     assert (true.inv() * fitted).magnitude() < math.radians(3.0)
-    main = find_main_score(found.scores['confirm'])
-    assert main.after.position < 0.5 * min(main.before.position, main.coast.position)
+    file, calibrated, coasting = list_main_positions(found, 'confirm')
+    assert calibrated < 0.5 * min(file, coasting)
 
 
 def study_case(case: CalibrationCase, folder: Path) -> Discovery:

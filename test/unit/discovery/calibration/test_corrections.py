@@ -1,9 +1,10 @@
 """Corrections of a calibration that are taken back, one effect at a time."""
 
-from lta_discovery.calibration.corrections import list_corrections
-from lta_discovery.calibration.result import CalibratedValue, WIDE
+from lta_discovery.calibration.corrections import judge_corrections, list_corrections
+from lta_discovery.calibration.result import CalibratedValue, Correction, WIDE
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.state_filter.forecasts import FlightForecasts
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
@@ -57,3 +58,29 @@ def test_what_a_command_does_on_other_axes_is_no_gain() -> None:
     assert gain.without.parameter_value('wrench_gain', 'surge') == 1.0
     assert gain.without.parameter_value('wrench_gain', 'heave_from_yaw') == pytest.approx(40.0)
     assert coupling.without.parameter_value('wrench_gain', 'surge') == pytest.approx(0.5)
+
+
+def forecast(error: float) -> list[FlightForecasts]:
+    """Return forecasts of 100 s that are all off by an error along x."""
+    starts = np.arange(0.0, 100.0, 1.5)
+    errors = np.zeros((len(starts), 1, 6))
+    errors[..., 0] = error
+    return [FlightForecasts(starts, (3.0,), errors, errors, np.zeros(len(starts)))]
+
+
+def test_the_correction_without_which_forecasts_are_worst_comes_first() -> None:
+    """Constant errors of 8 cm, and of 10 cm, 16 cm and 8 cm without an effect."""
+    nominal = NominalVehicle.from_vehicle(load_vehicle('gtmab'))
+    errors = {'wrench_gain': 0.1, 'linear_drag': 0.16, 'marker_offset': 0.08}
+    corrections = [Correction(effect, (), nominal) for effect in errors]
+    judged = judge_corrections(
+        corrections,
+        forecast(0.08),
+        lambda others: {name: forecast(errors[name]) for name in others},
+    )
+    assert [one.correction.effect for one in judged] == [
+        'linear_drag', 'wrench_gain', 'marker_offset',
+    ]  # fmt: skip
+    assert [one.ratio.value for one in judged] == pytest.approx([0.5, 0.8, 1.0])
+    assert [one.is_confirmed for one in judged] == [True, True, False]
+    assert judge_corrections((), forecast(0.08), lambda others: {}) == ()

@@ -20,13 +20,7 @@ from lta_discovery.calibration.calibration import calibrate_flights
 from lta_discovery.calibration.first_step import calibrate_first, FirstStep
 from lta_discovery.calibration.priors import apply_calibration, free_flight_lifts
 from lta_discovery.calibration.report import build_report
-from lta_discovery.calibration.result import (
-    CalibratedValue,
-    Calibration,
-    find_main_score,
-    ForecastRms,
-    ForecastScore,
-)
+from lta_discovery.calibration.result import CalibratedValue, Calibration
 from lta_discovery.calibration.verdict import format_lift_warning, list_differences
 from lta_discovery.flights.bags import read_bags
 from lta_discovery.flights.role_assignment import restrict_to_interval, Role
@@ -38,6 +32,14 @@ from lta_discovery.model.calibration_parameters import (
 )
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import list_free_parameters
+from lta_discovery.state_filter.forecast_scores import (
+    CALIBRATED,
+    COASTING,
+    FILE_MODEL,
+    find_main_score,
+    ForecastRms,
+    HorizonErrors,
+)
 from lta_model.effects.protocol import AXES
 from lta_model.vehicle import load_vehicle, parse_vehicle, Vehicle
 import numpy as np
@@ -65,10 +67,11 @@ def wrong(vehicle: Vehicle, tmp_path_factory: pytest.TempPathFactory) -> list[Ro
     return read_flights(vehicle, tmp_path_factory.mktemp('wrong'), is_right=False)
 
 
-def make_score(*errors: tuple[float, float]) -> ForecastScore:
+def make_score(*errors: tuple[float, float]) -> HorizonErrors:
     """Return a score from position and attitude errors of coasting, file and calibration."""
-    coast, before, after = (ForecastRms(*each, *3 * [each[0] / 3.0**0.5]) for each in errors)
-    return ForecastScore(3.0, coast, before, after, 20)
+    rms = (ForecastRms(*each, *3 * [each[0] / 3.0**0.5]) for each in errors)
+    names = (COASTING, FILE_MODEL, CALIBRATED)
+    return HorizonErrors(3.0, dict(zip(names, rms, strict=True)), 20)
 
 
 def make_value(
@@ -220,8 +223,9 @@ def test_flights_of_three_seconds_are_calibrated_by_their_shorter_forecasts(
     ]
     found = calibrate_flights(vehicle, 'gtmab', runs, lambda _what, _part: None)
     main = find_main_score(found.scores['train'])
+    assert main is not None
     assert main.horizon == 1.0
-    assert main.after.position < 0.5 * main.before.position
+    assert main.positions[CALIBRATED] < 0.5 * main.positions[FILE_MODEL]
 
 
 def test_a_flight_too_short_for_forecasts_disturbs_no_calibration(

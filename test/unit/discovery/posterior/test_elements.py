@@ -17,7 +17,7 @@ from lta_discovery.posterior.missing_elements import (
     MissingElements,
     MissingElementSearch,
 )
-from lta_discovery.posterior.settings import NEGLIGIBLE
+from lta_discovery.settings import NEGLIGIBLE
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 
-from lta_discovery.calibration.scores import score_forecasts
 from lta_discovery.flights.measured_flight import (
     FlightStreams,
     GRID_PERIOD,
@@ -13,6 +12,7 @@ from lta_discovery.flights.measured_flight import (
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter, list_free_parameters
 from lta_discovery.state_filter.forecast_noise import CLEARLY, fit_forecast_noise
+from lta_discovery.state_filter.forecast_scores import COASTING, FILE_MODEL, score_forecasts
 from lta_discovery.state_filter.forecast_sums import measure_errors
 from lta_discovery.state_filter.forecasts import (
     coast,
@@ -81,11 +81,11 @@ def test_a_perfect_model_forecasts_to_millimetres(gtmab: Known) -> None:
     flight = resample_flight(fly({}, 41, 24.0, 0.0))
     told = forecast(flight, nominal, [], is_exact=True)
     assert len(told.starts) > 10
-    near, middle = score_forecasts([told], [told])
+    near, middle = score_forecasts({FILE_MODEL: [told]})
     for score, place, turn in ((near, 5e-4, 5e-4), (middle, 1e-3, 1e-3)):
-        assert score.after.position < place
-        assert score.after.attitude < turn
-        assert score.coast.position > 50.0 * place
+        assert score.errors[FILE_MODEL].position < place
+        assert score.errors[FILE_MODEL].attitude < turn
+        assert score.errors[COASTING].position > 50.0 * place
 
 
 def test_no_forecast_changes_with_later_poses(heavy: MeasuredFlight, gtmab: Known) -> None:
@@ -251,8 +251,8 @@ def test_forecasts_that_were_not_measured_do_not_count() -> None:
     errors[2, 0, 0] = np.nan
     # The nose points along y
     flight = FlightForecasts(np.arange(3.0), (1.0,), errors, errors, np.full(3, 0.5 * np.pi))
-    (score,) = score_forecasts([flight], [flight])
-    assert score.after == pytest.approx((0.05, 0.1, 0.04, 0.03, 0.0))
-    assert score.count == 2
+    (score,) = score_forecasts({FILE_MODEL: [flight]})
+    assert score.errors[FILE_MODEL] == pytest.approx((0.05, 0.1, 0.04, 0.03, 0.0))
+    assert score.forecasts == 2
     lost = replace(flight, errors=np.full((3, 1, 6), np.nan))
-    assert score_forecasts([lost], [lost]) == ()
+    assert score_forecasts({FILE_MODEL: [lost]}) == ()

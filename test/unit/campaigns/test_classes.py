@@ -6,25 +6,19 @@ from campaigns.class_derivation import (
     compute_registry_digest,
     select_builtin_parameters,
 )
+from campaigns.classes import FrozenClasses, load_class_map, TABLE
 from campaigns.harness import Case, try_alone
-from lta_config.errors import BadInput
+from campaigns.separability import PairSeparability, ParameterPair
+from lta_config.files import load_file
 from lta_discovery.model.nominal import NominalVehicle
-from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.planning.equivalence_classes import (
-    classify_data_kind,
-    find_kind_classes,
-    is_equivalent,
-    load_class_map,
-    load_frozen_classes,
-)
-from lta_discovery.planning.separability import PairSeparability, ParameterPair
-from lta_discovery.state_filter.linear_flight import FlightSystem
+from lta_discovery.model.parameters import FreeParameter, list_free_parameters
 from lta_model.effects import EFFECTS
+from lta_model.vehicle import load_vehicle
 import numpy as np
 from numpy.typing import NDArray
 import pytest
 
-Known = tuple[NominalVehicle, list[FreeParameter]]
+FROZEN = load_file(FrozenClasses, TABLE)
 
 
 def _knob(name: str, tolerance: float = 0.0, typical: float = 1.0) -> FreeParameter:
@@ -77,10 +71,7 @@ def test_flights_add_up_each_with_its_own_errors() -> None:
     assert two.detection_sigma(1) == pytest.approx(2.0 * (2.0 / 1.25) ** 0.5)
 
 
-def test_what_is_to_be_expected_of_one_name_over_the_other() -> None:
-    assert ParameterPair(4.0, 9.0, 0.0).expected_log_bayes(2.0) == 8.0
-    assert ParameterPair(4.0, 9.0, 3.0).expected_log_bayes(2.0) == pytest.approx(0.5 * 4.0 * 3.0)
-    assert ParameterPair(4.0, 9.0, 6.0).expected_log_bayes(2.0) == 0.0
+def test_columns_that_point_the_other_way_are_alike() -> None:
     assert ParameterPair(4.0, 9.0, -3.0).cosine == -0.5
 
 
@@ -90,13 +81,12 @@ def test_every_two_of_a_group_are_alike() -> None:
     assert cluster_complete_linkage(cosine, 0.98) == [[0, 1], [2]]
 
 
-def test_the_frozen_file_is_that_of_the_candidates_as_they_are(gtmab: Known) -> None:
-    known = select_builtin_parameters(gtmab[1])
-    assert load_frozen_classes().digest == compute_registry_digest(known), (
-        'run make campaign classes'
-    )
+def test_the_frozen_file_is_that_of_the_candidates_as_they_are() -> None:
+    nominal = NominalVehicle.from_vehicle(load_vehicle('gtmab'))
+    known = select_builtin_parameters(list_free_parameters(nominal))
+    assert FROZEN.digest == compute_registry_digest(known), 'run make campaign classes'
     names = {knob.name for knob in known if knob.typical > 0.0}
-    assert all(set(kind.reach) == names for kind in load_frozen_classes().kinds.values())
+    assert all(set(kind.reach) == names for kind in FROZEN.kinds.values())
 
 
 @pytest.mark.long
@@ -114,23 +104,13 @@ def test_effects_that_others_install_are_not_frozen(monkeypatch: pytest.MonkeyPa
 
 
 def test_one_constant_force_has_many_names_and_so_has_one_delay() -> None:
-    for kind in load_frozen_classes().kinds:
+    for kind in FROZEN.kinds:
+        classes = load_class_map(kind)
         for name in ('payload.mass', 'ballast.mass', 'gas_purity.purity'):
-            assert is_equivalent('net_lift.force', name, kind)  # type: ignore[arg-type]
-        assert is_equivalent('tracker_delay.delay', 'clock_offset.offset', kind)  # type: ignore[arg-type]
+            assert classes[name] == classes['net_lift.force']
+        assert classes['tracker_delay.delay'] == classes['clock_offset.offset']
         # Only sensors on the clock of the commands tell a late command from a late pose.
-        one = is_equivalent('command_delay.delay', 'tracker_delay.delay', kind)  # type: ignore[arg-type]
+        one = classes['command_delay.delay'] == classes['tracker_delay.delay']
         assert one == (kind in ('pose', 'wrench'))
-        assert not is_equivalent('linear_drag.surge', 'cg_offset.x', kind)  # type: ignore[arg-type]
-    assert load_class_map('all')['payload.mass'] == load_class_map('all')['net_lift.force']
-    assert 'gyro_bias.x' in find_kind_classes('pose').unseen
-    assert not is_equivalent('unheard.of', 'net_lift.force', 'pose')
-
-
-def test_an_unknown_kind_is_refused() -> None:
-    with pytest.raises(BadInput, match=r"'smell'.*wrench"):
-        find_kind_classes('smell')  # type: ignore[arg-type]
-
-
-def test_the_kind_of_a_recording_is_seen(clean: FlightSystem) -> None:
-    assert classify_data_kind([clean.flight]) == 'all'
+        assert classes['linear_drag.surge'] != classes['cg_offset.x']
+    assert 'gyro_bias.x' in FROZEN.kinds['pose'].unseen

@@ -1,13 +1,12 @@
 """
 Simulate a flight in process and return what a recording would hold.
 
-The controller uses one vehicle file, the simulation may use another. A tracker of passive markers
-measures the pose.
+A tracker of passive markers measures the pose.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any, Final, final, Literal
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, Final, Literal
 
 from lta_config.topics import load_topic_table
 from lta_discovery.flights.measured_flight import (
@@ -16,15 +15,10 @@ from lta_discovery.flights.measured_flight import (
     resample_flight,
     Stream,
 )
+from lta_discovery.lab_tests.rehearsal import POSE_NOISE, TURN_NOISE
 from lta_discovery.model.nominal import NominalVehicle
-from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.model.quaternions import quaternion_exponential, quaternion_product
 from lta_discovery.replay.replay import FlightReplay
-from lta_discovery.state_filter.kalman import filter_flight
-from lta_discovery.state_filter.likelihood import linearize_all
-from lta_discovery.state_filter.linear_flight import FlightSystem
-from lta_discovery.state_filter.noise_model import NoiseModel, wrench_floor
-from lta_discovery.state_filter.smoothing import smooth_flight
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_spec import FlightSpec
 from lta_flight.flight_stack import FlightStack
@@ -39,9 +33,6 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Sensors = Literal['all', 'imu', 'pose', 'wrench']
 
-POSE_NOISE: Final = 1e-3  # m; noise of a tracker of passive markers
-TURN_NOISE: Final = 2.5e-3  # rad
-SMOOTHED: Final = 3  # times; each leaves the square of the error that the one before left
 CLEAR: Final = 0.05  # m above the standing height; below it the vehicle may touch the floor
 KEPT: Final[dict[str, tuple[str, ...]]] = {
     'all': ('rates', 'force', 'range', 'pressure', 'voltage'),
@@ -59,34 +50,13 @@ def with_course(spec: FlightSpec, course: Mapping[str, Any], length: float) -> F
     return replace(spec, contents={**spec.contents, 'scenario': scene})
 
 
-@final
-@dataclass(frozen=True, slots=True)
-class SimulatedFlight:
-    """Result of a simulated flight."""
-
-    streams: FlightStreams
-    outcome: FlightOutcome
-    path: Array  # true position of the hull centre, shape (n, 3) [m, map]
-    duties: Array  # commanded, shape (n, rotors)
-    tilt: float  # largest tilt [rad]
-    standing: float  # height of the hull centre of the standing vehicle [m]
-
-
 def simulate_flight(
-    vehicle: Vehicle,
-    scenario: Scenario,
-    policy: FlightStack,
-    seed: int,
-    pilot_vehicle: Vehicle | None = None,
-) -> SimulatedFlight:
-    """
-    Simulate a flight in this process.
-
-    `pilot_vehicle`: vehicle file of the controller; the true one by default.
-    """
+    vehicle: Vehicle, scenario: Scenario, policy: FlightStack, seed: int
+) -> FlightStreams:
+    """Simulate a flight in this process, whose controller has the true vehicle file."""
     table = load_topic_table()
     world = World(vehicle, scenario, table, seed)
-    loop = ClosedLoop(world, table, policy, pilot_vehicle or Vehicle(vehicle.file))
+    loop = ClosedLoop(world, table, policy, Vehicle(vehicle.file))
     rows: dict[str, list[tuple[float, ...]]] = {
         name: [] for name in ('pose', 'commands', *KEPT['all'])
     }
@@ -96,18 +66,8 @@ def simulate_flight(
         _record_step(loop, rows)
     streams = {name: _build_stream(samples) for name, samples in rows.items() if samples}
     pose, commands = streams.pop('pose'), streams.pop('commands')
-    # Copy the true path before tracker noise is added.
-    path, upright = pose.values[:, :3].copy(), _tilt_cosine(pose.values[:, 3:])
     seen = _add_tracker_noise(pose, np.random.default_rng([seed, 9]))
-    standing = vehicle.hull_height_on_floor
-    return SimulatedFlight(
-        FlightStreams(seen, commands, streams, standing + CLEAR),
-        world.outcome,
-        path,
-        commands.values,
-        float(np.arccos(np.clip(upright.min(), -1.0, 1.0))),
-        standing,
-    )
+    return FlightStreams(seen, commands, streams, vehicle.hull_height_on_floor + CLEAR)
 
 
 def _record_step(loop: ClosedLoop, rows: dict[str, list[tuple[float, ...]]]) -> None:
@@ -129,12 +89,6 @@ def _record_step(loop: ClosedLoop, rows: dict[str, list[tuple[float, ...]]]) -> 
 def _build_stream(rows: list[tuple[float, ...]]) -> Stream:
     table = np.array(rows)
     return Stream(table[:, 0], table[:, 1:])
-
-
-def _tilt_cosine(quaternion: Array) -> Array:
-    x, y, _, _ = quaternion.T
-    cosine: Array = 1.0 - 2.0 * (x**2 + y**2)
-    return cosine
 
 
 def _add_tracker_noise(pose: Stream, rng: np.random.Generator) -> Stream:
@@ -182,27 +136,3 @@ def _rotor_wrench(vehicle: Vehicle, flight: MeasuredFlight, nominal: NominalVehi
     each = [np.concatenate([axis, np.cross(place, axis)]) for place, axis in nominal.rotors]
     time = flight.time[0] + replay.dt * np.arange(len(thrusts))
     return Stream(time, thrusts[:, : len(each)] @ np.array(each))
-
-
-def measure_information(
-    flight: MeasuredFlight,
-    vehicle: Vehicle,
-    nominal: NominalVehicle,
-    parameters: Sequence[FreeParameter],
-) -> Array:
-    """
-    Return the information of all readings of a flight about K parameters, shape (K, K).
-
-    `nominal`: about which it is linearized. The unexplained wrench is at the noise floor, as
-    nothing is missing in a simulation. About a smoothed motion, the first state turns with the
-    frames of tracker and markers; otherwise its prior would seem to tell of them.
-    """
-    noise = replace(NoiseModel.guess(nominal, flight), wrench=wrench_floor(nominal))
-    system = FlightSystem(vehicle, flight, [])
-    for _ in range(SMOOTHED):
-        (linear,) = linearize_all([system], nominal, np.zeros(0))
-        smooth = smooth_flight(linear, noise, np.zeros(0))
-        system = system.with_motion(smooth.motion, smooth.wrench, nominal)
-    system = system.with_parameters(parameters)
-    (linear,) = linearize_all([system], nominal, np.zeros(len(parameters)))
-    return filter_flight(linear, noise).products[:-1, :-1]

@@ -29,16 +29,6 @@ class ParameterPair(NamedTuple):
         size = self.first * self.second
         return self.shared / float(np.sqrt(size)) if size > 0.0 else 0.0
 
-    def expected_log_bayes(self, value: float) -> float:
-        """
-        Return the expected log Bayes factor of the first at a value over the second. [nats]
-
-        A lower bound, because the second may take its best-fitting value.
-        """
-        # Part of the information that the second explains by a change of its value
-        best = self.shared**2 / self.second if self.second > 0.0 else 0.0
-        return 0.5 * value**2 * max(0.0, self.first - best)
-
 
 @final
 class PairSeparability:

@@ -1,1 +1,0 @@
-"""Analyse which effects flights can separate, and plan the next flight."""
