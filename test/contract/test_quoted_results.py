@@ -17,8 +17,8 @@ import math
 from pathlib import Path
 import re
 
+from lta_flight.sweep.statistics import bootstrap_mean
 from lta_report.result_table import format_value
-from lta_studies.light.evaluation.cells import bootstrap_mean
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]

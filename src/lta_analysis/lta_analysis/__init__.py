@@ -56,7 +56,6 @@ if TYPE_CHECKING:
     from lta_studies.energy.cells.request import CellsRequest
     from lta_studies.energy.mounting.run import MountingRequest
     from lta_studies.light.bearing.run import BearingTrialRequest
-    from lta_studies.light.evaluation.run import EvaluationRequest
     from lta_studies.light.link.link_budget import LinkRequest
     from lta_studies.light.plan.request import LampPlanRequest
     from lta_studies.light.turn.request import DiodeCalibrationRequest
@@ -89,7 +88,6 @@ if TYPE_CHECKING:
     import_log = as_function(LogImportRequest)
     light_bearing = as_function(BearingTrialRequest)
     light_calibrate = as_function(DiodeCalibrationRequest)
-    light_evaluate = as_function(EvaluationRequest)
     light_link = as_function(LinkRequest)
     light_plan = as_function(LampPlanRequest)
     mission = as_function(MissionStudyRequest)

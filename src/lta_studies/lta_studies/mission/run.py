@@ -9,13 +9,13 @@ from typing import Final, final, Literal, NamedTuple
 from lta_config.schema.mission_file import DAY, LightDay, load_light_day, load_mission, MissionFile
 from lta_energy.irradiance import IrradianceSeries, simulate_irradiance
 from lta_energy.mission import MissionLog
+from lta_flight.sweep.statistics import bootstrap_mean, bootstrap_ratio, BootstrapMean
 from lta_report.report import Report
 from lta_report.request import argument, option, StudyRequest, StudyRun
 from lta_report.results_folder import resolve_folder
 from lta_report.study import Study
 from lta_report.study_store import StoreFormat
 from lta_report.workers import report_progress
-from lta_studies.light.evaluation.cells import bootstrap_mean, bootstrap_ratio, BootstrapMean
 from lta_studies.mission.figures import MissionFigures, summarize_mission
 from lta_studies.mission.flyer import AWARE, build_simulation, DOZING, NAIVE
 from lta_studies.mission.scene import MissionScene
