@@ -55,7 +55,6 @@ if TYPE_CHECKING:
     from lta_studies.energy.budget.run import BudgetRequest
     from lta_studies.energy.cells.request import CellsRequest
     from lta_studies.energy.mounting.run import MountingRequest
-    from lta_studies.light.bearing.run import BearingTrialRequest
     from lta_studies.light.link.link_budget import LinkRequest
     from lta_studies.light.plan.request import LampPlanRequest
     from lta_studies.light.turn.request import DiodeCalibrationRequest
@@ -86,7 +85,6 @@ if TYPE_CHECKING:
     fly = as_function(FlyRequest)
     forecast = as_function(ForecastRequest)
     import_log = as_function(LogImportRequest)
-    light_bearing = as_function(BearingTrialRequest)
     light_calibrate = as_function(DiodeCalibrationRequest)
     light_link = as_function(LinkRequest)
     light_plan = as_function(LampPlanRequest)

@@ -130,7 +130,6 @@ LIGHT_VERBS: Final = VerbGroup(
     {
         'link': call('light_link'),
         'plan': call('light_plan'),
-        'bearing': call('light_bearing'),
         'calibrate': call('light_calibrate'),
     },
 )

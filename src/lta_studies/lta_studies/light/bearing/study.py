@@ -21,9 +21,10 @@ from typing import Final, final
 
 from lta_report.palette import GOOD, LAMP, TRUTH
 from lta_studies.light.bearing.bench import BearingBench, Pose
-from lta_studies.light.bearing.run import error_quantile, extract_column
 import numpy as np
+from numpy.typing import NDArray
 
+Array = NDArray[np.float64]
 DIRECTION_COUNT: Final = 16
 STUDY_DISTANCE: Final = 3.0  # m
 # Off the lamp's axis, where reflections turn the mean most. On the axis of a symmetric room they
@@ -47,6 +48,12 @@ class RingStudy:
     snr: float  # median SNR of the best diode
 
 
+def error_quantile(errors: Array, percent: float) -> float:
+    """Return a percentile of the absolute errors; NaN if there are none."""
+    finite = np.abs(errors[np.isfinite(errors)])
+    return float(np.percentile(finite, percent)) if finite.size else math.nan
+
+
 def list_directions() -> list[float]:
     """Return the true directions of the lamp, seen from the ring. [rad]"""
     return [math.tau * k / DIRECTION_COUNT for k in range(DIRECTION_COUNT)]
@@ -68,9 +75,9 @@ def study_ring(
     for direction in list_directions():
         pose = pose_for_lamp_direction(bench, direction, aside)
         blocks = [bench.estimate_block_bearing(pose, diodes, chance) for _ in range(readings)]
-        paper.append(error_quantile(extract_column(blocks, 'paper'), 50.0))
-        ours.append(error_quantile(extract_column(blocks, 'ours'), 50.0))
-        snrs.append(float(np.median(extract_column(blocks, 'snr'))))
+        paper.append(error_quantile(np.array([each.paper for each in blocks]), 50.0))
+        ours.append(error_quantile(np.array([each.ours for each in blocks]), 50.0))
+        snrs.append(float(np.median([each.snr for each in blocks])))
     return RingStudy(place, count, tuple(paper), tuple(ours), float(np.median(snrs)))
 
 

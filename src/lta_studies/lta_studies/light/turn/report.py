@@ -8,7 +8,6 @@ from lta_report.charts import ChartAxis, Curve, draw_curves, draw_polar
 from lta_report.formatting import Tile
 from lta_report.palette import ESTIMATE, SETPOINT, TIME, TRUTH
 from lta_report.report import Grid, Picture, Report, TextSection, TextTable
-from lta_studies.light.bearing.report import format_degrees
 from lta_studies.light.bearing.study import median_error
 from lta_studies.light.turn.readings import DirectionErrors, FittedResponse, TurnReadings
 from lta_vlc.diodes import DiodeArray
@@ -110,10 +109,10 @@ def build_gain_table(response: FittedResponse) -> TextTable:
 def build_tiles(errors: DirectionErrors, response: FittedResponse) -> list[Tile]:
     """Return the tiles with the key figures."""
     return [
-        Tile('fit', format_degrees(median_error(errors.ours)), '°', f'worst '
-        f'{format_degrees(max(errors.ours))}°'),
-        Tile('paper', format_degrees(median_error(errors.paper)), '°', f'worst '
-        f'{format_degrees(max(errors.paper))}°'),
+        Tile('fit', f'{math.degrees(median_error(errors.ours)):.2f}', '°', f'worst '
+        f'{math.degrees(max(errors.ours)):.2f}°'),
+        Tile('paper', f'{math.degrees(median_error(errors.paper)):.2f}', '°', f'worst '
+        f'{math.degrees(max(errors.paper)):.2f}°'),
         Tile('SNR', f'{errors.snr:.0f}', '', 'of the best diode, median'),
         Tile('exponent', f'{response.exponent:.2f}', '',
              f'of the cosine response, \N{PLUS-MINUS SIGN} {response.exponent_deviation:.1g}'),
