@@ -20,10 +20,10 @@ from lta_studies.light.bearing.bench import (
     BearingBench,
     BearingReading,
     build_flight_spec,
+    error_quantile,
     Pose,
     TrueDiodes,
 )
-from lta_studies.light.bearing.study import error_quantile
 from lta_vlc.demodulation import Peaks
 from lta_vlc.direction import RAYLEIGH_SHARE
 import numpy as np

@@ -53,11 +53,11 @@ if TYPE_CHECKING:
     from lta_studies.cfd.request import RefitRequest, TunnelRequest
     from lta_studies.energy.breakeven import BreakEvenRequest
     from lta_studies.energy.budget.run import BudgetRequest
-    from lta_studies.energy.cells.request import CellsRequest
+    from lta_studies.energy.cells.arrays import CellsRequest
     from lta_studies.energy.mounting.run import MountingRequest
     from lta_studies.light.link.link_budget import LinkRequest
     from lta_studies.light.plan.request import LampPlanRequest
-    from lta_studies.light.turn.request import DiodeCalibrationRequest
+    from lta_studies.light.turn.calibration import DiodeCalibrationRequest
     from lta_studies.mission.run import MissionStudyRequest
     from lta_studies.platforms.run import PlatformsRequest
     from lta_studies.reproduce.run import ReproductionRequest

@@ -24,8 +24,6 @@ from lta_studies.light.bearing.bench import (
     BearingBench,
     BearingReading,
     build_flight_spec,
-)
-from lta_studies.light.bearing.study import (
     list_directions,
     pose_for_lamp_direction,
     STUDY_DISTANCE,

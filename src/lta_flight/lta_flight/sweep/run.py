@@ -1,28 +1,29 @@
 """Run a sweep: check it, fly it, and write its table."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
 from functools import partial
 import math
 from pathlib import Path
 import time
-from typing import Annotated, cast, final
+from typing import Annotated, Any, cast, Final, final
 
 from lta_bridge.provenance import read_commit
+from lta_config.atomic_file import replace_atomically
 from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_config.schema.sweep_file import load_sweep
 from lta_flight.batch.fly import Device
-from lta_flight.sweep import table
-from lta_flight.sweep.batch_workers import BatchWorkers
-from lta_flight.sweep.job_runner import fly_job, store_row, SWEEP_STORE, SweepRow
+from lta_flight.report.results import FlightResults
+from lta_flight.sweep.batch_workers import BatchWorkers, fly_job, store_row, SWEEP_STORE, SweepRow
 from lta_flight.sweep.plan import SweepJob, SweepPlan
 from lta_report.report import Report
 from lta_report.request import argument, option, StudyRequest, StudyRun
-from lta_report.study import hash_inputs, run_items
-from lta_report.study_progress import StudyProgress
+from lta_report.study import hash_inputs, run_items, StudyProgress
 from lta_report.study_store import StudyStore
 from lta_report.workers import Workers
+import pyarrow as arrow
+from pyarrow import parquet
 from pydantic import BeforeValidator, PlainSerializer
 from rich.console import Console
 
@@ -179,13 +180,13 @@ def write_sweep_table(
     plan: SweepPlan, rows: list[SweepRow], folder: Path, order: SweepRequest
 ) -> Path:
     """Write the table and return its path."""
-    path = folder / table.TABLE_NAME
+    path = folder / TABLE_NAME
     about = {
         **describe_origin(plan, order),
         'identity': order.compute_sweep_hash(plan),
         'file': plan.file.model_dump_json(),
     }
-    table.write_table(rows, plan.units, about, path)
+    write_table(rows, plan.units, about, path)
     return path
 
 
@@ -200,3 +201,66 @@ def describe_origin(plan: SweepPlan, order: SweepRequest) -> dict[str, str]:
         'commit': read_commit(),
         **({'flown as': ' '.join(order.flight_options)} if order.flight_options else {}),
     }
+
+
+TABLE_NAME = 'flights.parquet'
+FIXED_COLUMNS: Final = (
+    ('index', arrow.int64(), '', 'number of the flight in the sweep, from 0'),
+    ('seed', arrow.int64(), '', 'random seed of the flight'),
+    ('outcome', arrow.string(), '', 'reached, timeout, escaped, or failed (could not be flown)'),
+    ('sentence', arrow.string(), '', 'outcome as a sentence, or why the flight failed'),
+    ('wall', arrow.float64(), 's', 'computing time of the flight'),
+)
+
+
+def write_table(
+    rows: Sequence[SweepRow], units: Mapping[str, str], about: Mapping[str, str], path: Path
+) -> None:
+    """
+    Write the rows of a sweep.
+
+    `units`: SI unit of each varied path; '' if it has none. `about`: metadata of the file: its
+    provenance. `path`: parquet file; replaced as a whole. Raise `BadInput` if it cannot be
+    written.
+    """
+    columns, declared = [], []
+    for name, kind, unit, meaning in FIXED_COLUMNS:
+        columns.append(arrow.array([getattr(row, name) for row in rows], kind))
+        declared.append(_build_field(name, kind, unit, meaning))
+    for varied, unit in units.items():
+        values = [row.values.get(varied) for row in rows]
+        kind = _column_type(values)
+        columns.append(arrow.array(values, kind))
+        declared.append(_build_field(varied, kind, unit, 'varied'))
+    for item in fields(FlightResults):
+        # All other results are numbers, or null if unknown
+        kind = arrow.bool_() if item.name == 'success' else arrow.float64()
+        columns.append(arrow.array([row.figures.get(item.name) for row in rows], kind))
+        declared.append(
+            _build_field(item.name, kind, item.metadata['unit'], item.metadata['about'])
+        )
+    # Units and descriptions are stored in the schema
+    table = arrow.table(columns, schema=arrow.schema(declared, metadata=dict(about)))
+    try:
+        with replace_atomically(path) as part:
+            parquet.write_table(table, part, compression='zstd')
+    except OSError as error:
+        raise BadInput(
+            f"'{path}' cannot be written ({error}); check that its folder is writable and has "
+            'free space.'
+        ) from None
+
+
+def _build_field(name: str, kind: Any, unit: str, meaning: str) -> Any:  # noqa: ANN401 - pyarrow's
+    return arrow.field(name, kind, metadata={'unit': unit, 'about': meaning})
+
+
+def _column_type(values: Sequence[Any]) -> Any:  # noqa: ANN401 - pyarrow's
+    """Return the type of a varied column: number, list of numbers, bool, or text."""
+    # A path may have no value in the rows of other cases
+    first = next((value for value in values if value is not None), 0.0)
+    if isinstance(first, list):
+        return arrow.list_(arrow.float64())
+    if isinstance(first, bool):
+        return arrow.bool_()
+    return arrow.float64() if isinstance(first, int | float) else arrow.string()

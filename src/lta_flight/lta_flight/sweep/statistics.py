@@ -4,7 +4,7 @@ from collections.abc import Sequence
 import math
 from typing import Any, Final, NamedTuple
 
-from lta_flight.sweep.job_runner import FAILED, SweepRow
+from lta_flight.sweep.batch_workers import FAILED, SweepRow
 import numpy as np
 from scipy.special import stdtrit
 

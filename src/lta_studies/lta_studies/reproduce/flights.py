@@ -9,12 +9,15 @@ from typing import Any, final
 from lta_config.command_line import format_lta_command
 from lta_config.schema.sweep_file import load_sweep, SweepSeeds
 from lta_flight.flight_spec import to_set_args
-from lta_flight.sweep.batch_workers import BatchWorkers
-from lta_flight.sweep.job_runner import run_job, SweepRow
+from lta_flight.sweep.batch_workers import BatchWorkers, run_job, SweepRow
 from lta_flight.sweep.plan import SweepJob, SweepPlan
 from lta_flight.sweep.statistics import BootstrapMean, REACHED, ShareInterval
-from lta_studies.reproduce.pilot import prepare_flight
-from lta_studies.reproduce.strategy_flights import group_flights, STRATEGY_PATH, StrategyFlights
+from lta_studies.reproduce.strategy_flights import (
+    group_flights,
+    prepare_flight,
+    STRATEGY_PATH,
+    StrategyFlights,
+)
 from lta_studies.reproduce.study_result import MeasuredValue, RowStudyRequest
 from plotly.graph_objects import Figure
 

@@ -7,8 +7,7 @@ from typing import Final, final, NamedTuple
 from lta_model import mass_properties
 from lta_model.vehicle import Vehicle
 from lta_report.palette import TIME
-from lta_vehicle.views.projection import RotorArrow, Two, VIEWS
-from lta_vehicle.views.three_views import draw_rotor
+from lta_vehicle.views.three_views import draw_rotor, RotorArrow, Two, VIEWS
 
 FRONT: Final = VIEWS[1]
 GONDOLA_WIDTH: Final = 660.0  # px; of the whole drawing, unless a label is longer

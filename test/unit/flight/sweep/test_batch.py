@@ -12,8 +12,8 @@ from lta_flight.batch.flight import RAN_AWAY
 from lta_flight.batch.flight_loop import FIGURES
 from lta_flight.batch.fly import fly_many
 from lta_flight.sweep import batch_workers
-from lta_flight.sweep.heat_map import find_map_parameters, plot_heat_map
-from lta_flight.sweep.job_runner import SweepRow
+from lta_flight.sweep.batch_workers import SweepRow
+from lta_flight.sweep.pictures import find_map_parameters, plot_heat_map
 from lta_flight.sweep.plan import SweepPlan
 from lta_flight.sweep.report import build_report, format_headline
 from lta_flight.sweep.run import sweep_once, SweepRequest

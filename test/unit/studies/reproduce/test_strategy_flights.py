@@ -4,12 +4,17 @@ from itertools import product
 import math
 
 from lta_config.schema.sweep_file import SweepFile
-from lta_flight.sweep.job_runner import SweepRow
+from lta_flight.sweep.batch_workers import SweepRow
 from lta_flight.sweep.plan import SweepPlan
 from lta_flight.sweep.statistics import bootstrap_mean, bootstrap_ratio
 from lta_studies.reproduce.flights import fly_job
-from lta_studies.reproduce.pilot import PILOT, solve_wind_triangle
-from lta_studies.reproduce.strategy_flights import group_flights, ordered_share, StrategyFlights
+from lta_studies.reproduce.strategy_flights import (
+    group_flights,
+    ordered_share,
+    PILOT,
+    solve_wind_triangle,
+    StrategyFlights,
+)
 import numpy as np
 import pytest
 

@@ -1,6 +1,6 @@
 """Simulate light blocks of a vehicle at rest and estimate the bearing to the lamp."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 import math
 from typing import Final, final, NamedTuple
@@ -10,12 +10,14 @@ from lta_control.cascade import wrap_angle
 from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec, load_spec
 from lta_model.light.view import LightView
 from lta_model.sensors.photodiode import PhotodiodeArray
+from lta_report.palette import GOOD, LAMP, TRUTH
 from lta_vlc.bearing import estimate_bearing
 from lta_vlc.demodulation import demodulate_beacon, Peaks, plan_bins
 from lta_vlc.diodes import build_diode_array
 from lta_vlc.direction import DirectionFinder
 import numpy as np
 from numpy.random import Generator
+from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 DIODES_PATH: Final = 'vehicle.sensors.diodes'
@@ -162,3 +164,100 @@ class BearingBench:
         turn = Rotation.from_quat(pose[3:])
         x, y, z = turn.inv().apply(self._lamp - np.array(pose[:3])) - self._middle
         return math.atan2(y, x), math.atan2(z, math.hypot(x, y))
+
+
+Array = NDArray[np.float64]
+DIRECTION_COUNT: Final = 16
+STUDY_DISTANCE: Final = 3.0  # m
+# Off the lamp's axis, where reflections turn the mean most. On the axis of a symmetric room they
+# are symmetric, too.
+STUDY_OFF_AXIS: Final = math.radians(45.0)
+STUDY_HEIGHT: Final = 0.5  # of the hull centre, that of the paper's flights [m]
+READINGS_PER_DIRECTION: Final = 50
+RING_COUNTS: Final = (4, 8, 16)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class RingStudy:
+    """Results of one ring in one place."""
+
+    place: str  # name in `BEARING_PLACES`
+    count: int  # number of diodes
+    # Median error in each direction [rad]
+    paper: tuple[float, ...]
+    ours: tuple[float, ...]
+    snr: float  # median SNR of the best diode
+
+
+def error_quantile(errors: Array, percent: float) -> float:
+    """Return a percentile of the absolute errors; NaN if there are none."""
+    finite = np.abs(errors[np.isfinite(errors)])
+    return float(np.percentile(finite, percent)) if finite.size else math.nan
+
+
+def list_directions() -> list[float]:
+    """Return the true directions of the lamp, seen from the ring. [rad]"""
+    return [math.tau * k / DIRECTION_COUNT for k in range(DIRECTION_COUNT)]
+
+
+def study_ring(
+    bench: BearingBench,
+    place: str,
+    count: int,
+    readings: int,
+    seed: int,
+    aside: float = STUDY_OFF_AXIS,
+) -> RingStudy:
+    """Study one ring in all directions, `aside` of the lamp's axis. [rad]"""
+    # The same draws indoors and outdoors: only the place differs.
+    chance = np.random.default_rng([seed, count])
+    diodes = bench.sample_diode_gains(chance)
+    paper, ours, snrs = [], [], []
+    for direction in list_directions():
+        pose = pose_for_lamp_direction(bench, direction, aside)
+        blocks = [bench.estimate_block_bearing(pose, diodes, chance) for _ in range(readings)]
+        paper.append(error_quantile(np.array([each.paper for each in blocks]), 50.0))
+        ours.append(error_quantile(np.array([each.ours for each in blocks]), 50.0))
+        snrs.append(float(np.median([each.snr for each in blocks])))
+    return RingStudy(place, count, tuple(paper), tuple(ours), float(np.median(snrs)))
+
+
+def pose_for_lamp_direction(
+    bench: BearingBench, direction: float, aside: float = STUDY_OFF_AXIS
+) -> Pose:
+    """Return the level pose, `aside` of the axis, that has the lamp in a direction. [rad]"""
+    x, y, _ = bench.scenario.goal_lamp.position.vector
+    ahead_x, ahead_y, _ = bench.scenario.goal_lamp.facing.vector
+    facing = math.atan2(ahead_y, ahead_x) + aside
+    # Half the heading: from the drone, the lamp is at facing + pi in the map.
+    half = 0.5 * (facing + math.pi - direction)
+    # The ring is below the hull centre, so a level ring has the same horizontal position.
+    return (
+        x + STUDY_DISTANCE * math.cos(facing), y + STUDY_DISTANCE * math.sin(facing), STUDY_HEIGHT,
+        0.0, 0.0, math.sin(half), math.cos(half),
+    )  # fmt: skip
+
+
+def count_accurate_directions(errors: Sequence[float], limit: float) -> int:
+    """Return the number of directions with a median error below a limit."""
+    return sum(error < limit for error in errors)
+
+
+RING_COLOURS: Final = dict(zip(RING_COUNTS, (LAMP, TRUTH, GOOD), strict=True))
+RING_METHOD: Final = (
+    'The hull is level at 0.5 m and turns through 16 directions. The diode gains of the vehicle '
+    'are drawn once. Errors are medians over the readings; each reading is one block of ADC '
+    'samples with its own noise.'
+)
+
+
+def describe_method(aside: float) -> str:
+    """Describe the set-up, with the drone `aside` of the lamp's axis. [rad]"""
+    where = f'{math.degrees(aside):g} degrees off its axis' if aside else 'on its axis'
+    return f'The lamp is {STUDY_DISTANCE:g} m away and the drone is {where}. {RING_METHOD}'
+
+
+def median_error(errors: Sequence[float]) -> float:
+    """Return the median over the directions; NaN if one has no bearing."""
+    return float(np.median(errors))

@@ -16,12 +16,13 @@ from lta_studies.reproduce.flights import (
     summarize_cell,
     summarize_draws,
 )
-from lta_studies.reproduce.strategy_flights import ordered_share, StrategyFlights
-from lta_studies.reproduce.strategy_pictures import (
+from lta_studies.reproduce.strategy_flights import (
     fly_again,
+    ordered_share,
     plot_paper_comparison,
     plot_tracks,
     select_track_seed,
+    StrategyFlights,
 )
 from lta_studies.reproduce.study_result import (
     average_over_seeds,

@@ -30,13 +30,13 @@ from lta_studies.reproduce.flights import (
     summarize_draws,
     thin_annotations,
 )
-from lta_studies.reproduce.pilot import PILOT
-from lta_studies.reproduce.strategy_flights import StrategyFlights
-from lta_studies.reproduce.strategy_pictures import (
+from lta_studies.reproduce.strategy_flights import (
     fly_again,
     label_strategy,
+    PILOT,
     plot_tracks,
     strategy_color,
+    StrategyFlights,
 )
 from lta_studies.reproduce.study_result import (
     MeasuredValue,
