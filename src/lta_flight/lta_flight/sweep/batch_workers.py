@@ -1,5 +1,5 @@
 """
-Fly a sweep as batches of closed or open loops, on all CPU cores or on a GPU.
+Fly a sweep as batches, on all CPU cores or on a GPU.
 
 Batch flights use the same vehicle, sensors, estimator, control and mission as single ones, but
 sample the lamp's signal without ADC blocks (`lta_flight.batch`). They agree in distribution, not
@@ -136,23 +136,16 @@ class BatchWorkers:
     """
     Fly jobs in batches.
 
-    `base`: what all flights have in common. `device`: 'cpu-batch' or 'gpu'. `duties`: constant
-    duties of the rotors for an open loop; empty for a closed one. Raise `BadInput` if a batch does
-    not support the base, or there is no GPU.
+    `base`: what all flights have in common. `device`: 'cpu-batch' or 'gpu'. Raise `BadInput` if
+    there is no GPU.
     """
 
-    def __init__(self, base: FlightSpec, device: Device, duties: tuple[float, ...] = ()) -> None:
-        self._base, self._device, self._duties = base, device, duties
+    def __init__(self, base: FlightSpec, device: Device) -> None:
+        self._base, self._device = base, device
         self._table = load_topic_table()
         # Effects that some flight has, so that one kernel of each strategy serves all batches
         self._on: NDArray[np.uint8] | None = None
         self.lost = 0
-        vehicle, *_ = build_vehicle_scenario_stack(base)
-        if duties and len(duties) != len(vehicle.rotors):
-            raise BadInput(
-                f'{len(duties)} duties are given, but {vehicle.file.name} has '
-                f'{len(vehicle.rotors)} rotors; give one duty per rotor with --duties.'
-            )
         if device == 'gpu':
             require_cuda()
 
@@ -174,7 +167,7 @@ class BatchWorkers:
             yield from self._fly_batch(batch)
 
     def _build_flight(self, spec: FlightSpec) -> BatchFlight:
-        flight = build_flight(*build_vehicle_scenario_stack(spec), self._table, self._duties)
+        flight = build_flight(*build_vehicle_scenario_stack(spec), self._table)
         on = flight.model.on
         self._on = on if self._on is None else np.maximum(self._on, on)
         return flight
@@ -204,10 +197,7 @@ class BatchWorkers:
             flyable.append(job)
         if not flyable:
             return
-        results = fly_many(
-            flights, seeds, self._device, closed=not self._duties, which=np.array(which),
-            on=self._on,
-        )  # fmt: skip
+        results = fly_many(flights, seeds, self._device, which=np.array(which), on=self._on)
         # All flights run at once, so each gets an equal share of the time
         wall = (time.monotonic() - begun) / len(jobs)
         for job, place, numbers in zip(flyable, which, results.tolist(), strict=True):

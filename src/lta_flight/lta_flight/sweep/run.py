@@ -3,10 +3,9 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import partial
-import math
 from pathlib import Path
 import time
-from typing import Annotated, Any, cast, Final, final
+from typing import Any, Final, final
 
 from lta_bridge.provenance import read_commit
 from lta_config.atomic_file import replace_atomically
@@ -24,27 +23,7 @@ from lta_report.study_store import StudyStore
 from lta_report.workers import Workers
 import pyarrow as arrow
 from pyarrow import parquet
-from pydantic import BeforeValidator, PlainSerializer
 from rich.console import Console
-
-
-def _parse_duties(value: object) -> object:
-    """Return rotor duties, also of a text in which commas separate them."""
-    try:
-        duties = [float(word) for word in value.split(',')] if isinstance(value, str) else value
-    except ValueError:
-        # NaN fails the range check below, which has the error message
-        duties = [math.nan]
-    if not all(-1.0 <= duty <= 1.0 for duty in cast('Sequence[float]', duties)):
-        raise ValueError(f"'{value}' is invalid; give numbers from -1 to 1, such as 0.2,0.2")
-    return duties
-
-
-Duties = Annotated[
-    tuple[float, ...],
-    BeforeValidator(_parse_duties),
-    PlainSerializer(lambda duties: ','.join(map(str, duties))),
-]
 
 
 @final
@@ -82,17 +61,11 @@ class SweepRequest(
         'Simulate all flights as one batch: on all cores (cpu-batch) or on a GPU (gpu).',
         default=None,
     )
-    duties: Duties | None = option(
-        'With --device: fly open loop with a constant duty from -1 to 1 for each rotor.',
-        default=None, metavar='A,B,...',
-    )  # fmt: skip
 
     def run(self, run: StudyRun) -> Report:
         """Return the report of all flights that are stored."""
         from lta_flight.sweep.report import build_report
 
-        if self.duties and self.device is None:
-            raise BadInput('--duties needs batch mode; add --device cpu-batch or --device gpu.')
         if self.device is not None and (self.workers, self.scheduler) != (None, None):
             raise BadInput(
                 '--device cannot be combined with --workers or --scheduler; remove one of them.'
@@ -104,8 +77,7 @@ class SweepRequest(
     @property
     def flight_options(self) -> tuple[str, ...]:
         """Command-line options that determine the flights in addition to the file."""
-        device = ('--device', self.device) if self.device else ()
-        return device + (('--duties', ','.join(map(str, self.duties))) if self.duties else ())
+        return ('--device', self.device) if self.device else ()
 
     def compute_sweep_hash(self, plan: SweepPlan) -> str:
         """Return the hash of everything that determines the flights."""
@@ -170,7 +142,7 @@ def create_workers(order: SweepRequest, plan: SweepPlan) -> Workers[SweepJob, Sw
     """Return the workers that fly a sweep; a batch checks all values of the sweep."""
     if order.device is None:
         return order.options.open_workers(partial(fly_job, plan.base))
-    batch = BatchWorkers(plan.base, order.device, order.duties or ())
+    batch = BatchWorkers(plan.base, order.device)
     # Before the first flight: a batch supports fewer features than a single flight
     batch.check(plan)
     return batch
