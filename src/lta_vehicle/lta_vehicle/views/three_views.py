@@ -5,7 +5,7 @@ The side view has the nose to the right. The front view is seen from ahead, so t
 left side is on the right. The top view has the nose to the right and the left side up.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from html import escape
 import math
@@ -92,20 +92,19 @@ class ViewShapes:
     arms: Sequence[tuple[Two, Two]] = ()
 
     @property
-    def bounds(self) -> tuple[Two, Two]:
-        """Lower left and upper right corner. [m]"""
-        shapes = [*self.parts, *([self.hull] if self.hull else [])]
-        across = [
-            (s.middle[i] - s.half[i], s.middle[i] + s.half[i]) for i in (0, 1) for s in shapes
-        ]
-        count = len(shapes)
+    def corners(self) -> tuple[Two, Two]:
+        """Lower left and upper right corner of what is drawn. [m]"""
         points = [rotor.at for rotor in self.rotors] + [mark.at for mark in self.marks]
-        ends = []
-        for i in (0, 1):
-            own = across[i * count : (i + 1) * count]
-            values = [*(v for pair in own for v in pair), *(point[i] for point in points)]
-            ends.append((min(values), max(values)))
-        (left, right), (low, high) = ends
+        for shape in (*self.parts, *([self.hull] if self.hull else [])):
+            (x, y), (a, b) = shape.middle, shape.half
+            points += [(x - a, y - b), (x + a, y + b)]
+        across, up = zip(*points, strict=True)
+        return (min(across), min(up)), (max(across), max(up))
+
+    @property
+    def bounds(self) -> tuple[Two, Two]:
+        """Lower left and upper right corner of the view. [m]"""
+        (left, low), (right, high) = self.corners
         # What is flat, such as a quadrotor from the side, still needs room to be drawn in.
         pad = max(0.0, FLATTEST * (right - left) - (high - low)) / 2.0
         return (left, low - pad), (right, high + pad)
@@ -119,7 +118,7 @@ def project_vehicle(vehicle: Vehicle, view: ViewDirection, pressure: float) -> V
     """
     file = vehicle.file
     parts = [
-        _part_outline(view, layer, name, part)
+        outline_part(view, layer, name, part)
         for layer, parts in file.layers.items()
         for name, part in parts.items()
         if part.shape == 'box'
@@ -150,7 +149,8 @@ def _hull_outline(vehicle: Vehicle, view: ViewDirection) -> PartOutline | None:
     return PartOutline('ellipse', (0.0, 0.0), _projected_size(view, half), 'hull', about)
 
 
-def _part_outline(view: ViewDirection, layer: str, name: str, part: PartBlock) -> PartOutline:
+def outline_part(view: ViewDirection, layer: str, name: str, part: PartBlock) -> PartOutline:
+    """Return the outline of a box in a view."""
     half = _projected_size(view, [0.5 * number for number in part.size.vector])
     about = f'{name.replace("_", " ")} ({layer.replace("_", " ")}): {1e3 * part.mass.si:.1f} g'
     return PartOutline('box', view.project(part.position.vector), half, name, about)
@@ -244,9 +244,9 @@ def _draw_view(shapes: ViewShapes, left: float, top: float, scale: float) -> Ite
     yield f'<g><text class="of" x="{left - VIEW_MARGIN + 4:.1f}" y="{top - VIEW_MARGIN - 6:.1f}">'
     yield f'{escape(shapes.view.title)}</text>'
     if shapes.hull:
-        yield _draw_outline(shapes.hull, to_pixels, scale, 'hull')
+        yield draw_outline(shapes.hull, to_pixels, scale, 'hull')
     for part in shapes.parts:
-        yield _draw_outline(part, to_pixels, scale, 'part')
+        yield draw_outline(part, to_pixels, scale, 'part')
     for arm in shapes.arms:
         (x1, y1), (x2, y2) = map(to_pixels, arm)
         yield f'<path class="arm" d="M{x1:.1f} {y1:.1f}L{x2:.1f} {y2:.1f}"/>'
@@ -265,8 +265,9 @@ def _draw_view(shapes: ViewShapes, left: float, top: float, scale: float) -> Ite
     yield '</g>'
 
 
-def _draw_outline(shape: PartOutline, at: object, scale: float, kind: str) -> str:
-    x, y = at(shape.middle)  # type: ignore[operator]
+def draw_outline(shape: PartOutline, at: Callable[[Two], Two], scale: float, kind: str) -> str:
+    """Return an ellipse or a box, at least 2.4 px wide, so that it stays visible."""
+    x, y = at(shape.middle)
     a, b = max(shape.half[0] * scale, 1.2), max(shape.half[1] * scale, 1.2)
     title = f'<title>{escape(shape.about)}</title>'
     if shape.kind == 'ellipse':
