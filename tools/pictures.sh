@@ -1,5 +1,5 @@
 #!/bin/sh
-# Draw the pictures of docs/images again: tools/pictures.sh [NAME ...]; those that take minutes where none is named.
+# Draw the pictures of docs/images again: tools/pictures.sh [NAME ...]; all where none is named.
 #
 # At the end, one line a picture: its name, which picture of its page it is, and what makes the
 # page in the folder that is given last.
@@ -11,15 +11,11 @@ wanted=" $* "
 made=$(mktemp -d)
 trap 'rm -rf "$made"' EXIT
 
-# Draw what was asked for by name, and a quick one also where nothing was.
+# Draw what was asked for by name, or everything.
 draw() {
-    pace=$1 name=$2 picture=$3
-    shift 3
-    case "$wanted" in
-    '  ') [ "$pace" = quick ] || return 0 ;;
-    *" $name "*) ;;
-    *) return 0 ;;
-    esac
+    name=$1 picture=$2
+    shift 2
+    is_wanted "$name" || return 0
     echo "picture: $name ..."
     "$@" "$made/$name" >"$made/log" 2>&1 || {
         cat "$made/log" >&2
@@ -44,21 +40,20 @@ is_wanted() {
     case "$wanted" in '  ' | *" $1 "*) ;; *) return 1 ;; esac
 }
 
-draw quick flight top ./lta fly --seed 1 --out
+draw flight top ./lta fly --seed 1 --out
 if is_wanted film; then
     ./lta simulate --seed 3 --out "$made/film"
     ./lta report "$made/film" --video docs/images/flight.gif
 fi
-draw quick compare top compared
+draw compare top compared
 if is_wanted discover; then
     ./lta discover --demo --seed 5 --out "$made/discover"
     cp "$made/discover/picture.svg" docs/images/discover.svg
 fi
-draw quick platforms top ./lta platforms --seeds 2 --out
-draw quick cells top ./lta cells --out
-draw quick energy_budget top ./lta energy budget --out
-draw quick energy_hover voltage ./lta energy budget --out
-draw quick mounting top ./lta energy mounting --out
-draw quick light_plan coverage ./lta light plan warehouse --out
-draw quick mission day ./lta mission greenhouse_summer --out
-draw long evaluate top ./lta light evaluate --seeds 50 --device cpu-batch --out
+draw platforms top ./lta platforms --seeds 2 --out
+draw cells top ./lta cells --out
+draw energy_budget top ./lta energy budget --out
+draw energy_hover voltage ./lta energy budget --out
+draw mounting top ./lta energy mounting --out
+draw light_plan coverage ./lta light plan warehouse --out
+draw mission day ./lta mission greenhouse_summer --out

@@ -6,8 +6,6 @@ command stores the new one, this test fails, and the page has to follow:
 
 - test/golden/paper_full.json: `./lta reproduce`
 - test/same/frozen/commands.csv: `make same ARGS=--freeze`
-- test/golden/bearing.json: `lta light bearing --poses 300 --json` at any range; the same of 8
-  diodes indoors with `--gain-spread 5` and `--response` 1, 1.2, 1.6 and 2
 - test/golden/mission_summer.json: `./lta mission greenhouse_summer --seeds 5 --json`, less `page`
 """
 
@@ -17,8 +15,8 @@ import math
 from pathlib import Path
 import re
 
+from lta_flight.sweep.statistics import bootstrap_mean
 from lta_report.result_table import format_value
-from lta_studies.light.evaluation.cells import bootstrap_mean
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -219,31 +217,3 @@ def test_every_power_energy_and_time_of_a_page_is_stored_or_given(page, stored):
     for quote in QUOTES[page]:
         text = text.replace(fill(quote, stored), '')
     assert set(POWER.findall(text)) <= set(GIVEN[page].split())
-
-
-def bearing_median(row, name):
-    low, high = map(math.degrees, row[f'{name}_interval'])
-    return f'{math.degrees(row[name]):.2f}° ({low:.2f} to {high:.2f})'
-
-
-def bearing_lines():
-    """Yield the lines of the tables on the bearing to a lamp."""
-    stored = load('bearing.json')
-    for row in stored['places']:
-        yield (
-            f'| {row["place"]} | {row["diodes"]} | {row["snr"]:.0f} |'
-            f' {math.degrees(row["bound"]):.2f}° | {bearing_median(row, "paper")} |'
-            f' {math.degrees(row["paper_most"]):.1f}° | {bearing_median(row, "ours")} |'
-            f' {math.degrees(row["ours_most"]):.1f}° | {row["holds"]:.1%} |'
-        )
-    errors = [math.degrees(row['ours']) for row in stored['other_diodes']]
-    lowest = min(row['holds'] for row in stored['other_diodes'])
-    yield (
-        f'spread by 5 % its median error is {min(errors):.1f} to {max(errors):.1f}° and its'
-        f' coverage down to {lowest:.1%}.'
-    )
-
-
-@pytest.mark.parametrize('line', list(bearing_lines()))
-def test_a_line_on_bearings_is_the_stored_result(line):
-    assert re.sub(r'(?<=\d)%', ' %', line) in read('docs/bearing.md')

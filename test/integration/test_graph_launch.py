@@ -4,8 +4,8 @@ import os
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from lta_config.errors import BadInput
-from lta_flight import domain_lock
-from lta_flight.domain_lock import DomainLock
+from lta_flight import flight
+from lta_flight.flight import DomainLock
 from lta_graph.ros.listener import DiagnosticsListener
 import pytest
 import rclpy
@@ -78,14 +78,14 @@ def test_a_listener_hears_its_own_robot_alone(domain_id):
 
 def test_the_lock_is_of_the_domain_and_says_who_holds_it(domain_id, monkeypatch, tmp_path):
     monkeypatch.setenv('XDG_RUNTIME_DIR', str(tmp_path))
-    monkeypatch.setenv('ROS_DOMAIN_ID', str(domain_lock.HIGHEST_DOMAIN))
+    monkeypatch.setenv('ROS_DOMAIN_ID', str(flight.HIGHEST_DOMAIN))
     with DomainLock('blimp'):
         with pytest.raises(BadInput, match=r'^blimp is flying on .*export ROS_DOMAIN_ID=0\.$'):
             DomainLock('lta2').__enter__()
         monkeypatch.setenv('ROS_DOMAIN_ID', '7')
         with DomainLock('lta2'):
             pass
-    monkeypatch.setenv('ROS_DOMAIN_ID', str(domain_lock.HIGHEST_DOMAIN))
+    monkeypatch.setenv('ROS_DOMAIN_ID', str(flight.HIGHEST_DOMAIN))
     with DomainLock('lta2'):
         pass
 

@@ -7,8 +7,7 @@ import struct
 from lta_flight.report import write_page
 from lta_flight.report.panels import FLIGHT_PANELS
 from lta_report.browser import Browser
-from lta_report.flight_video import write_video
-from lta_report.screenshots import open_page, SHARPNESS, write_pictures
+from lta_report.screenshots import open_page, SHARPNESS, write_pictures, write_video
 from page_checks import collect_errors, COUNT_PANELS, list_requests
 import pytest
 

@@ -15,8 +15,6 @@ from lta_flight.replay.verdict import compare_with_recording
 from lta_flight.report import write_page
 from lta_report.report_page import write_report
 from lta_report.screenshots import capture_part, open_page, resize_window
-from lta_studies.light.evaluation.sets import FlightSet, SETS
-from lta_studies.light.evaluation.tables import FACTOR_LABELS
 from lta_studies.tune import compare, helium_limit
 from lta_studies.tune.compare import LampFlightResult
 from page_checks import collect_errors, find_overlapping_labels, list_requests
@@ -36,10 +34,6 @@ PLATFORMS = {
     'schema': 1, 'name': 'few', 'about': 'One climb.', 'scenario': 'hall', 'seeds': 1,
     'manoeuvres': ['climb'], 'contestants': {'gtmab': {'vehicle': 'gtmab', 'title': 'GT-MAB'}},
     'ablations': {}, 'limits': {},
-}  # fmt: skip
-NEAR = {
-    **SWEEP, 'vary': {'strategy': ['bag']}, 'cases': {'as_flown': {}, 'cold': {}},
-    'set': {'scenario.start.position.0': '2.2 m', 'scenario.goal.time_limit': '12 s'},
 }  # fmt: skip
 LAMP = Path(__file__).resolve().parents[1] / 'replay/lamp.mcap'
 PAPER_WIDTH = 718  # px of A4 with margins of 1 cm at 96 a inch
@@ -100,24 +94,6 @@ def platforms(folder, call):
     (folder / 'out' / 'report.html').rename(folder / 'report.html')
 
 
-def evaluate(folder, call):
-    (folder / 'near.yaml').write_text(yaml.safe_dump(NEAR))
-    near = FlightSet(str(folder / 'near.yaml'), 'Near', 'From close by.')
-    factors = {
-        **NEAR,
-        'vary': {'strategy': ['bag']},
-        'cases': {name: {} for name in FACTOR_LABELS},
-    }
-    (folder / 'factors.yaml').write_text(yaml.safe_dump(factors))
-    changed = FlightSet(str(folder / 'factors.yaml'), 'Factors', 'One changed at a time.')
-    with pytest.MonkeyPatch.context() as patched:
-        patched.setitem(SETS, 'indoors', near)
-        patched.setitem(SETS, 'ablations', changed)
-        words = ('--sets', 'indoors', 'ablations', '--seeds', '1', '--workers', '1')
-        call('light', 'evaluate', *words, '--out', folder / 'out')
-    (folder / 'out' / 'report.html').rename(folder / 'report.html')
-
-
 def tune(folder, call):
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(helium_limit, 'TRIED_LOSSES', 1)
@@ -167,17 +143,13 @@ PAGES = {
     'tests_plan': run_quickly('tests', 'plan', 'gtmab'),
     'mission': run_quickly('mission', '--seeds', '1', '--workers', '1'),
     'wind': run_quickly('wind', 'gtmab', 'skye', '--no-fly'),
-    'bearing': run_quickly('light', 'bearing', '--diodes', '8', '--range', '3', '--poses', '3'),
     'light_plan': run_quickly('light', 'plan', '--cell', '2', '--lamps', '3'),
     'light_link': run_quickly('light', 'link', '--scenario', 'lamp_room', '--distance', '3',
                               '--distance', '7', '--blocks', '2'),
     'cells': run_quickly('cells'),
     'breakeven': run_quickly('energy', 'breakeven'),
 }  # fmt: skip
-PAGES |= {
-    made.__name__: made
-    for made in (flight, plot, vehicle, sweep, platforms, evaluate, tune, replay)
-}
+PAGES |= {made.__name__: made for made in (flight, plot, vehicle, sweep, platforms, tune, replay)}
 
 
 def typed(*words):
@@ -197,9 +169,7 @@ LONG = (
     'sweep',
     'wind',
     'light_link',
-    'bearing',
     'platforms',
-    'evaluate',
     'tune',
     'breakeven',
 )

@@ -37,8 +37,6 @@ COMMANDS = {
     'cfd run': 'cfd run gtmab --fidelity analytic --json --out {out}',
     'light link': 'light link --scenario lamp_room --json --out {out}',
     'light plan': 'light plan warehouse --json --out {out}',
-    'light evaluate': 'light evaluate --seeds 1 --sets indoors --json --out {out}',
-    'light bearing': 'light bearing --poses 300 --json --out {out}',
     'energy budget': 'energy budget --seeds 1 --json --out {out}',
     'energy mounting': 'energy mounting --seeds 1 --json --out {out}',
     'energy breakeven': 'energy breakeven --json --out {out}',

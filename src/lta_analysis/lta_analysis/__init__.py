@@ -55,13 +55,11 @@ if TYPE_CHECKING:
     from lta_studies.cfd.request import RefitRequest, TunnelRequest
     from lta_studies.energy.breakeven import BreakEvenRequest
     from lta_studies.energy.budget.run import BudgetRequest
-    from lta_studies.energy.cells.request import CellsRequest
+    from lta_studies.energy.cells.arrays import CellsRequest
     from lta_studies.energy.mounting.run import MountingRequest
-    from lta_studies.light.bearing.run import BearingTrialRequest
-    from lta_studies.light.evaluation.run import EvaluationRequest
     from lta_studies.light.link.link_budget import LinkRequest
     from lta_studies.light.plan.request import LampPlanRequest
-    from lta_studies.light.turn.request import DiodeCalibrationRequest
+    from lta_studies.light.turn.calibration import DiodeCalibrationRequest
     from lta_studies.mission.run import MissionStudyRequest
     from lta_studies.platforms.run import PlatformsRequest
     from lta_studies.reproduce.run import ReproductionRequest
@@ -88,9 +86,7 @@ if TYPE_CHECKING:
     fly = as_function(FlyRequest)
     forecast = as_function(ForecastRequest)
     import_log = as_function(LogImportRequest)
-    light_bearing = as_function(BearingTrialRequest)
     light_calibrate = as_function(DiodeCalibrationRequest)
-    light_evaluate = as_function(EvaluationRequest)
     light_link = as_function(LinkRequest)
     light_plan = as_function(LampPlanRequest)
     mission = as_function(MissionStudyRequest)

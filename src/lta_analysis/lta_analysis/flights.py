@@ -306,7 +306,7 @@ def encode_flight(
 
 def format_outcome(flight: FlightRun, results: 'FlightResults | None') -> str:
     """Return the outcome in one sentence, and the warning of the flight, if any."""
-    from lta_flight.report.outcome import describe_outcome
+    from lta_flight.report.page import describe_outcome
 
     # The bag has no goal to judge by, so the simulator's verdict counts
     on_course = flight.outcome == 'reached' and results is not None and results.success is None
@@ -359,8 +359,7 @@ class FlightPageRequest(Action, command='report'):
         from lta_data.bag.reader import read_bag
         from lta_flight.report.page import write_page
         from lta_report.browser import find_chromium
-        from lta_report.flight_video import check_video_output, write_video
-        from lta_report.screenshots import write_pictures
+        from lta_report.screenshots import check_video_output, write_pictures, write_video
 
         bag = find_bag(self.bag)
         stored = read_bag(bag)

@@ -21,7 +21,7 @@ from lta_report.request import (
     VEHICLE_NAME,
 )
 from lta_report.results_folder import format_page_line, stage_results, write_file
-from lta_vehicle.vehicle_size import MOTOR_LAYOUTS
+from lta_vehicle.vehicle_estimate import MOTOR_LAYOUTS
 from rich.console import Console
 
 LOWEST_ALTITUDE = 0.5  # m, of a mission by default
@@ -109,7 +109,7 @@ class NewVehicleRequest(Action, command='vehicle new'):
     def size(self, path: Path, texts: Mapping[str, str], console: Console) -> None:
         """Write a vehicle of some size, and its gains."""
         from lta_vehicle.new_vehicle import describe_balance, write_sized_vehicle
-        from lta_vehicle.vehicle_size import parse_size, VehicleSize
+        from lta_vehicle.vehicle_estimate import parse_size, VehicleSize
 
         if missing := [f'--{key}' for key in NEEDED_SIZES if key not in texts]:
             raise BadInput(

@@ -126,12 +126,10 @@ BAG_VERBS: Final = VerbGroup(
     },
 )
 LIGHT_VERBS: Final = VerbGroup(
-    'Plan lamps and study navigation by light.',
+    'Plan lamps, and study the light that a drone receives.',
     {
         'link': call('light_link'),
         'plan': call('light_plan'),
-        'evaluate': call('light_evaluate', several=('--sets',)),
-        'bearing': call('light_bearing'),
         'calibrate': call('light_calibrate'),
     },
 )

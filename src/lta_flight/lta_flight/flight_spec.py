@@ -29,12 +29,13 @@ from lta_control.reserve import check_reserve
 from lta_control.strategies import check_route, find_navigation_strategy
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_stack import FlightStack
-from lta_flight.lamp_frequency import check_lamp_frequency
 from lta_flight.recorded_choices import SETTABLE
 from lta_model.scenario import resolve_wind_file, Scenario
 from lta_model.vehicle import Vehicle
 from lta_sim import scene_model
 from lta_sim.world import World
+from lta_vlc.settings import DemodulationSettings
+from lta_vlc.spectral.bins import plan_beacon_bins
 from pydantic import BaseModel
 import yaml
 
@@ -262,3 +263,33 @@ def format_quantity(quantity: Mapping[str, Any]) -> str:
         return f'{list(number)} {quantity["unit"]}'
     # repr of a float keeps all its bits
     return f'{number!r} {quantity["unit"]}'
+
+
+def check_lamp_frequency(scenario: Scenario, demodulation: DemodulationSettings) -> None:
+    """
+    Reject a scene whose lamp is outside the demodulator's search window.
+
+    On a route the navigator requests the frequency of each lamp, and on a course no lamp is
+    searched. Otherwise the demodulator uses its own setting, and such a flight would only time
+    out.
+
+    Raise `BadInput` if the lamp's nominal frequency is outside the window of bins of the first
+    beacon.
+    """
+    if scenario.route or scenario.course is not None:
+        return
+    light = load_topic_table().light
+    rate, samples = light.sample_rate.si, light.samples
+    # The first beacon is the demodulator's own frequency
+    low, high = plan_beacon_bins(demodulation.beacons, demodulation, rate, samples)[
+        0
+    ].frequency_limits
+    lamp = scenario.goal_lamp.frequency.si
+    if not low <= lamp <= high:
+        name = next(iter(scenario.lamps))
+        raise BadInput(
+            f'The lamp of {scenario.name} flickers at {lamp:g} Hz, but the demodulator listens '
+            f'at {demodulation.frequency:g} Hz ({low:.0f} to {high:.0f} Hz); set '
+            f"demodulator.frequency, or add 'route: [{name}]' to the scenario, so that the "
+            'demodulator uses the frequency of each lamp.'
+        )

@@ -4,10 +4,8 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
 
-from lta_flight.domain_lock import DomainLock
-from lta_flight.flight import is_refusal
+from lta_flight.flight import DomainLock, is_refusal, remove_unflown_bags
 from lta_flight.stall_watchdog import StallMonitor
-from lta_flight.unflown_bag import remove_unflown_bags
 from lta_flight.viewers import find_viewers, report_live_views, require_free_live_ports
 from lta_graph.child_process import OnLine, ProcessExit
 from lta_graph.launch_plan import LaunchPlan

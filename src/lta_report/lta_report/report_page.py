@@ -1,14 +1,26 @@
 """Render a report as one self-contained HTML page, and write all files of its folder."""
 
 from collections.abc import Mapping, Sequence
+from functools import cache
+import hashlib
 from html import escape
+from importlib.util import find_spec
 from pathlib import Path
 import re
 from string import Template
 from typing import Final
+import zipfile
 
+from lta_config.atomic_file import replace_atomically
+from lta_config.machine import find_cache_folder
 from lta_report.formatting import MISSING, Tile
-from lta_report.html_elements import embed_data, render_footer, render_section, render_tile
+from lta_report.html_elements import (
+    embed_data,
+    pack_text,
+    render_footer,
+    render_section,
+    render_tile,
+)
 from lta_report.palette import DARK
 from lta_report.report import (
     Block,
@@ -24,7 +36,7 @@ from lta_report.report import (
 )
 from lta_report.results_folder import read_asset, split_template, write_file, write_json
 from lta_report.screenshots import write_pictures
-from lta_report.script_libraries import embed_plotly, embed_three
+from plotly.offline import get_plotlyjs
 
 PAGE: Final = 'report.html'
 # A cell that starts like a number (but not like a heading, '1. Title'), or is a dash or empty
@@ -230,3 +242,53 @@ def write_report(
     if pictures is not None:
         write_pictures(written, pictures)
     return written
+
+
+VIEWER: Final = 'resources/templates/viewer.zip'  # in trimesh: a page that starts with three.js
+THREE: Final = re.compile(
+    r'/\*\*\s*\* @license\s*\* Copyright [\d-]+ Three\.js Authors'
+    r'.*?"__esModule",\{value:!0\}\)\}\)\);',
+    re.DOTALL,
+)
+
+
+@cache
+def read_three() -> str:
+    """Return three.js with its licence text, or '' if trimesh comes without it."""
+    # trimesh is not imported: that takes longer than writing a page
+    package = find_spec('trimesh')
+    if package is None or package.origin is None:
+        return ''
+    try:
+        with zipfile.ZipFile(Path(package.origin).parent / VIEWER) as archive:
+            texts = [archive.read(name).decode() for name in archive.namelist()]
+    except (OSError, ValueError, zipfile.BadZipFile):
+        return ''
+    match = THREE.search(''.join(texts))
+    return match[0] if match else ''
+
+
+@cache
+def embed_plotly() -> str:
+    """Return plotly.js as an HTML element."""
+    return embed_library('plotly', get_plotlyjs())
+
+
+@cache
+def embed_three() -> str:
+    """Return three.js as an HTML element; '' if it is missing."""
+    text = read_three()
+    return embed_library('three', text) if text else ''
+
+
+def embed_library(name: str, text: str) -> str:
+    """Return a script as compressed data in an HTML element; packed once on each machine."""
+    source = hashlib.sha256(text.encode()).hexdigest()[:16]
+    try:
+        stored = find_cache_folder('pages') / f'{name}-{source}.html'
+        if not stored.exists():
+            with replace_atomically(stored) as part:
+                part.write_text(pack_text(name, text, 'text/plain'), encoding='ascii')
+        return stored.read_text(encoding='ascii')
+    except OSError:  # no cache: a full disk, or a folder of somebody else
+        return pack_text(name, text, 'text/plain')

@@ -19,8 +19,7 @@ from lta_config.vehicle_edit import format_yaml
 from lta_model import limits
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_sim.wind_limits import rise_speed
-from lta_vehicle.vehicle_estimate import build_blocks, round_digits
-from lta_vehicle.vehicle_size import VehicleSize
+from lta_vehicle.vehicle_estimate import build_blocks, round_digits, VehicleSize
 
 VEHICLE_NAME_PATTERN = re.compile(r'[a-z][a-z0-9_]*')
 # The top-level key only: nested keys are indented

@@ -17,8 +17,8 @@ from lta_config.schema.vehicle_file import load_vehicle_content, VehicleFile
 from lta_model import effect_parameters, mass_properties, propulsion
 from lta_model.model import STEP_NS
 from lta_model.vehicle import load_vehicle, Vehicle
+from lta_vehicle.difference import find_stale_columns
 from lta_vehicle.figures.sheet import build_sheet, list_numbers, VehicleSheet
-from lta_vehicle.stale_aero import find_stale_columns
 from pydantic import ValidationError
 
 SHALLOW: Final = 2.0  # least depth of the CG below the CB [cm]

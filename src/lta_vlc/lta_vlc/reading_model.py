@@ -22,7 +22,7 @@ the more even it is. Beside the lamp's axis the ground is brighter on the side t
 shines, so that the harmonics across the direction to the lamp follow the fall t of its beam. The
 priors are means and spreads of the first reflections at 953 places in 40 random rooms 6 to 14 m
 long, 5 to 12 m wide, 2.5 to 6 m high, with an albedo of 0.2 to 0.8, rounded up where large halls
-and doors are outside them. `lta light bearing` tests them (docs/bearing.md).
+and doors are outside them. `make campaign bearing` tests them (docs/bearing.md).
 
 The variance of a reading is that of its noise, the spread of the gains, and the remaining pattern
 of the pedestal. The slope of f is smoothed over a few degrees around the edge of a diode's view,

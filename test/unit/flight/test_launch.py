@@ -3,7 +3,7 @@
 from lta_bridge.crazyflie.safety import LEAVE
 from lta_cli.verbs import launch
 from lta_flight import stall_watchdog
-from lta_flight.domain_lock import format_holders
+from lta_flight.flight import format_holders
 from lta_flight.stall_watchdog import FLIGHT, StallMonitor
 from lta_graph.health import HealthFact, HealthLevel
 from lta_graph.launches import FLY

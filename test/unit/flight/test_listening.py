@@ -5,8 +5,7 @@ from dataclasses import replace
 from lta_config.errors import BadInput
 from lta_config.files import list_shipped_names
 from lta_flight.flight import fly_once
-from lta_flight.flight_spec import build_vehicle_scenario_stack, load_spec
-from lta_flight.lamp_frequency import check_lamp_frequency
+from lta_flight.flight_spec import build_vehicle_scenario_stack, check_lamp_frequency, load_spec
 from lta_model.scenario import load_scenario
 from lta_vlc.settings import DemodulationSettings
 from lta_vlc.spectral.bins import plan_beacon_bins

@@ -4,8 +4,7 @@ from types import SimpleNamespace
 
 from lta_bridge.bag.writer import BagWriter
 from lta_config.command_line import format_lta_command
-from lta_flight.flight import report_interrupted_flight
-from lta_flight.unflown_bag import remove_unflown_bags
+from lta_flight.flight import remove_unflown_bags, report_interrupted_flight
 import pytest
 
 EMPTY = bytes.fromhex('00010000') + bytes(64)

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 from lta_report import progress_bar
 from lta_report.progress_bar import ProgressBar
-from lta_report.study_progress import StudyProgress
+from lta_report.study import StudyProgress
 import pytest
 from rich.console import Console
 from waiting import wait_until

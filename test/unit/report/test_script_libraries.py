@@ -4,7 +4,7 @@ import base64
 import re
 import zlib
 
-from lta_report.script_libraries import embed_library, embed_plotly, embed_three, read_three
+from lta_report.report_page import embed_library, embed_plotly, embed_three, read_three
 from plotly.offline import get_plotlyjs
 
 ELEMENT = re.compile(r'<script type="text/plain" id="(\w+)" data-size="(\d+)">([^/]*)</script>')

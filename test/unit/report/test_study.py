@@ -8,8 +8,7 @@ import sys
 from typing import NamedTuple
 
 from lta_config.errors import BadInput
-from lta_report.study import Study, StudyOptions
-from lta_report.study_progress import StudyProgress
+from lta_report.study import Study, StudyOptions, StudyProgress
 from lta_report.study_store import StoreFormat, StudyStore
 from lta_report.workers import ItemFailure
 from pydantic import TypeAdapter

@@ -7,12 +7,11 @@ from lta_bridge.bag import BagWriter
 from lta_bridge.bag.schemas import load_jazzy_types
 from lta_cli import app
 from lta_config.files import find_file
-from lta_flight.replay.comparison import compare_topic
+from lta_flight.replay.comparison import compare_topic, TopicMessages
 from lta_flight.replay.decisions import compare_decisions
 from lta_flight.replay.replay_request import ReplayRequest
 from lta_flight.replay.report import build_report
 from lta_flight.replay.run import ReplayRun
-from lta_flight.replay.topic_messages import TopicMessages
 from lta_flight.replay.verdict import ReplayVerdict
 from lta_flight.report import write_page as write_report
 from lta_report.html_elements import sanitize_figure as inert_figure

@@ -9,7 +9,7 @@ from lta_flight.flight_spec import build_loop, load_spec
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_vehicle.new_vehicle import write_sized_vehicle
 from lta_vehicle.validation import validate_vehicle_file
-from lta_vehicle.vehicle_size import parse_size, VehicleSize
+from lta_vehicle.vehicle_estimate import parse_size, VehicleSize
 import pytest
 
 CIGAR = ('--length', '1.2m', '--diameter', '0.5 m', '--mass', '120g', '--thrust', '0.1N',

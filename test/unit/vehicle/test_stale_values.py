@@ -8,8 +8,7 @@ from lta_config.schema.vehicle_aero import load_aero_file
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_model.propulsion import geometric_column
 from lta_model.vehicle import load_vehicle
-from lta_vehicle.difference import compare_vehicles, load_vehicle_variant
-from lta_vehicle.stale_aero import find_stale_columns
+from lta_vehicle.difference import compare_vehicles, find_stale_columns, load_vehicle_variant
 from lta_vehicle.views.sheet_summary import encode_difference, show_difference
 import pytest
 from rich.console import Console

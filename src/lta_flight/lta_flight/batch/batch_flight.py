@@ -5,24 +5,26 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 import math
 from pathlib import Path
-from typing import Any, cast, final
+from typing import Any, cast, final, NamedTuple
 
 from lta_config.compilation.flat import settings_to_tuples
 from lta_config.errors import BadInput
 from lta_config.topics import TopicTable
-from lta_control.allocation import NO_ROTORS, pad_to_slots
+from lta_control.allocation import NO_ROTORS, pad_to_slots, PerRotor
 from lta_control.autopilot import build_drone_constants
 from lta_control.cascade import CascadeGains
+from lta_control.flight_step import DroneConstants
 from lta_control.laws import CASCADE, LAWS
+from lta_control.mission import MissionSettings
+from lta_control.reserve import ReserveRule
 from lta_control.strategies.protocol import NavigationStrategy
-from lta_flight.batch.constants_and_tally import BatchPower, FlightConstants
 from lta_flight.batch.targets import BatchSchedule, SENSOR_STEP
 from lta_flight.flight_stack import FlightStack
 from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import MeasurementEffect
 from lta_model.electrical.loads import navigation_power
-from lta_model.light.readings import build_panel_plane
-from lta_model.light.view import find_spectral_weights
+from lta_model.light.readings import build_panel_plane, PanelPlane
+from lta_model.light.view import find_spectral_weights, LightWeights
 from lta_model.mass_properties import half_axes
 from lta_model.model import VehicleModel
 from lta_model.scenario import Scenario
@@ -31,16 +33,75 @@ from lta_model.sensors.pressure import PressureSettings
 from lta_model.sensors.range import RangeSettings
 from lta_model.vehicle import Vehicle
 from lta_sim.compiled_sensors import ImuAxes, SensorDatasheets, Six
-from lta_sim.environment import build_steady_wind
-from lta_sim.light_link import build_light_link
+from lta_sim.environment import build_steady_wind, SteadyWind
+from lta_sim.light_link import build_light_link, LightLink
 from lta_sim.scene_model import build_scene_model, vehicle_reach
 from lta_sim.supply import SupplyComponents, SupplyConstants
-from lta_sim.termination import build_goal
+from lta_sim.termination import build_goal, EndConditions, GoalProgress
 from lta_sim.wind_record import WindRecord
 from lta_vlc.diodes import build_diode_array
 from lta_vlc.direction import build_direction_prior, build_fit_inputs
+from lta_vlc.reading_model import DiodeFitInputs, DirectionPrior
 import numpy as np
 from numpy.typing import NDArray
+
+Vector = tuple[float, float, float]
+
+
+class BatchPower(NamedTuple):
+    """The electrical system: supply, loads and panel."""
+
+    supply: SupplyConstants
+    panel: PanelPlane
+    lamp_shares: tuple[float, ...]  # W/m2 per lux of each lamp's on phase
+    ambient: float  # W/m2
+    day_share: float  # W/m2 per lux of daylight
+    panel_weights: LightWeights  # what the cells make of these lights
+    reserve: float
+    charge: float
+
+
+class FlightConstants(NamedTuple):
+    """Everything that determines a flight except its seed and the model's own numbers."""
+
+    drone: DroneConstants  # the drone's knowledge of itself
+    mission: MissionSettings  # altitudes and speeds
+    # The world: sensors, light link, end conditions and power
+    sensors: SensorDatasheets
+    listening: LightLink
+    array: DiodeFitInputs  # the drone's model of its diodes
+    expected: DirectionPrior  # its prior on the lamp
+    goal: EndConditions
+    power: BatchPower
+    place: Vector  # hull centre at the start [m, map]
+    heading: float  # middle of the headings at the start [rad]
+    spread: float  # their half width [rad]
+    wind: SteadyWind
+    held: float  # time for which a hand holds the drone [s]
+    lowest: PerRotor  # minimum duty of each rotor
+    # Index of the lamp of each stop, in order; only the first lamp without a route
+    route: tuple[int, ...]
+    mass_place: Vector  # position of the moving mass [m, body]
+    duties: PerRotor  # in an open loop
+    reserve: ReserveRule  # action at the energy reserve
+    # Gain of the photodiodes' resistor relative to one of 100 kohm [1]
+    diode_scale: float
+
+
+class FlightTally(NamedTuple):
+    """Running results of a flight in SI units; NaN for events that have not happened."""
+
+    outcome: int
+    progress: GoalProgress
+    lift_off: float
+    search_start: float
+    path_length: float
+    closest: float
+    energy: float
+    blocks: float  # light blocks since the search began
+    bearings: float  # number of them with a bearing
+    squares: float  # sum of squared bearing errors [rad2]
+
 
 Array = NDArray[np.float64]
 UNHEARD = ('pose', 'pose_time', 'clock')  # channels that do not influence a flight

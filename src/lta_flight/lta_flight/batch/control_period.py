@@ -21,7 +21,7 @@ from lta_control.phases import Mission
 from lta_control.reserve import permission_at_reserve
 from lta_control.sighting import DeadReckonedMotion
 from lta_control.strategies.protocol import NavigationStrategy
-from lta_flight.batch.constants_and_tally import FlightConstants
+from lta_flight.batch.batch_flight import FlightConstants
 from lta_flight.batch.flight import (
     build_command,
     has_moved,

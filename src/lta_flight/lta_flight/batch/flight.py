@@ -15,7 +15,7 @@ from lta_control.cascade import Setpoint, wrap_angle
 from lta_control.flight_step import DroneMemory, SensorInputs, UNTRACKED
 from lta_control.sighting import DeadReckonedMotion, LampDirection, sight_from_direction
 from lta_control.strategies.protocol import LightMeasurement
-from lta_flight.batch.constants_and_tally import (
+from lta_flight.batch.batch_flight import (
     FlightConstants,
     FlightTally,
     Vector,

@@ -4,7 +4,7 @@ from lta_control.allocation import NO_ROTORS
 from lta_control.flight_step import is_stopped
 from lta_control.laws.protocol import ControlLaw
 from lta_control.strategies.protocol import NavigationStrategy
-from lta_flight.batch.constants_and_tally import FlightConstants, FlightTally
+from lta_flight.batch.batch_flight import FlightConstants, FlightTally
 from lta_flight.batch.control_period import (
     begin_flight,
     FlightInputs,

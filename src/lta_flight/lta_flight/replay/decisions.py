@@ -5,8 +5,7 @@ from dataclasses import dataclass
 from typing import Any, final, NamedTuple
 
 from lta_config.covariances import select_estimates
-from lta_flight.replay.comparison import TopicComparison
-from lta_flight.replay.topic_messages import TopicMessages
+from lta_flight.replay.comparison import TopicComparison, TopicMessages
 import numpy as np
 from numpy.typing import NDArray
 

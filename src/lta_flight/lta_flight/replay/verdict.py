@@ -11,11 +11,11 @@ from lta_data.bag.recorded_flight import RecordedFlight
 from lta_flight.replay.comparison import (
     compare_topic,
     find_origin_differences,
+    read_topic,
     TOLERANCE,
     TopicComparison,
 )
 from lta_flight.replay.decisions import compare_decisions, DecisionComparison
-from lta_flight.replay.topic_messages import read_topic
 from lta_report.json_value import replace_nonfinite
 
 Word = Literal['identical', 'same', 'different']

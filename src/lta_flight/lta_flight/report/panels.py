@@ -4,10 +4,14 @@ from collections.abc import Callable, Sequence
 from typing import Final, final, NamedTuple
 
 from lta_data.compare.sampling import wrap_angle
-from lta_flight.report.light_panels import plot_light, plot_samples, plot_spectrum
+from lta_flight.report.light_panels import (
+    create_time_figure,
+    plot_light,
+    plot_samples,
+    plot_spectrum,
+)
 from lta_flight.report.path import plot_path
 from lta_flight.report.results import find_phases
-from lta_flight.report.time_figure import create_time_figure
 from lta_flight.report.view import FlightView
 from lta_report.curves import Array, hold_last, interpolate
 from lta_report.drawing import (

@@ -10,9 +10,15 @@ from lta_bridge.description.scene import draw_static_scene
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.schema.sweep_file import Distribution
 from lta_flight.flight_spec import build_vehicle_scenario_stack, to_set_args
-from lta_flight.sweep.heat_map import find_map_parameters, plot_heat_map
-from lta_flight.sweep.job_runner import FAILED, SweepRow
-from lta_flight.sweep.pictures import MEASURES, plot_by_parameter, plot_histogram, plot_outcomes
+from lta_flight.sweep.batch_workers import FAILED, SweepRow
+from lta_flight.sweep.pictures import (
+    find_map_parameters,
+    MEASURES,
+    plot_by_parameter,
+    plot_heat_map,
+    plot_histogram,
+    plot_outcomes,
+)
 from lta_flight.sweep.plan import MOST_TRACKED_FLIGHTS, SweepPlan
 from lta_flight.sweep.run import describe_origin, SweepRun
 from lta_flight.sweep.statistics import collect_result_values, format_value, REACHED, reached_share

@@ -1,49 +1,29 @@
 """Run a sweep: check it, fly it, and write its table."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
 from functools import partial
-import math
 from pathlib import Path
 import time
-from typing import Annotated, cast, final
+from typing import Any, Final, final
 
 from lta_bridge.provenance import read_commit
+from lta_config.atomic_file import replace_atomically
 from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_config.schema.sweep_file import load_sweep
 from lta_flight.batch.fly import Device
-from lta_flight.sweep import table
-from lta_flight.sweep.batch_workers import BatchWorkers
-from lta_flight.sweep.job_runner import fly_job, store_row, SWEEP_STORE, SweepRow
+from lta_flight.report.results import FlightResults
+from lta_flight.sweep.batch_workers import BatchWorkers, fly_job, store_row, SWEEP_STORE, SweepRow
 from lta_flight.sweep.plan import SweepJob, SweepPlan
 from lta_report.report import Report
 from lta_report.request import argument, option, StudyRequest, StudyRun
-from lta_report.study import hash_inputs, run_items
-from lta_report.study_progress import StudyProgress
+from lta_report.study import hash_inputs, run_items, StudyProgress
 from lta_report.study_store import StudyStore
 from lta_report.workers import Workers
-from pydantic import BeforeValidator, PlainSerializer
+import pyarrow as arrow
+from pyarrow import parquet
 from rich.console import Console
-
-
-def _parse_duties(value: object) -> object:
-    """Return rotor duties, also of a text in which commas separate them."""
-    try:
-        duties = [float(word) for word in value.split(',')] if isinstance(value, str) else value
-    except ValueError:
-        # NaN fails the range check below, which has the error message
-        duties = [math.nan]
-    if not all(-1.0 <= duty <= 1.0 for duty in cast('Sequence[float]', duties)):
-        raise ValueError(f"'{value}' is invalid; give numbers from -1 to 1, such as 0.2,0.2")
-    return duties
-
-
-Duties = Annotated[
-    tuple[float, ...],
-    BeforeValidator(_parse_duties),
-    PlainSerializer(lambda duties: ','.join(map(str, duties))),
-]
 
 
 @final
@@ -81,17 +61,11 @@ class SweepRequest(
         'Simulate all flights as one batch: on all cores (cpu-batch) or on a GPU (gpu).',
         default=None,
     )
-    duties: Duties | None = option(
-        'With --device: fly open loop with a constant duty from -1 to 1 for each rotor.',
-        default=None, metavar='A,B,...',
-    )  # fmt: skip
 
     def run(self, run: StudyRun) -> Report:
         """Return the report of all flights that are stored."""
         from lta_flight.sweep.report import build_report
 
-        if self.duties and self.device is None:
-            raise BadInput('--duties needs batch mode; add --device cpu-batch or --device gpu.')
         if self.device is not None and (self.workers, self.scheduler) != (None, None):
             raise BadInput(
                 '--device cannot be combined with --workers or --scheduler; remove one of them.'
@@ -103,8 +77,7 @@ class SweepRequest(
     @property
     def flight_options(self) -> tuple[str, ...]:
         """Command-line options that determine the flights in addition to the file."""
-        device = ('--device', self.device) if self.device else ()
-        return device + (('--duties', ','.join(map(str, self.duties))) if self.duties else ())
+        return ('--device', self.device) if self.device else ()
 
     def compute_sweep_hash(self, plan: SweepPlan) -> str:
         """Return the hash of everything that determines the flights."""
@@ -169,7 +142,7 @@ def create_workers(order: SweepRequest, plan: SweepPlan) -> Workers[SweepJob, Sw
     """Return the workers that fly a sweep; a batch checks all values of the sweep."""
     if order.device is None:
         return order.options.open_workers(partial(fly_job, plan.base))
-    batch = BatchWorkers(plan.base, order.device, order.duties or ())
+    batch = BatchWorkers(plan.base, order.device)
     # Before the first flight: a batch supports fewer features than a single flight
     batch.check(plan)
     return batch
@@ -179,13 +152,13 @@ def write_sweep_table(
     plan: SweepPlan, rows: list[SweepRow], folder: Path, order: SweepRequest
 ) -> Path:
     """Write the table and return its path."""
-    path = folder / table.TABLE_NAME
+    path = folder / TABLE_NAME
     about = {
         **describe_origin(plan, order),
         'identity': order.compute_sweep_hash(plan),
         'file': plan.file.model_dump_json(),
     }
-    table.write_table(rows, plan.units, about, path)
+    write_table(rows, plan.units, about, path)
     return path
 
 
@@ -200,3 +173,66 @@ def describe_origin(plan: SweepPlan, order: SweepRequest) -> dict[str, str]:
         'commit': read_commit(),
         **({'flown as': ' '.join(order.flight_options)} if order.flight_options else {}),
     }
+
+
+TABLE_NAME = 'flights.parquet'
+FIXED_COLUMNS: Final = (
+    ('index', arrow.int64(), '', 'number of the flight in the sweep, from 0'),
+    ('seed', arrow.int64(), '', 'random seed of the flight'),
+    ('outcome', arrow.string(), '', 'reached, timeout, escaped, or failed (could not be flown)'),
+    ('sentence', arrow.string(), '', 'outcome as a sentence, or why the flight failed'),
+    ('wall', arrow.float64(), 's', 'computing time of the flight'),
+)
+
+
+def write_table(
+    rows: Sequence[SweepRow], units: Mapping[str, str], about: Mapping[str, str], path: Path
+) -> None:
+    """
+    Write the rows of a sweep.
+
+    `units`: SI unit of each varied path; '' if it has none. `about`: metadata of the file: its
+    provenance. `path`: parquet file; replaced as a whole. Raise `BadInput` if it cannot be
+    written.
+    """
+    columns, declared = [], []
+    for name, kind, unit, meaning in FIXED_COLUMNS:
+        columns.append(arrow.array([getattr(row, name) for row in rows], kind))
+        declared.append(_build_field(name, kind, unit, meaning))
+    for varied, unit in units.items():
+        values = [row.values.get(varied) for row in rows]
+        kind = _column_type(values)
+        columns.append(arrow.array(values, kind))
+        declared.append(_build_field(varied, kind, unit, 'varied'))
+    for item in fields(FlightResults):
+        # All other results are numbers, or null if unknown
+        kind = arrow.bool_() if item.name == 'success' else arrow.float64()
+        columns.append(arrow.array([row.figures.get(item.name) for row in rows], kind))
+        declared.append(
+            _build_field(item.name, kind, item.metadata['unit'], item.metadata['about'])
+        )
+    # Units and descriptions are stored in the schema
+    table = arrow.table(columns, schema=arrow.schema(declared, metadata=dict(about)))
+    try:
+        with replace_atomically(path) as part:
+            parquet.write_table(table, part, compression='zstd')
+    except OSError as error:
+        raise BadInput(
+            f"'{path}' cannot be written ({error}); check that its folder is writable and has "
+            'free space.'
+        ) from None
+
+
+def _build_field(name: str, kind: Any, unit: str, meaning: str) -> Any:  # noqa: ANN401 - pyarrow's
+    return arrow.field(name, kind, metadata={'unit': unit, 'about': meaning})
+
+
+def _column_type(values: Sequence[Any]) -> Any:  # noqa: ANN401 - pyarrow's
+    """Return the type of a varied column: number, list of numbers, bool, or text."""
+    # A path may have no value in the rows of other cases
+    first = next((value for value in values if value is not None), 0.0)
+    if isinstance(first, list):
+        return arrow.list_(arrow.float64())
+    if isinstance(first, bool):
+        return arrow.bool_()
+    return arrow.float64() if isinstance(first, int | float) else arrow.string()

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 import math
 from typing import Any, Final, NamedTuple
 
-from lta_flight.sweep.job_runner import FAILED, SweepRow
+from lta_flight.sweep.batch_workers import FAILED, SweepRow
 import numpy as np
 from scipy.special import stdtrit
 
@@ -13,6 +13,9 @@ GROUPS: Final = 8  # of a randomly drawn parameter, with equal numbers of flight
 MOST_GRID_GROUPS: Final = 40  # up to so many values form a group each,
 FLIGHTS_PER_GROUP: Final = 5  # if they have at least so many flights on average
 REACHED: Final = 'reached'
+BOOTSTRAP_DRAWS: Final = 4000
+BOOTSTRAP_SEED: Final = 7
+BOOTSTRAP_ENDS: Final = (2.5, 97.5)  # %
 
 
 class ShareInterval(NamedTuple):
@@ -29,6 +32,15 @@ class MeanInterval(NamedTuple):
     value: float
     low: float
     high: float
+
+
+class BootstrapMean(NamedTuple):
+    """A mean, or a ratio of means, with its 95 % interval and number of flights."""
+
+    value: float
+    low: float
+    high: float
+    flights: int
 
 
 class ParameterGroup(NamedTuple):
@@ -49,6 +61,37 @@ def student_interval(values: Sequence[float]) -> MeanInterval:
     # Two-sided 95 %: the 97.5 % quantile of Student's t
     half = float(stdtrit(count - 1, 0.975) * np.std(values, ddof=1) / math.sqrt(count))
     return MeanInterval(middle, middle - half, middle + half)
+
+
+def bootstrap_mean(values: Sequence[float]) -> BootstrapMean:
+    """
+    Return a mean with its percentile bootstrap interval.
+
+    Efron and Tibshirani, An Introduction to the Bootstrap (1993), chapter 13. NaN without values;
+    a single value has no interval.
+    """
+    # A mean is a ratio with the denominator 1.
+    return bootstrap_ratio(values, [1.0] * len(values))
+
+
+def bootstrap_ratio(above: Sequence[float], below: Sequence[float]) -> BootstrapMean:
+    """Return the ratio of two means over the same flights, resampled in pairs."""
+    count = len(above)
+    if count == 0:
+        return BootstrapMean(math.nan, math.nan, math.nan, 0)
+    top, bottom = np.array(above, dtype=np.float64), np.array(below, dtype=np.float64)
+    value = float(top.mean() / bottom.mean())
+    # Resampling one value would give an interval of zero width.
+    if count == 1:
+        return BootstrapMean(value, math.nan, math.nan, 1)
+    # A fixed seed makes the page reproducible.
+    resamples = np.random.default_rng(BOOTSTRAP_SEED).integers(
+        count, size=(BOOTSTRAP_DRAWS, count)
+    )
+    low, high = np.percentile(
+        top[resamples].mean(axis=1) / bottom[resamples].mean(axis=1), BOOTSTRAP_ENDS
+    )
+    return BootstrapMean(value, float(low), float(high), count)
 
 
 def wilson_interval(hits: int, count: int) -> ShareInterval:

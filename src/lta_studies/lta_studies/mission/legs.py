@@ -1,27 +1,32 @@
 """Fly legs: compile their source once and call it with arrays."""
 
+from collections.abc import Sequence
 from functools import cache
 import math
 from types import ModuleType
 from typing import Any, final
 
-from lta_config.compilation.flat import TupleLayout
+from lta_config.compilation.compiler import ENTRY_DECORATOR
+from lta_config.compilation.extract import SourceExtract
+from lta_config.compilation.flat import CORE_PREFIX, TupleLayout
 from lta_config.compilation.kernel_cache import load_kernel
+from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table
 from lta_control.autopilot import begin_memory
 from lta_control.laws import cascade
 from lta_control.phases import Phase
 from lta_control.strategies.homing import HOMING_STRATEGY
 from lta_flight.batch.batch_flight import BatchFlight, build_schedule
-from lta_flight.batch.codegen import initial_effect_memory
-from lta_flight.batch.control_period import begin_flight
+from lta_flight.batch.codegen import build_kernel, initial_effect_memory, write_flight_source
+from lta_flight.batch.control_period import begin_flight, WorkArrays
+from lta_flight.batch.targets import BatchSchedule, CPU, SCRATCH, SENSOR_STEP
 from lta_model.electrical.charger import PowerFlow, resting_flow
+from lta_model.light.reflected_light import LAMP_ROWS, scratch_size
 from lta_model.state import pack_state, RIGID
 from lta_sim.compiled_sensors import draw_turbulence_memory
 from lta_sim.kernels.layout import ROW_PARTS
 from lta_sim.simulated_vehicle import SIM_LAYOUT
-from lta_studies.mission.leg_codegen import generate_leg_source
-from lta_studies.mission.leg_state import ground_leg_state, LAND, LegPlan, LegState
+from lta_studies.mission.leg_state import fly_leg, ground_leg_state, LAND, LegPlan, LegState
 import numpy as np
 from numpy.typing import NDArray
 
@@ -144,3 +149,75 @@ class LegPilot:
         numbers = self._memory.write(memory)
         self._fly(self._fixed, constants, self._leg.write(leg), numbers, seed & 0xFFFFFFFF, track)
         return self._memory.read(numbers)
+
+
+COARSE = 2  # steps of the full loop per step here; a Runge-Kutta step of 5 ms is as accurate
+
+
+def coarse_schedule(schedule: BatchSchedule) -> BatchSchedule:
+    """
+    Return the schedule of a leg from that of a batch flight: longer steps.
+
+    Raise `BadInput` if a period is not a whole number of these steps.
+    """
+    if schedule.control % COARSE or schedule.range % COARSE:
+        raise BadInput(
+            f'Missions are simulated in steps of {1e3 * COARSE * SENSOR_STEP:g} ms, so '
+            'control_period and the period of the topic range must be whole multiples of that; '
+            'change them in config/topics.yaml.'
+        )
+    return BatchSchedule(
+        schedule.control // COARSE,
+        schedule.range // COARSE,
+        schedule.pressure,
+        schedule.light,
+        dt=COARSE * SENSOR_STEP,
+        reuse_reflections=True,
+    )
+
+
+def generate_leg_source(
+    names: Sequence[str],
+    constants: TupleLayout[Any],
+    leg: TupleLayout[Any],
+    memory: TupleLayout[Any],
+    diodes: int,
+    schedule: BatchSchedule,
+) -> str:
+    """
+    Return the source of a leg.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Effects of the kernel, in registry order.
+    constants, leg, memory : TupleLayout
+        Layouts of `FlightConstants`, `LegPlan` and `LegState`.
+    diodes : int
+        Number of diodes in the ring.
+    schedule : BatchSchedule
+        Schedule of a batch flight.
+
+    """
+    kernel = build_kernel(names, diodes, closed=True)
+    extract = SourceExtract(
+        kernel=kernel,
+        strategy=HOMING_STRATEGY,
+        schedule=coarse_schedule(schedule),
+        law=cascade.CASCADE_LAW,
+    )
+    name, work = extract.add_function(fly_leg, CORE_PREFIX), extract.add_named_tuple(WorkArrays)
+    light = f'np.empty(({LAMP_ROWS + 1}, {diodes}))'
+    lines = [
+        ENTRY_DECORATOR.replace('cache=True', 'nogil=True, cache=True'),
+        'def fly_leg(fixed, c, g, m, seed, track):',
+        f'    work = {work}(np.empty({SCRATCH}), {light}, {light}, np.empty({scratch_size(1)}))',
+        f'    constants = {constants.render_expression("c")}',
+        f'    leg = {leg.render_expression("g")}',
+        f'    before = {memory.render_expression("m")}',
+        f'    after = {name}(constants, leg, before, fixed, np.empty((0, 6)), seed, work, track)',
+        *(f'    m[{k}] = after.{path}' for k, path in enumerate(memory.paths)),
+    ]
+    return write_flight_source(
+        names, extract, [constants, leg, memory], CPU, diodes, '\n'.join(lines)
+    )

@@ -7,9 +7,8 @@ from lta_energy.mission import ALOFT, ASLEEP, AWAY, EMPTY, PERCHED
 from lta_report.charts import add_level, Curve, draw_bars, item_colour, Level
 from lta_report.drawing import add_legend, create_figure
 from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, SOFT, TRUTH
-from lta_studies.mission.figures import flight_minutes_by_hour
 from lta_studies.mission.flyer import AWARE
-from lta_studies.mission.run import MissionResult
+from lta_studies.mission.run import flight_minutes_by_hour, MissionResult
 import numpy as np
 from plotly.graph_objects import Bar, Figure, Scatter
 

@@ -12,7 +12,6 @@ from lta_report.formatting import format_count, Tile
 from lta_report.palette import ESTIMATE, TRUTH
 from lta_report.report import Picture, Report, TextSection, TextTable
 from lta_report.result_table import build_table, Column, format_value
-from lta_studies.mission.figures import MissionFigures
 from lta_studies.mission.flyer import MOST_TRACKED_MISSION_FLIGHTS
 from lta_studies.mission.gas import (
     describe_gas,
@@ -32,6 +31,7 @@ from lta_studies.mission.run import (
     find_best_rival,
     flight_time_ratio,
     mean_daily_minutes,
+    MissionFigures,
     MissionRequest,
     MissionResult,
     ratio_to_rival,

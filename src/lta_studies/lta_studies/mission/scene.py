@@ -22,8 +22,8 @@ from lta_flight.batch.batch_flight import (
     build_constants,
     build_model,
     flight_from_constants,
+    FlightConstants,
 )
-from lta_flight.batch.constants_and_tally import FlightConstants
 from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec, load_spec
 from lta_model.electrical.panel import array_spectral_factor
 from lta_model.light.field import LightField

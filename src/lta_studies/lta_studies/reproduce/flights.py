@@ -1,4 +1,4 @@
-"""Fly the navigation rows, using parts of the flight sets of `lta light evaluate`."""
+"""Fly the navigation rows: parts of the sweeps that compare the strategies."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -7,18 +7,16 @@ import math
 from typing import Any, final
 
 from lta_config.command_line import format_lta_command
-from lta_config.schema.sweep_file import SweepSeeds
+from lta_config.schema.sweep_file import load_sweep, SweepSeeds
 from lta_flight.flight_spec import to_set_args
-from lta_flight.sweep.batch_workers import BatchWorkers
-from lta_flight.sweep.job_runner import SweepRow
+from lta_flight.sweep.batch_workers import BatchWorkers, run_job, SweepRow
 from lta_flight.sweep.plan import SweepJob, SweepPlan
-from lta_flight.sweep.statistics import REACHED, ShareInterval
-from lta_studies.light.evaluation.cells import BootstrapMean, build_cells, EvaluationCell
-from lta_studies.light.evaluation.flights import (
-    build_standalone_job,
-    build_sweep_plan,
-    fly_standalone_job,
+from lta_flight.sweep.statistics import BootstrapMean, REACHED, ShareInterval
+from lta_studies.reproduce.strategy_flights import (
+    group_flights,
+    prepare_flight,
     STRATEGY_PATH,
+    StrategyFlights,
 )
 from lta_studies.reproduce.study_result import MeasuredValue, RowStudyRequest
 from plotly.graph_objects import Figure
@@ -32,25 +30,30 @@ SEEDS_APART = 100_000  # between the flights of one draw, above any number of dr
 @final
 @dataclass(frozen=True, slots=True)
 class FlightGroup:
-    """Flights of one set by strategy and case, with their plan."""
+    """Flights of a sweep by strategy and case, with their plan."""
 
     plan: SweepPlan
-    cells: Sequence[EvaluationCell]
+    cells: Sequence[StrategyFlights]
 
-    def find_cell(self, strategy: str, case: str = '') -> EvaluationCell:
+    def find_cell(self, strategy: str, case: str = '') -> StrategyFlights:
         """Return the flights of a strategy in the first case whose name starts with `case`."""
         return next(
             each for each in self.cells
             if each.strategy == strategy and each.case.startswith(case)
         )  # fmt: skip
 
-    def find_cells(self, case: str = '') -> dict[str, EvaluationCell]:
+    def find_cells(self, case: str = '') -> dict[str, StrategyFlights]:
         """Return the flights of all strategies in a case, by strategy."""
         return {each.strategy: each for each in self.cells if each.case.startswith(case)}
 
 
+def fly_job(plan: SweepPlan, job: SweepJob) -> SweepRow:
+    """Fly a job of a plan, whose strategy may be the pilot."""
+    return run_job(job, lambda: prepare_flight(plan, job))
+
+
 def fly_group(
-    part: str,
+    sweep: str,
     seeds: int,
     *,
     strategies: Sequence[str] = PAPERS,
@@ -59,12 +62,12 @@ def fly_group(
     change: Mapping[str, Any] | None = None,
 ) -> FlightGroup:
     """
-    Fly part of a set, each strategy with the same seeds.
+    Fly part of a sweep, each strategy with the same seeds.
 
     Parameters
     ----------
-    part : str
-        Name of a set in `lta_studies.light.evaluation.sets`.
+    sweep : str
+        Name of a sweep file that varies the strategy.
     seeds : int
         Flights per strategy and case.
     strategies, cases : sequence of str
@@ -73,7 +76,7 @@ def fly_group(
         Replaced sweep axes, and additional settings.
 
     """
-    file = build_sweep_plan(part).file
+    file = load_sweep(sweep)
     plan = SweepPlan(
         file.model_copy(
             update={
@@ -86,12 +89,11 @@ def fly_group(
     )
     # One after the other: the rows of the reproduction already run in parallel.
     jobs = map(plan.build_job, range(plan.count))
-    rows = [fly_standalone_job(build_standalone_job(plan, job)) for job in jobs]
-    return FlightGroup(plan, build_cells(part, plan, rows))
+    return FlightGroup(plan, group_flights(fly_job(plan, job) for job in jobs))
 
 
 def fly_draws(
-    part: str,
+    sweep: str,
     request: RowStudyRequest,
     *,
     strategies: Sequence[str] = PAPERS,
@@ -99,12 +101,12 @@ def fly_draws(
     flights: int = 1,
 ) -> dict[str, list[list[SweepRow]]]:
     """
-    Fly part of a set in each draw of what is assumed; return the flights by strategy and draw.
+    Fly part of a sweep in each draw of what is assumed; return the flights by strategy and draw.
 
     Many are flown as a batch, which compiles for minutes and then flies hundreds a minute; a few
     are flown one after the other.
     """
-    file = build_sweep_plan(part).file
+    file = load_sweep(sweep)
     cut = {
         'seeds': SweepSeeds(first=1, count=1),
         'cases': {},
@@ -118,7 +120,7 @@ def fly_draws(
         for index, (name, seed, again) in enumerate(product(strategies, changes, range(flights)))
     ]
     if len(changes) < BATCHED:
-        rows = [fly_standalone_job(build_standalone_job(plan, job)) for job in jobs]
+        rows = [fly_job(plan, job) for job in jobs]
     else:
         # A batch may return flights of other strategies in between
         results = {job.index: row for job, row in BatchWorkers(plan.base, 'cpu-batch').run(jobs)}
@@ -152,7 +154,7 @@ def to_measured_value(mean: BootstrapMean) -> MeasuredValue:
     return MeasuredValue(mean.value, mean.low, mean.high, mean.flights)
 
 
-def measure_success_share(cell: EvaluationCell) -> MeasuredValue:
+def measure_success_share(cell: StrategyFlights) -> MeasuredValue:
     """Return the share of flights that reached the lamp, with its Wilson interval."""
     share: ShareInterval = cell.reached_share
     if len(cell.rows) == 1:  # no interval from a single flight
@@ -160,7 +162,7 @@ def measure_success_share(cell: EvaluationCell) -> MeasuredValue:
     return MeasuredValue(share.value, share.low, share.high, len(cell.rows))
 
 
-def summarize_cell(name: str, cell: EvaluationCell) -> dict[str, MeasuredValue]:
+def summarize_cell(name: str, cell: StrategyFlights) -> dict[str, MeasuredValue]:
     """Return share, path [m] and time [s] of the flights of a cell."""
     return {
         f'{name}_reached': measure_success_share(cell),
@@ -169,7 +171,7 @@ def summarize_cell(name: str, cell: EvaluationCell) -> dict[str, MeasuredValue]:
     }
 
 
-def format_command(group: FlightGroup, cell: EvaluationCell, seed: int) -> str:
+def format_command(group: FlightGroup, cell: StrategyFlights, seed: int) -> str:
     """Return the command that repeats one flight of a cell."""
     base, row = group.plan.base, cell.rows[seed]
     # The changes of the flight override those of the plan.

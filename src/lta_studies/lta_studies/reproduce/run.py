@@ -1,18 +1,20 @@
 """Run the studies of the rows; store each result so that a later run can resume."""
 
 from collections.abc import Sequence
-from functools import partial
+from functools import cache, partial
+import hashlib
+from importlib.util import find_spec
 from pathlib import Path
 import time
 from typing import Final, final
 
 from lta_config.errors import BadInput, unknown_name_error
+from lta_config.files import share_folder
 from lta_config.schema.paper_file import DrawCounts, load_paper_row, load_paper_rows, PaperRow
 from lta_report.report import Report, TextTable
 from lta_report.request import argument, Folder, option, StudyRequest, StudyRun
 from lta_report.study import Study
 from lta_report.study_store import StoreFormat
-from lta_studies.reproduce.sources import hash_sources
 from lta_studies.reproduce.studies import (
     beavis,
     cells,
@@ -51,6 +53,12 @@ STUDIES: Final[dict[str, RowStudy]] = {
 }
 
 
+# Packages on whose code the rows rest, and the folder of their own files
+CODE: Final = (
+    'lta_config', 'lta_control', 'lta_energy', 'lta_flight', 'lta_model', 'lta_sim', 'lta_studies',
+    'lta_vehicle', 'lta_vlc', 'lta_windtunnel',
+)  # fmt: skip
+ROW_FOLDER: Final = 'paper'
 ROW_STORE: Final = StoreFormat('rows.jsonl', 'paper', 'reproduction', TypeAdapter(StoredRow))
 
 
@@ -68,8 +76,8 @@ class ReproductionRequest(
     cells, lights and rows: a claim agrees or differs if surely 95 % of the draws do.
 
     Finished rows are stored in the folder of the results, runs/paper (with --quick
-    runs/paper-quick) by default, and repeating the command resumes. A change of the code or of a
-    row's file reruns the rows that it affects.
+    runs/paper-quick) by default, and repeating the command resumes. A change of the code reruns
+    all rows, one of a row's file that row.
 
     Writes a page, on which each picture has the command that repeats it, and paper.json (SI
     units).
@@ -148,9 +156,27 @@ def load_row(name: str, draws: int | None) -> PaperRow:
     return row.model_copy(update={'draws': DrawCounts(quick=draws, full=draws)})
 
 
+@cache
+def hash_sources() -> str:
+    """Return a hash of all code and files that the rows rest on, but for the rows' own files."""
+    paths = [path for kind in ('*.yaml', '*.json') for path in share_folder().rglob(kind)]
+    for package in CODE:
+        spec = find_spec(package)
+        assert spec is not None
+        assert spec.origin is not None
+        paths += Path(spec.origin).parent.rglob('*.py')
+    digest = hashlib.sha256()
+    for path in sorted(paths):
+        if path.parent.name != ROW_FOLDER:
+            # Folder and name rather than the full path, which differs between machines
+            digest.update(f'{path.parent.name}/{path.name}'.encode())
+            digest.update(path.read_bytes())
+    return digest.hexdigest()
+
+
 def compute_row_key(row: PaperRow, quick: bool) -> str:
     """Return the key of a row in the store: its name and the hash of its current inputs."""
-    return row.name + ' ' + hash_row(row, seed_count(row, quick), quick, hash_sources(row.name))
+    return row.name + ' ' + hash_row(row, seed_count(row, quick), quick, hash_sources())
 
 
 def study_row(quick: bool, draws: int | None, name: str) -> StoredRow:

@@ -15,8 +15,7 @@ from lta_control.gains_file import load_gains
 from lta_report.formatting import format_count
 from lta_report.report import Report
 from lta_report.request import argument, Mass, option, StudyRequest, StudyRun
-from lta_report.study import hash_inputs
-from lta_report.study_progress import StudyProgress
+from lta_report.study import hash_inputs, StudyProgress
 from lta_report.study_store import StudyStore
 from lta_report.workers import ItemFailure, Workers
 from lta_studies.tune import step_response

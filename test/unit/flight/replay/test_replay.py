@@ -13,19 +13,20 @@ from lta_flight.replay.comparison import (
     compare_topic,
     find_differences,
     find_origin_differences,
+    TopicMessages,
 )
 from lta_flight.replay.decisions import compare_decisions, compute_differences
-from lta_flight.replay.node_settings import NODES, parse_settings
 from lta_flight.replay.replay_request import (
     build_launch_arguments,
     build_launch_plan,
     check_request,
+    NODES,
     parse_nodes,
+    parse_settings,
     ReplayRequest,
 )
 from lta_flight.replay.report import build_report
 from lta_flight.replay.run import ReplayRun
-from lta_flight.replay.topic_messages import TopicMessages
 from lta_flight.replay.verdict import ReplayVerdict
 from lta_model.vehicle import load_vehicle
 import numpy as np

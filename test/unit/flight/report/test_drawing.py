@@ -5,17 +5,17 @@ import re
 from lta_data.bag import open_flight
 from lta_flight.report import light_panels
 from lta_flight.report.light_panels import select_sample_blocks
-from lta_flight.report.panels import FLIGHT_PANELS
-from lta_flight.report.path import assign_shades, select_per_period
-from lta_flight.report.room import (
+from lta_flight.report.panels import create_time_figure, FLIGHT_PANELS
+from lta_flight.report.path import (
+    assign_shades,
     BRIGHTEST,
     build_light_contour,
     CELL,
     choose_tick_distance,
     draw_room,
     MOST_CELLS_PER_SIDE,
+    select_per_period,
 )
-from lta_flight.report.time_figure import create_time_figure
 from lta_flight.report.view import FlightView, select_primary_beacon
 from lta_model.scenario import load_scenario
 from lta_report import palette

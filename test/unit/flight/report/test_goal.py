@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 from lta_config.course import Course
 from lta_flight.report.goal import FlightGoal
-from lta_flight.report.outcome import build_tiles, describe_outcome
+from lta_flight.report.page import build_tiles, describe_outcome
 from lta_flight.report.results import compute_results
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle

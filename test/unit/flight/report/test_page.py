@@ -12,7 +12,7 @@ from lta_data.bag import open_flight
 from lta_flight.report import write_page
 from lta_flight.report.page import format_repeat_command, suggest_commands
 from lta_flight.report.panels import FLIGHT_PANELS
-from lta_flight.report.track import build_track
+from lta_flight.report.scene import build_track
 from lta_flight.report.view import FlightView
 from lta_report import html_elements
 import numpy as np

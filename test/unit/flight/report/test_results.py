@@ -6,7 +6,7 @@ from types import SimpleNamespace
 from lta_config.errors import BadInput
 from lta_data.bag import open_flight
 from lta_data.compare.sampling import wrap_angle
-from lta_flight.report.outcome import build_tiles
+from lta_flight.report.page import build_tiles
 from lta_flight.report.results import compute_results, FlightPhases, FlightResults, is_cruising
 from lta_flight.report.view import FlightView
 from lta_report.curves import hold_last, TimeCurve

@@ -12,8 +12,8 @@ from lta_flight.batch.flight import RAN_AWAY
 from lta_flight.batch.flight_loop import FIGURES
 from lta_flight.batch.fly import fly_many
 from lta_flight.sweep import batch_workers
-from lta_flight.sweep.heat_map import find_map_parameters, plot_heat_map
-from lta_flight.sweep.job_runner import SweepRow
+from lta_flight.sweep.batch_workers import SweepRow
+from lta_flight.sweep.pictures import find_map_parameters, plot_heat_map
 from lta_flight.sweep.plan import SweepPlan
 from lta_flight.sweep.report import build_report, format_headline
 from lta_flight.sweep.run import sweep_once, SweepRequest
@@ -77,17 +77,7 @@ def test_flights_of_another_kind_do_not_go_into_its_log(sweep, tmp_path):
         BadInput,
         match=r'is the log of a sweep with other settings; choose another folder with --out',
     ):
-        run(file, folder, duties=(0.1, 0.1, 0.1, 0.1))
-
-
-@pytest.mark.long
-@pytest.mark.parametrize('batches', ['compiled'], indirect=True)
-def test_an_open_loop_asks_nothing_of_the_drone(sweep, tmp_path):
-    file = sweep(vary={HEAVY: ['1 g', '2 g']}, set={'scenario.goal.time_limit': '3 s'})
-    done = run(file, tmp_path / 'out', duties=(0.4, 0.4, 0.0, 0.0))
-    figures = [row.figures for row in done.rows]
-    assert all(told['search_start'] is None for told in figures)
-    assert all(0.0 < told['lift_off'] < 2.0 for told in figures)
+        run(file, folder, device=None)
 
 
 def test_what_cannot_be_built_is_kept_as_failed(sweep, tmp_path, monkeypatch):
@@ -165,25 +155,16 @@ def test_a_sweep_over_few_values_is_no_map(sweep):
 @pytest.mark.parametrize(
     ('options', 'message'),
     [
-        ({'duties': [0.1]}, '--duties needs batch mode'),
         (
             {'device': 'gpu', 'workers': 2},
             '--device cannot be combined with --workers or --scheduler',
         ),
-        ({'duties': '1,x'}, "duties '1,x' is invalid; give numbers from -1 to 1"),
-        ({'duties': [2.0]}, r"duties '\[2\.0\]' is invalid"),
     ],
 )
 def test_options_that_exclude_each_other_are_refused(options, message, tmp_path):
     with pytest.raises(BadInput, match=message):
         lta_analysis.sweep('heaviness', out=tmp_path / 'out', **options)
     assert not (tmp_path / 'out').exists()
-
-
-def test_duties_are_numbers_or_a_text_with_commas():
-    texts = [SweepRequest(file='x', duties=given) for given in ('0.1,-0.5', (0.1, -0.5))]
-    assert [each.duties for each in texts] == [(0.1, -0.5)] * 2
-    assert texts[0].format_command() == 'lta sweep x --duties 0.1,-0.5'
 
 
 def test_values_of_a_grid_are_not_cut_in_two():

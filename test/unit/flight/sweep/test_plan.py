@@ -8,8 +8,7 @@ from lta_config.files import find_file, format_error
 from lta_config.parameter_override import parse_assignment
 from lta_config.schema.sweep_file import Distribution, load_sweep, SweepFile
 from lta_flight.flight_spec import build_loop, load_spec, to_set_args
-from lta_flight.sweep.parameter_sampling import sample_parameter
-from lta_flight.sweep.plan import convert_to_si, SweepPlan
+from lta_flight.sweep.plan import convert_to_si, sample_parameter, SweepPlan
 import numpy as np
 from pydantic import ValidationError
 import pytest

@@ -14,7 +14,13 @@ import sys
 from lta_config.errors import BadInput
 from lta_config.schema.sweep_file import load_sweep
 from lta_flight.sweep import run as run_module
-from lta_flight.sweep.job_runner import build_failed_row, fly_job, store_row, SWEEP_STORE, SweepRow
+from lta_flight.sweep.batch_workers import (
+    build_failed_row,
+    fly_job,
+    store_row,
+    SWEEP_STORE,
+    SweepRow,
+)
 from lta_flight.sweep.plan import SweepJob, SweepPlan
 from lta_flight.sweep.report import build_report
 from lta_flight.sweep.run import sweep_once, SweepRequest

@@ -10,8 +10,8 @@ from campaigns.sphere import (
 )
 from lta_config.files import share_folder
 from lta_report.report_terminal import print_table
-from lta_studies.cfd.progress import TunnelProgress
 from lta_studies.cfd.report import build_drag_table, build_rotor_table
+from lta_studies.cfd.request import TunnelProgress
 from lta_windtunnel.flow_plan import plan_flows, TUNNEL_AIR
 from lta_windtunnel.solve import ThreadedFlowSolver
 from lta_windtunnel.sweep_table import drop_pressure_maps, read_sweep

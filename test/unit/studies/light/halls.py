@@ -2,8 +2,7 @@
 
 from lta_config.topics import load_topic_table
 from lta_model.vehicle import load_vehicle
-from lta_studies.light.plan.floor import build_floor
-from lta_studies.light.plan.floor_plan import FloorPlan
+from lta_studies.light.plan.floor import build_floor, FloorPlan
 from lta_studies.light.plan.joint_snr import LightReceiver
 from lta_studies.light.plan.planner import list_mounts, plan_layout
 from lta_vlc.settings import DemodulationSettings

@@ -9,8 +9,8 @@ from lta_cli.app import build_app
 from lta_config.errors import BadInput
 from lta_config.files import find_file, list_shipped_names, load_file
 from lta_model.scenario import load_scenario
-from lta_studies.light.plan.floor import build_floor
-from lta_studies.light.plan.floor_plan import (
+from lta_studies.light.plan.floor import (
+    build_floor,
     distance_to_edges,
     find_polygon_flaw,
     FloorPlan,

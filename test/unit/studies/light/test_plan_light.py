@@ -4,8 +4,7 @@ import math
 
 from lta_model.light.field import PlaneIlluminance
 from lta_model.sensors.photodiode_adc import PhotodiodeBoard
-from lta_studies.light.plan.floor import build_floor
-from lta_studies.light.plan.floor_plan import LampMount
+from lta_studies.light.plan.floor import build_floor, LampMount
 from lta_studies.light.plan.planner import _explain_no_reception
 from lta_studies.light.plan.rays import is_blocked
 from lta_studies.light.plan.reception import (

@@ -8,8 +8,12 @@ from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_model.light.view import LightView
-from lta_studies.light.bearing.bench import BEARING_PLACES, BearingBench, build_flight_spec
-from lta_studies.light.bearing.study import pose_for_lamp_direction
+from lta_studies.light.bearing.bench import (
+    BEARING_PLACES,
+    BearingBench,
+    build_flight_spec,
+    pose_for_lamp_direction,
+)
 from lta_studies.light.turn.readings import (
     align_directions,
     fit_response,

@@ -10,8 +10,7 @@ from lta_model.scenario import load_scenario
 from lta_model.state import RIGID
 from lta_sim.compiled_sensors import draw_turbulence_memory
 from lta_studies.mission import scene
-from lta_studies.mission.leg_codegen import coarse_schedule
-from lta_studies.mission.legs import LegPilot
+from lta_studies.mission.legs import coarse_schedule, LegPilot
 import pytest
 
 

@@ -6,7 +6,6 @@ from lta_report.request import StudyRun
 from lta_report.study import StudyOptions
 from lta_studies.reproduce import run
 from lta_studies.reproduce.run import reproduce_rows, ReproductionRequest, select_rows
-from lta_studies.reproduce.sources import hash_sources, iterate_sources, trace_imports
 from lta_studies.reproduce.study_result import RowStudyResult
 import pytest
 from rich.console import Console
@@ -14,31 +13,14 @@ from rich.console import Console
 NAMES = ('forces', 'cells')
 
 
-def named(paths):
-    return {f'{path.parent.name}/{path.name}' for path in paths}
-
-
-def test_a_row_rests_on_its_own_study_on_the_cores_and_on_what_is_configured():
-    found = named(iterate_sources('energy'))
-    own = {
-        'studies/energy.py',
-        'paper/energy.yaml',
-        'energy/course_flight.py',
-    }
-    shared = {'vehicles/gtmab.yaml', 'aero/gtmab.sweep.json', 'lta_control/cascade.py'}
-    assert own | shared <= found
-    assert hash_sources('energy') == hash_sources('energy') != hash_sources('beavis')
-
-
-def test_a_row_rests_neither_on_other_rows_nor_on_what_it_does_not_import():
-    found = named(iterate_sources('cells'))
-    assert not {'studies/beavis.py', 'paper/beavis.yaml'} & found
-    assert not {'hardware/calibration.py', 'discovery/run.py', 'verbs/reproduce.py'} & found
-
-
-def test_what_is_imported_is_followed_through_packages_and_functions():
-    found = named(trace_imports('lta_studies.reproduce.studies.closed_loop'))
-    assert {'reproduce/manoeuvres.py', 'platforms/flight.py', 'lta_flight/closed_loop.py'} <= found
+def test_a_row_is_studied_again_if_its_own_file_or_any_code_changes(monkeypatch):
+    row, other = select_rows(NAMES)
+    key = run.compute_row_key(row, True)
+    assert key == run.compute_row_key(row, True) != run.compute_row_key(row, False)
+    assert run.compute_row_key(other, True).split()[1] != key.split()[1]
+    assert run.compute_row_key(row.model_copy(update={'title': 'Another'}), True) != key
+    monkeypatch.setattr(run, 'hash_sources', lambda: 'other code')
+    assert run.compute_row_key(row, True) != key
 
 
 @pytest.fixture

@@ -1,23 +1,23 @@
 """Simulate light blocks of a vehicle at rest and estimate the bearing to the lamp."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 import math
 from typing import Final, final, NamedTuple
 
-from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table
 from lta_control.cascade import wrap_angle
 from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec, load_spec
 from lta_model.light.view import LightView
-from lta_model.scenario import Scenario
 from lta_model.sensors.photodiode import PhotodiodeArray
+from lta_report.palette import GOOD, LAMP, TRUTH
 from lta_vlc.bearing import estimate_bearing
 from lta_vlc.demodulation import demodulate_beacon, Peaks, plan_bins
 from lta_vlc.diodes import build_diode_array
-from lta_vlc.direction import DirectionFinder, RAYLEIGH_SHARE
+from lta_vlc.direction import DirectionFinder
 import numpy as np
 from numpy.random import Generator
+from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 DIODES_PATH: Final = 'vehicle.sensors.diodes'
@@ -67,84 +67,10 @@ def build_flight_spec(
     return load_spec(vehicle, place.scenario, 'bag', '').with_values(values)
 
 
-HULL_HEIGHTS: Final = 0.5, 1.5  # range of the hull centre's height, uniform [m]
-TILT_DEVIATION: Final = math.radians(2.0)  # standard deviation of pitch and roll [rad]
-LARGEST_OFF_AXIS: Final = math.radians(
-    60.0
-)  # largest angle to the lamp's axis, seen from above [rad]
-WALL_DISTANCE: Final = 0.6  # minimum distance of the hull centre to a wall [m]
-NEAREST: Final = 1.5  # minimum distance to the lamp; nearer, the diodes saturate [m]
-FIELD_HALF_WIDTH: Final = 12.0  # maximum |x| and |y| of places in an open field [m]
-POSE_TRIES: Final = 10_000
-
 Pose = tuple[float, ...]  # position and quaternion x y z w
 
 
-def draw_pose(
-    scenario: Scenario,
-    distance: float | None,
-    chance: Generator,
-    off_axis: float = LARGEST_OFF_AXIS,
-) -> Pose:
-    """
-    Draw a random pose within the lamp's beam.
-
-    `scenario`: the scene. `distance`: horizontal distance to the lamp; None for any place in the
-    room [m]. `off_axis`: largest angle to the lamp's axis, seen from above [rad]. Raise `BadInput`
-    if no place at that distance is in the room.
-    """
-    height = chance.uniform(*HULL_HEIGHTS)
-    # Rejection sampling: draw places until one is usable.
-    for _ in range(POSE_TRIES):
-        x, y = draw_place(scenario, distance, chance, off_axis)
-        if is_within_lamp_beam(scenario, x, y, off_axis):
-            pitch, roll = TILT_DEVIATION * chance.standard_normal(2)
-            # Upper-case axes are intrinsic: yaw, then pitch, then roll.
-            turn = Rotation.from_euler('ZYX', [chance.uniform(-math.pi, math.pi), pitch, roll])
-            return (x, y, height, *turn.as_quat().tolist())
-    raise BadInput(
-        f'The scenario {scenario.name} has no usable place at {distance:g} m from its lamp, '
-        "inside the room and within the lamp's beam; choose a shorter --range."
-    )
-
-
-def draw_place(
-    scenario: Scenario,
-    distance: float | None,
-    chance: Generator,
-    off_axis: float = LARGEST_OFF_AXIS,
-) -> tuple[float, float]:
-    """Draw a horizontal position at a distance from the lamp, or anywhere. [m]"""
-    lamp_x, lamp_y, _ = scenario.goal_lamp.position.vector
-    length, width, _ = scenario.room.size.vector
-    if distance is None:
-        # A field is far larger than the range of the lamp, so places are limited to its middle.
-        reach = [min(0.5 * side - WALL_DISTANCE, FIELD_HALF_WIDTH) for side in (length, width)]
-        x, y = (chance.uniform(-each, each) for each in reach)
-        return x, y
-    ahead_x, ahead_y, _ = scenario.goal_lamp.facing.vector
-    angle = math.atan2(ahead_y, ahead_x) + chance.uniform(-off_axis, off_axis)
-    return lamp_x + distance * math.cos(angle), lamp_y + distance * math.sin(angle)
-
-
-def is_within_lamp_beam(
-    scenario: Scenario, x: float, y: float, off_axis: float = LARGEST_OFF_AXIS
-) -> bool:
-    """Return whether a place [m] is in the room, within the beam and far enough away."""
-    lamp_x, lamp_y, _ = scenario.goal_lamp.position.vector
-    ahead = np.array(scenario.goal_lamp.facing.vector[:2])
-    length, width, _ = scenario.room.size.vector
-    way = np.array([x - lamp_x, y - lamp_y])
-    away = math.hypot(*way)
-    inside = abs(x) <= 0.5 * length - WALL_DISTANCE and abs(y) <= 0.5 * width - WALL_DISTANCE
-    # Angle by dot product; 1e-9 admits places exactly on the edge of the beam.
-    within = way @ ahead >= (math.cos(off_axis) - 1e-9) * away * math.hypot(*ahead)
-    return inside and bool(within) and away >= NEAREST
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class BearingReading:
+class BearingReading(NamedTuple):
     """Results of both estimators for one light block; NaN where there is no estimate."""
 
     snr: float  # SNR of the best diode
@@ -152,10 +78,10 @@ class BearingReading:
     paper: float
     ours: float
     deviation: float  # standard deviation of the bearing, as estimated by the fit [rad]
-    elevation: float  # error of the elevation [rad]
-    # Standard deviation of the elevation, as estimated by the fit [rad]
-    elevation_deviation: float
-    bound: float  # least standard deviation of an unbiased bearing (`bearing_bound`) [rad]
+    # Readings of the diodes, and the true direction of the lamp [rad, body]
+    peaks: Peaks
+    azimuth: float
+    elevation: float
 
 
 @final
@@ -181,6 +107,11 @@ class BearingBench:
         # Columns 0 to 2 are the positions of the diodes; bearings refer to their centre. [m, body]
         self._middle = self._vehicle.diodes.planes[:, :3].mean(axis=0)
         self._lamp = np.array(self.scenario.goal_lamp.position.vector)
+
+    @property
+    def diodes(self) -> PhotodiodeArray:
+        """The simulated diodes, with equal gains."""
+        return self._vehicle.diodes
 
     def sample_diode_gains(self, chance: Generator) -> PhotodiodeArray:
         """Return the diodes of one vehicle with random gains."""
@@ -223,9 +154,9 @@ class BearingBench:
             nan if paper is None else wrap_angle(paper.angle - azimuth),
             nan if ours is None else wrap_angle(ours.azimuth - azimuth),
             nan if ours is None else math.sqrt(ours.azimuth_variance),
-            nan if ours is None else ours.elevation - elevation,
-            nan if ours is None else math.sqrt(ours.elevation_variance),
-            bearing_bound(self._vehicle.diodes, peaks, azimuth, elevation),
+            peaks,
+            azimuth,
+            elevation,
         )
 
     def true_direction(self, pose: Pose) -> tuple[float, float]:
@@ -235,36 +166,98 @@ class BearingBench:
         return math.atan2(y, x), math.atan2(z, math.hypot(x, y))
 
 
-def bearing_bound(
-    diodes: PhotodiodeArray, peaks: Peaks, azimuth: float, elevation: float
-) -> float:
-    """
-    Return the Cramer-Rao bound of the bearing's standard deviation. [rad]
+Array = NDArray[np.float64]
+DIRECTION_COUNT: Final = 16
+STUDY_DISTANCE: Final = 3.0  # m
+# Off the lamp's axis, where reflections turn the mean most. On the axis of a symmetric room they
+# are symmetric, too.
+STUDY_OFF_AXIS: Final = math.radians(45.0)
+STUDY_HEIGHT: Final = 0.5  # of the hull centre, that of the paper's flights [m]
+READINGS_PER_DIRECTION: Final = 50
+RING_COUNTS: Final = (4, 8, 16)
 
-    For an unbiased estimator that knows everything but the azimuth, the lamp's strength and an
-    even pedestal: noise and unequal gains are all that disturbs it. Reflections and an unknown
-    response come on top. Infinite if the readings do not depend on the azimuth.
-    """
-    axes = diodes.planes[:, 3:]
-    level = math.cos(elevation)
-    ray = np.array([level * math.cos(azimuth), level * math.sin(azimuth), math.sin(elevation)])
-    left = np.array([-level * math.sin(azimuth), level * math.cos(azimuth), 0.0])
-    cosine = np.maximum(axes @ ray, 0.0)
-    facing = cosine**diodes.response
-    slope = np.where(
-        cosine > 0.0, diodes.response * facing / np.maximum(cosine, 1e-12) * (axes @ left), 0.0
-    )
-    # Strength and pedestal are linear; the readings give them
-    linear = np.stack([facing, np.ones(len(axes))], axis=1)
-    strength, pedestal = np.linalg.lstsq(linear, peaks.amplitude, rcond=None)[0]
-    expected = strength * facing + pedestal
-    variance = (RAYLEIGH_SHARE * peaks.noise) ** 2 + (diodes.gain_spread * expected) ** 2
-    jacobian = np.column_stack([strength * slope, linear])
-    information = jacobian.T @ (jacobian / variance[:, None])
-    # Schur complement of the azimuth
-    rest = (
-        information[0, 0]
-        - information[0, 1:]
-        @ np.linalg.lstsq(information[1:, 1:], information[1:, 0], rcond=None)[0]
-    )
-    return float(1.0 / math.sqrt(rest)) if rest > 0.0 else math.inf
+
+@final
+@dataclass(frozen=True, slots=True)
+class RingStudy:
+    """Results of one ring in one place."""
+
+    place: str  # name in `BEARING_PLACES`
+    count: int  # number of diodes
+    # Median error in each direction [rad]
+    paper: tuple[float, ...]
+    ours: tuple[float, ...]
+    snr: float  # median SNR of the best diode
+
+
+def error_quantile(errors: Array, percent: float) -> float:
+    """Return a percentile of the absolute errors; NaN if there are none."""
+    finite = np.abs(errors[np.isfinite(errors)])
+    return float(np.percentile(finite, percent)) if finite.size else math.nan
+
+
+def list_directions() -> list[float]:
+    """Return the true directions of the lamp, seen from the ring. [rad]"""
+    return [math.tau * k / DIRECTION_COUNT for k in range(DIRECTION_COUNT)]
+
+
+def study_ring(
+    bench: BearingBench,
+    place: str,
+    count: int,
+    readings: int,
+    seed: int,
+    aside: float = STUDY_OFF_AXIS,
+) -> RingStudy:
+    """Study one ring in all directions, `aside` of the lamp's axis. [rad]"""
+    # The same draws indoors and outdoors: only the place differs.
+    chance = np.random.default_rng([seed, count])
+    diodes = bench.sample_diode_gains(chance)
+    paper, ours, snrs = [], [], []
+    for direction in list_directions():
+        pose = pose_for_lamp_direction(bench, direction, aside)
+        blocks = [bench.estimate_block_bearing(pose, diodes, chance) for _ in range(readings)]
+        paper.append(error_quantile(np.array([each.paper for each in blocks]), 50.0))
+        ours.append(error_quantile(np.array([each.ours for each in blocks]), 50.0))
+        snrs.append(float(np.median([each.snr for each in blocks])))
+    return RingStudy(place, count, tuple(paper), tuple(ours), float(np.median(snrs)))
+
+
+def pose_for_lamp_direction(
+    bench: BearingBench, direction: float, aside: float = STUDY_OFF_AXIS
+) -> Pose:
+    """Return the level pose, `aside` of the axis, that has the lamp in a direction. [rad]"""
+    x, y, _ = bench.scenario.goal_lamp.position.vector
+    ahead_x, ahead_y, _ = bench.scenario.goal_lamp.facing.vector
+    facing = math.atan2(ahead_y, ahead_x) + aside
+    # Half the heading: from the drone, the lamp is at facing + pi in the map.
+    half = 0.5 * (facing + math.pi - direction)
+    # The ring is below the hull centre, so a level ring has the same horizontal position.
+    return (
+        x + STUDY_DISTANCE * math.cos(facing), y + STUDY_DISTANCE * math.sin(facing), STUDY_HEIGHT,
+        0.0, 0.0, math.sin(half), math.cos(half),
+    )  # fmt: skip
+
+
+def count_accurate_directions(errors: Sequence[float], limit: float) -> int:
+    """Return the number of directions with a median error below a limit."""
+    return sum(error < limit for error in errors)
+
+
+RING_COLOURS: Final = dict(zip(RING_COUNTS, (LAMP, TRUTH, GOOD), strict=True))
+RING_METHOD: Final = (
+    'The hull is level at 0.5 m and turns through 16 directions. The diode gains of the vehicle '
+    'are drawn once. Errors are medians over the readings; each reading is one block of ADC '
+    'samples with its own noise.'
+)
+
+
+def describe_method(aside: float) -> str:
+    """Describe the set-up, with the drone `aside` of the lamp's axis. [rad]"""
+    where = f'{math.degrees(aside):g} degrees off its axis' if aside else 'on its axis'
+    return f'The lamp is {STUDY_DISTANCE:g} m away and the drone is {where}. {RING_METHOD}'
+
+
+def median_error(errors: Sequence[float]) -> float:
+    """Return the median over the directions; NaN if one has no bearing."""
+    return float(np.median(errors))

@@ -22,7 +22,7 @@ import math
 from typing import Final, final
 
 from lta_config.errors import BadInput
-from lta_studies.light.plan.floor_plan import Array, Mask
+from lta_studies.light.plan.floor import Array, Mask
 from lta_vlc.settings import DemodulationSettings
 import numpy as np
 

@@ -26,7 +26,7 @@ from lta_model.effects.protocol import Vector
 from lta_model.light.direct_light import DiodeResponse, unpack_beam
 from lta_model.light.lamp import SECOND_NS, SquareWave
 from lta_model.vehicle import Vehicle
-from lta_studies.light.plan.floor_plan import Array
+from lta_studies.light.plan.floor import Array
 from lta_studies.light.plan.rays import diode_light
 from lta_vlc.demodulation import find_peaks, plan_bins
 from lta_vlc.settings import DemodulationSettings

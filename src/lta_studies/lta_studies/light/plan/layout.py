@@ -10,8 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final, NamedTuple
 
-from lta_studies.light.plan.floor import FloorGrid
-from lta_studies.light.plan.floor_plan import Array, FloorPlan, LampMount, Mask
+from lta_studies.light.plan.floor import Array, FloorGrid, FloorPlan, LampMount, Mask
 from lta_studies.light.plan.joint_snr import LightReceiver
 import numpy as np
 from scipy import ndimage

@@ -12,9 +12,9 @@ import math
 from typing import Final
 
 from lta_config.errors import BadInput
-from lta_studies.light.plan.floor import FloorGrid
-from lta_studies.light.plan.floor_plan import (
+from lta_studies.light.plan.floor import (
     Array,
+    FloorGrid,
     FloorPlan,
     LampMount,
     Mask,

@@ -17,8 +17,7 @@ from lta_model.mass_properties import half_axes
 from lta_report.json_value import ExactArray
 from lta_report.study_store import StoreFormat
 from lta_sim.light_link import build_light_link, expected_magnitude, LightLink, write_ring_light
-from lta_studies.light.plan.floor import FloorGrid
-from lta_studies.light.plan.floor_plan import Array, FloorPlan, LampMount, Mask, Vector
+from lta_studies.light.plan.floor import Array, FloorGrid, FloorPlan, LampMount, Mask, Vector
 from lta_studies.light.plan.frequencies import LOWEST_FLICKER
 from lta_studies.light.plan.joint_snr import (
     compute_crosstalk,

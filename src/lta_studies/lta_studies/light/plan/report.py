@@ -9,7 +9,7 @@ from lta_report.report import Block, Picture, Report, TextSection, TextTable
 from lta_studies.light.plan.joint_snr import LEAST_PURITY
 from lta_studies.light.plan.layout import CoverageGap, find_gaps, LampHandover, LampLayout
 from lta_studies.light.plan.pictures import plot_coverage, plot_handovers
-from lta_studies.light.plan.scenario_file import format_scenario
+from lta_studies.light.plan.request import format_scenario
 
 
 def encode_layout(layout: LampLayout, handover: LampHandover) -> dict[str, Any]:

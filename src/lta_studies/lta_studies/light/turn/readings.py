@@ -31,8 +31,7 @@ from lta_control.cascade import wrap_angle
 from lta_data.bag.recorded_flight import open_flight, RecordedFlight
 from lta_data.bag.table import get_column
 from lta_report.progress_bar import ProgressBar
-from lta_studies.light.bearing.run import error_quantile
-from lta_studies.light.bearing.study import DIRECTION_COUNT
+from lta_studies.light.bearing.bench import DIRECTION_COUNT, error_quantile
 from lta_vlc.bearing import estimate_bearing
 from lta_vlc.demodulation import demodulate_block, plan_bins
 from lta_vlc.diodes import build_diode_array, DiodeArray

@@ -83,7 +83,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
 
 def draw_navigation(request: RowStudyRequest) -> dict[str, list[float | str]]:
     """Return the power of navigating by each strategy, one flight in every draw. [W]"""
-    rows = fly_draws('indoors', request, strategies=BUDGET_STRATEGIES)
+    rows = fly_draws('light_indoors', request, strategies=BUDGET_STRATEGIES)
     powers: dict[str, list[float | str]] = {
         name: [float(row.figures.get('power') or math.nan) for (row,) in results]
         for name, results in rows.items()

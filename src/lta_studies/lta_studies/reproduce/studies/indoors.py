@@ -5,13 +5,6 @@ import math
 from typing import Any, Final
 
 from lta_config.command_line import format_lta_command
-from lta_studies.light.evaluation.cells import EvaluationCell, ordered_share
-from lta_studies.light.evaluation.pictures import (
-    fly_again,
-    plot_paper_comparison,
-    plot_tracks,
-    select_track_seed,
-)
 from lta_studies.reproduce.flights import (
     arrival_figure,
     FlightGroup,
@@ -22,6 +15,14 @@ from lta_studies.reproduce.flights import (
     PAPERS,
     summarize_cell,
     summarize_draws,
+)
+from lta_studies.reproduce.strategy_flights import (
+    fly_again,
+    ordered_share,
+    plot_paper_comparison,
+    plot_tracks,
+    select_track_seed,
+    StrategyFlights,
 )
 from lta_studies.reproduce.study_result import (
     average_over_seeds,
@@ -70,10 +71,10 @@ INDOOR_BAR_CAPTION: Final = (
 
 def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Fly as in the paper, in all readings of it, and with one factor changed at a time."""
-    groups = {'': fly_group('indoors', request.seeds)}
+    groups = {'': fly_group('light_indoors', request.seeds)}
     if not request.quick:
         groups |= {
-            prefix: fly_group('indoors', request.seeds, change=change)
+            prefix: fly_group('light_indoors', request.seeds, change=change)
             for prefix, change in INDOOR_READINGS.items()
             if change
         }
@@ -85,7 +86,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
         values[f'{prefix}dga_by_bag_time'] = mean_ratio(group, 'search_time', 'dga', 'bag')
         values[f'{prefix}dga_by_bag_path'] = mean_ratio(group, 'path_length', 'dga', 'bag')
     if not request.quick:
-        fast = fly_group('indoors', request.seeds, strategies=('bag',), change=FAST_CRUISE)
+        fast = fly_group('light_indoors', request.seeds, strategies=('bag',), change=FAST_CRUISE)
         values |= summarize_cell('fast_bag', fast.find_cell('bag'))
         values |= measure_factors(request.seeds)
         values['dga_excursion'] = measure_excursion(groups['sim_'])
@@ -103,7 +104,7 @@ def draw_readings(request: RowStudyRequest) -> dict[str, list[float | str]]:
         if request.quick and change:
             continue
         flights = 1 if request.quick else FLIGHTS_A_DRAW
-        rows = fly_draws('indoors', request, change=change, flights=flights)
+        rows = fly_draws('light_indoors', request, change=change, flights=flights)
         for name, results in rows.items():
             draws |= summarize_draws(f'{prefix}{name}', results)
         figures = {
@@ -161,13 +162,13 @@ def measure_factors(seeds: int) -> dict[str, MeasuredValue]:
     """Fly with one factor changed at a time."""
     values: dict[str, MeasuredValue] = {}
     for case, strategies in FACTOR_STRATEGIES.items():
-        group = fly_group('ablations', seeds, strategies=strategies, cases=[case])
+        group = fly_group('light_ablations', seeds, strategies=strategies, cases=[case])
         for name in strategies:
             values |= summarize_cell(f'{case}_{name}', group.find_cell(name))
     return values
 
 
-def rank_strategies(prefix: str, cells: Mapping[str, EvaluationCell]) -> dict[str, MeasuredValue]:
+def rank_strategies(prefix: str, cells: Mapping[str, StrategyFlights]) -> dict[str, MeasuredValue]:
     """Rank the strategies by path; add the bootstrap share that keeps the paper's order."""
     paths, times = (
         {name: cells[name].mean(figure).value for name in PAPERS}
@@ -199,8 +200,7 @@ def plot_indoor_flights(
     pictures = [
         StudyPicture('bars', 'Indoors, compared with the paper', INDOOR_BAR_CAPTION,
                      plot_paper_comparison(list(indoors.cells)),
-                     format_lta_command('light', 'evaluate', '--sets', 'indoors',
-                                        '--seeds', str(request.seeds)))
+                     format_lta_command('sweep', 'light_indoors'))
     ]  # fmt: skip
     for prefix, group in groups.items():
         name, heading = INDOOR_HEADINGS[prefix]

@@ -25,7 +25,7 @@ from lta_studies.light.link.link_budget import (
 )
 from lta_studies.light.plan.floor import build_floor
 from lta_studies.light.plan.planner import list_mounts, plan_layout
-from lta_studies.light.plan.scenario_file import load_inputs
+from lta_studies.light.plan.request import load_inputs
 from lta_studies.reproduce.study_result import (
     collect_draws,
     MeasuredValue,

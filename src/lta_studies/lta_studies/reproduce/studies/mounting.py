@@ -7,6 +7,7 @@ from lta_config.command_line import format_lta_command
 from lta_config.files import find_file, load_yaml
 from lta_config.parameter_override import draw_content
 from lta_studies.energy.mounting.report import (
+    build_comparison_tables,
     draw_overturning,
     draw_straight_flights,
     draw_swings,
@@ -20,7 +21,6 @@ from lta_studies.energy.mounting.run import (
     MountVariants,
 )
 from lta_studies.energy.mounting.straight_flight import average_over_seeds
-from lta_studies.energy.mounting.tables import build_comparison_tables
 from lta_studies.reproduce.study_result import (
     collect_draws,
     MeasuredValue,

@@ -18,10 +18,6 @@ from lta_report.charts import ChartAxis, Curve, draw_curves, Level
 from lta_report.curves import Array
 from lta_report.report import TextTable
 from lta_sim.wind_limits import static_wind_limit, wind_share_at_hull
-from lta_studies.light.evaluation.cells import EvaluationCell
-from lta_studies.light.evaluation.flights import PILOT
-from lta_studies.light.evaluation.pictures import fly_again, plot_tracks, strategy_color
-from lta_studies.light.evaluation.tables import label_strategy
 from lta_studies.reproduce.flights import (
     FlightGroup,
     FLIGHTS_A_DRAW,
@@ -33,6 +29,14 @@ from lta_studies.reproduce.flights import (
     summarize_cell,
     summarize_draws,
     thin_annotations,
+)
+from lta_studies.reproduce.strategy_flights import (
+    fly_again,
+    label_strategy,
+    PILOT,
+    plot_tracks,
+    strategy_color,
+    StrategyFlights,
 )
 from lta_studies.reproduce.study_result import (
     MeasuredValue,
@@ -73,7 +77,10 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     speeds = OUTDOOR_WINDS[:1] if request.quick else OUTDOOR_WINDS
     flyers = PAPERS if request.quick else (*PAPERS, PILOT)
     winds = fly_group(
-        'winds', request.seeds, strategies=flyers, vary={WIND_PATH: [f'{w:g} m/s' for w in speeds]}
+        'light_reference_winds',
+        request.seeds,
+        strategies=flyers,
+        vary={WIND_PATH: [f'{w:g} m/s' for w in speeds]},
     )
     values: dict[str, MeasuredValue] = {}
     for name in flyers:
@@ -90,7 +97,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
             find_cell(winds, PILOT, speed).reached_share.value <= MOST_SHARE
         )
     gusts = fly_group(
-        'winds',
+        'light_reference_winds',
         request.seeds,
         vary={WIND_PATH: [f'{OUTDOOR_WINDS[0]:g} m/s']},
         change=EDDY_STRENGTH,
@@ -99,11 +106,11 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
         values |= measure_reached_share(f'{name}_gusts', gusts, name, OUTDOOR_WINDS[0])
     values['des_8_away'], values['dga_8_past'] = measure_failures(winds)
     grounds = fly_group(
-        'roughness', request.seeds, strategies=('bag',),
+        'light_roughness', request.seeds, strategies=('bag',),
         vary={ROUGHNESS_PATH: [f'{each:g} m' for each in GROUNDS]},
     )  # fmt: skip
     rough = fly_group(
-        'roughness',
+        'light_roughness',
         request.seeds,
         strategies=(*PAPERS, 'homing'),
         vary={ROUGHNESS_PATH: [f'{SHOWN_ROUGHNESS:g} m']},
@@ -127,7 +134,7 @@ def draw_winds(request: RowStudyRequest) -> dict[str, list[float | str]]:
     draws: dict[str, list[float | str]] = {}
     for speed in OUTDOOR_WINDS[:1] if request.quick else OUTDOOR_WINDS:
         rows = fly_draws(
-            'winds',
+            'light_reference_winds',
             request,
             change={WIND_PATH: f'{speed:g} m/s'},
             flights=1 if request.quick else FLIGHTS_A_DRAW,
@@ -176,8 +183,8 @@ def measure_failures(winds: FlightGroup) -> tuple[MeasuredValue, MeasuredValue]:
     return shares[0], shares[1]
 
 
-def find_cell(group: FlightGroup, strategy: str, place: float) -> EvaluationCell:
-    """Return the flights of a strategy at a value of the set's axis."""
+def find_cell(group: FlightGroup, strategy: str, place: float) -> StrategyFlights:
+    """Return the flights of a strategy at a value of what the sweep varies."""
     return next(
         each for each in group.cells
         if each.strategy == strategy and math.isclose(each.place, place)
@@ -255,7 +262,7 @@ def plot_outdoor_flights(
 ) -> list[StudyPicture]:
     """Plot tracks and distances in the paper's winds, and over a flyable ground."""
     pictures = []
-    views: list[tuple[str, str, FlightGroup, Sequence[EvaluationCell]]] = [
+    views: list[tuple[str, str, FlightGroup, Sequence[StrategyFlights]]] = [
         (f'wind_{wind:g}', f'Wind of {wind:g} m/s at 10 m height, ground roughness 0.3 m', winds,
          [find_cell(winds, name, wind) for name in (PAPERS[:1] if request.quick else PAPERS)])
         for wind in (OUTDOOR_WINDS[:1] if request.quick else OUTDOOR_WINDS)
@@ -289,7 +296,7 @@ def plot_outdoor_flights(
                 StudyPicture('distance', 'Distance to the lamp in a wind of 8 m/s',
                              DISTANCE_CAPTION,
                              plot_distances(lines),
-                             format_lta_command('light', 'evaluate', '--sets', 'winds'))
+                             format_lta_command('sweep', 'light_reference_winds'))
             )  # fmt: skip
     return pictures
 

@@ -11,11 +11,9 @@ from lta_studies.light.bearing.bench import (
     BEARING_PLACES,
     BearingBench,
     build_flight_spec,
-    DIODES_PATH,
-)
-from lta_studies.light.bearing.study import (
     count_accurate_directions,
     describe_method,
+    DIODES_PATH,
     DIRECTION_COUNT,
     READINGS_PER_DIRECTION,
     RING_COLOURS,

@@ -1,1 +1,0 @@
-"""Compare navigation strategies over scenes and seeds, and with the paper."""
