@@ -8,7 +8,7 @@ from operator import eq
 from typing import Final, final, NamedTuple
 
 from lta_config.errors import BadInput
-from lta_data.bag.channels import find_airspeed_topic, read_flight
+from lta_data.bag.channels import read_flight
 from lta_data.bag.recorded_flight import RecordedFlight
 from lta_data.compare.channel_comparison import (
     ChannelComparison,
@@ -128,10 +128,6 @@ def compare_flights(
     comparison = compare_sides(a, b, topic_pairs, request, tick)
     identical = find_identical_topics(one, other, comparison.topics)
     comparison = replace(comparison, identical_topics=identical)
-    if ('odom', 'odom') in [(each.topic_a, each.topic_b) for each in topic_pairs]:
-        comparison = replace(
-            comparison, remarks=(*comparison.remarks, *describe_old_odometry(one, other))
-        )
     outside = [describe_exceeded_region_of_bag(flight) for flight in (one, other)]
     remarks = [f'{label}: {text}' for label, text in zip('AB', outside, strict=True) if text]
     comparison = replace(comparison, remarks=(*comparison.remarks, *remarks))
@@ -172,24 +168,6 @@ def hash_messages(flight: RecordedFlight, topics: Collection[str]) -> dict[str, 
         hashes[name].update(len(data).to_bytes(8, 'little'))
         hashes[name].update(data)
     return {topic: hashes[flight.absolute_name(topic)].digest() for topic in topics}
-
-
-def describe_old_odometry(one: RecordedFlight, other: RecordedFlight) -> list[str]:
-    """Return a remark if `odom` is of different quantities, as in a bag of version 1.0."""
-    flights = {'A': one, 'B': other}
-    # A bag of another program says nothing of `airspeed`, and its odom is over ground
-    old = [
-        label
-        for label, flight in flights.items()
-        if find_airspeed_topic(flight.topics) == 'odom' and 'lta' in flight.provenance
-    ]
-    if len(old) != 1:
-        return []
-    pair = 'odom=airspeed' if old == ['A'] else 'airspeed=odom'
-    return [
-        f"{old[0]} has no topic 'airspeed'. In bags of version 1.0, odom is of the motion through "
-        f'the air, and in later ones of that over ground; --pair {pair} compares the airspeed.'
-    ]
 
 
 def count_ticks(one: RecordedFlight, other: RecordedFlight, request: ComparisonRequest) -> int:

@@ -179,13 +179,13 @@ def test_a_bag_is_gone_through_a_few_times_whatever_it_holds(tmp_path, monkeypat
     write_flight(tmp_path / 'bag')
     flight = open_flight(tmp_path / 'bag')
     passes = []
-    read = type(flight.bag).iterate_records
+    read = type(flight.bag).iterate_messages
 
-    def counted(bag, topics=None, at=None):
+    def counted(bag, topics=None):
         passes.append(topics)
-        return read(bag, topics, at)
+        return read(bag, topics)
 
-    monkeypatch.setattr(type(flight.bag), 'iterate_records', counted)
+    monkeypatch.setattr(type(flight.bag), 'iterate_messages', counted)
     found = compare_flights(flight, flight, ComparisonRequest())
     assert found.verdict == 'identical'
     packed = {'lta_msgs/msg/LightBlock', 'lta_msgs/msg/LampPeaks'}

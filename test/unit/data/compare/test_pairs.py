@@ -1,6 +1,5 @@
 """Which channels of two flights are compared: of other names or units, and what one lacks."""
 
-from types import SimpleNamespace
 
 from lta_config.errors import BadInput
 from lta_data.bag import open_flight
@@ -9,7 +8,6 @@ from lta_data.compare.comparison import (
     compare_flights,
     compare_sides,
     ComparisonRequest,
-    describe_old_odometry,
 )
 from lta_data.compare.sentences import format_verdict
 from lta_data.flight import Channel
@@ -91,27 +89,6 @@ def test_two_topics_of_one_bag_are_no_two_flights(tmp_path):
     pairs = ('odom/pose.pose.position.x=odom/pose.pose.position.y',)
     found = compare_flights(flight, flight, ComparisonRequest(pairs=pairs))
     assert format_verdict(found).startswith('odom and odom differ from the start, in x of odom')
-
-
-@pytest.mark.parametrize(
-    ('a', 'b', 'pair'),
-    [
-        ('old', 'new', 'odom=airspeed'),
-        ('new', 'old', 'airspeed=odom'),
-        ('old', 'old', ''),
-        ('new', 'new', ''),
-        ('foreign', 'new', ''),
-    ],
-)
-def test_an_odom_through_the_air_beside_one_over_ground_is_remarked(a, b, pair):
-    flights = {
-        'old': SimpleNamespace(topics=['odom'], provenance={'lta': '1.0.0'}),
-        'new': SimpleNamespace(topics=['airspeed', 'odom'], provenance={'lta': '1.0.0'}),
-        'foreign': SimpleNamespace(topics=['odom'], provenance={}),
-    }
-    found = describe_old_odometry(flights[a], flights[b])
-    assert len(found) == bool(pair)
-    assert all(f'--pair {pair} compares the airspeed' in text for text in found)
 
 
 def test_the_headline_says_where_b_ends_and_since_when_it_turns_differently(tmp_path):

@@ -107,9 +107,6 @@ def draft_bag_topics(path: Path, choices: DraftChoices) -> BagDraft:
         entry = {'topic': ours, 'table': name}
         if ours in poses and name in tables:
             pose_groups = _group_pose(types[name], tables[name])
-            if 'attitude' not in pose_groups:
-                why = 'all its quaternions are NaN: the attitude was never measured'
-                choices.add_reason(f'{ours}: orientation', [name], 'left out', why)
             groups[name] = [*pose_groups.values()]
             drafted, axes = _draft_pose(ours, pose_groups, tables[name], choices)
             entry |= _list_differences(drafted, axes)
@@ -252,9 +249,7 @@ def _group_pose(kind: str, table: LogTable) -> dict[str, ColumnGroup]:
         letters = 'xyzw' if part.kind == 'attitude' else 'xyz'
         columns = tuple(f'{part.place}.{axis}' for axis in letters)
         values = [table.columns[one] for one in columns if one in table.columns]
-        filled = any(np.any(one) for one in values)
-        # A tracker that knows no attitude sends NaN
-        if any(np.isfinite(one).any() for one in values) and (filled or name in POSE_KINDS):
+        if any(np.any(one) for one in values) or (values and name in POSE_KINDS):
             group = 'quaternion' if part.kind == 'attitude' else name
             groups[POSE_KINDS.get(name, name)] = ColumnGroup(
                 group, '', columns, tuple(letters), '', 'the message type'

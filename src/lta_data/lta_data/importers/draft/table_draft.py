@@ -141,10 +141,10 @@ def _join_rows(
         kind: np.isfinite(one.stack(numbers)).all(axis=1)
         for one in groups for kind in [one.kind] if len(one.columns) > 1
     }  # fmt: skip
+    filled = {kind: rows for kind, rows in filled.items() if rows.any()}
     pose = next((filled[kind] for kind in (*ATTITUDES, 'position') if kind in filled), None)
     if pose is None or all(
-        not rows.any() or (rows & pose).sum() > SHARED_ROWS * rows.sum()
-        for rows in filled.values()
+        (rows & pose).sum() > SHARED_ROWS * rows.sum() for rows in filled.values()
     ):
         return numbers, time
     table = pd.DataFrame(dict(numbers)).ffill()[pose]
