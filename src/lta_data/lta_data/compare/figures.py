@@ -1,6 +1,5 @@
 """Plot the channels of both flights, reduced to what a screen can show."""
 
-from base64 import b64encode
 from collections.abc import Mapping, Sequence
 import math
 from typing import Final, NamedTuple
@@ -12,9 +11,7 @@ from lta_data.compare.channel_roles import find_pose_prefix
 from lta_data.compare.comparison import ComparisonResult
 from lta_data.compare.sampling import (
     align_signals,
-    average_log_bands,
     break_at_gaps,
-    ChannelSpectra,
     interpolate_signal,
     wrap_angle,
 )
@@ -31,7 +28,7 @@ from lta_report.flight_scene import (
     SceneSet,
     to_json_numbers,
 )
-from lta_report.palette import ESTIMATE, FILL, GOOD, SETPOINT, SOFT, TRUTH, WALL
+from lta_report.palette import ESTIMATE, FILL, SETPOINT, SOFT, TRUTH, WALL
 import numpy as np
 from numpy.typing import NDArray
 from plotly.graph_objects import Figure, Scatter
@@ -50,7 +47,7 @@ class ChannelTrace(NamedTuple):
     band: float
 
 
-def build_channel_trace(each: ChannelComparison, points: int = FIGURE_POINTS) -> ChannelTrace:
+def build_channel_trace(each: ChannelComparison) -> ChannelTrace:
     """Return a channel as drawn: angles in degrees and unwrapped."""
     unit, factor = each.unit, 1.0
     if unit in ('rad', 'rad/s'):
@@ -61,7 +58,8 @@ def build_channel_trace(each: ChannelComparison, points: int = FIGURE_POINTS) ->
         a, b = break_at_gaps(each.a), break_at_gaps(each.b)
     lines = [a, b, break_at_gaps(SampledSignal(each.both.time, each.both.difference))]
     one, other, apart = (
-        SampledSignal(*decimate_line(line.time, factor * line.values, points)) for line in lines
+        SampledSignal(*decimate_line(line.time, factor * line.values, FIGURE_POINTS))
+        for line in lines
     )
     return ChannelTrace(unit, one, other, apart, factor * each.parting.band)
 
@@ -75,26 +73,6 @@ def unwrap_pair(each: ChannelComparison) -> tuple[SampledSignal, SampledSignal]:
     return break_at_gaps(SampledSignal(time, a)), break_at_gaps(
         SampledSignal(time, a + difference)
     )
-
-
-def encode_floats(values: NDArray[np.float64]) -> dict[str, str]:
-    """Return numbers in plotly's binary form: single precision, base 64."""
-    return {'dtype': 'f4', 'bdata': b64encode(values.astype('<f4').tobytes()).decode()}
-
-
-def encode_channel(each: ChannelComparison, points: int) -> dict[str, object]:
-    """Return the data that the page needs to draw a picked channel."""
-    trace = build_channel_trace(each, points)
-    content: dict[str, object] = {
-        'unit': trace.unit,
-        'band': trace.band,
-        'at': each.parting.at,
-        'lines': [
-            {'x': encode_floats(line.time), 'y': encode_floats(line.values)}
-            for line in (trace.a, trace.b, trace.difference)
-        ],
-    }
-    return content
 
 
 A, B, DIFFERENCE = TRUTH, ESTIMATE, SETPOINT
@@ -122,15 +100,15 @@ def plot_overlay(each: ChannelComparison, time: tuple[float, float]) -> Figure:
         fillcolor=FILL, line={'width': 0}, layer='below',
     )  # fmt: skip
     at = each.parting.at
-    figure.add_shape(
-        type='line', xref='x', x0=at or 0.0, x1=at or 0.0, yref='paper', y0=0, y1=1,
-        # Created even if invisible: the page's picker moves the same shape to other channels
-        visible=at is not None, layer='below', line={'color': WALL, 'width': 1, 'dash': '2px,3px'},
-    )  # fmt: skip
-    figure.add_annotation(
-        x=at or 0.0, xref='x', y=1.0, yref='paper', yanchor='bottom', text='they diverge',
-        xanchor='left', font={'size': 10, 'color': SOFT}, visible=at is not None,
-    )  # fmt: skip
+    if at is not None:
+        figure.add_shape(
+            type='line', xref='x', x0=at, x1=at, yref='paper', y0=0, y1=1, layer='below',
+            line={'color': WALL, 'width': 1, 'dash': '2px,3px'},
+        )  # fmt: skip
+        figure.add_annotation(
+            x=at, xref='x', y=1.0, yref='paper', yanchor='bottom', text='they diverge',
+            xanchor='left', font={'size': 10, 'color': SOFT},
+        )  # fmt: skip
     unit = f' [{trace.unit}]' if trace.unit not in ('', '1') else ''
     figure.update_xaxes(range=list(time), hoverformat='.2f', unifiedhovertitle_text='%{x} s')
     figure.update_xaxes(title_text="time on A's clock [s]", row=2)
@@ -184,45 +162,6 @@ def thin_path(time: np.ndarray, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarra
     even = np.arange(0, len(across), -(-len(across) // FIGURE_POINTS) or 1)
     keep = np.union1d(even, np.flatnonzero(np.isnan(across + along)))
     return across[keep].astype(np.float32), along[keep].astype(np.float32)
-
-
-SPECTRUM: Final = (('A', A), ('B', B), ('B - A', DIFFERENCE))
-
-
-def plot_spectrum(each: ChannelComparison) -> Figure:
-    """Plot the power spectra of A, B and their difference above their coherence."""
-    figure = create_figure(2, [0.66, 0.34])
-    bands = None if each.spectra is None else average_log_bands(each.spectra)
-    frequency = np.empty(0) if bands is None else bands.frequency
-    for (name, colour), values in zip(SPECTRUM, positive_powers(bands), strict=True):
-        figure.add_trace(
-            Scatter(
-                x=frequency, y=values, name=name, mode='lines',
-                line={'color': colour, 'width': 1.5}, hovertemplate='%{y:.3~g}',
-            ),
-            row=1, col=1,
-        )  # fmt: skip
-    figure.add_trace(
-        Scatter(
-            x=frequency, y=np.empty(0) if bands is None else bands.coherence, name='coherence',
-            mode='lines', line={'color': GOOD, 'width': 1.5}, hovertemplate='%{y:.2f}',
-        ),
-        row=2, col=1,
-    )  # fmt: skip
-    figure.update_xaxes(type='log', unifiedhovertitle_text='%{x:.3~g} Hz')
-    figure.update_xaxes(title_text='frequency [Hz]', row=2)
-    figure.update_yaxes(type='log', title_text='power density', exponentformat='power', row=1)
-    figure.update_yaxes(title_text='coherence', range=[-0.04, 1.04], tickvals=[0, 0.5, 1], row=2)
-    return figure.update_layout(margin={'r': 20, 'l': 66})
-
-
-def positive_powers(thinned: ChannelSpectra | None) -> list[np.ndarray]:
-    """Return the three spectra with NaN for zero, which a logarithmic axis cannot show."""
-    if thinned is None:
-        return [np.empty(0)] * 3
-    return [
-        np.where(part > 0.0, part, np.nan) for part in (thinned.a, thinned.b, thinned.difference)
-    ]
 
 
 Array = NDArray[np.float64]
