@@ -12,7 +12,6 @@ from lta_data.compare.channel_roles import (
     select_panel_channels,
 )
 from lta_data.compare.comparison import ComparisonResult
-from lta_data.compare.figures import READOUT, render_comparison_scene
 from lta_data.compare.sentences import (
     BASIS,
     comparison_to_dict,
@@ -28,7 +27,6 @@ from lta_data.compare.sentences import (
     format_verdict,
     MISSING_DASH,
 )
-from lta_report.flight_scene import render_time_bar
 from lta_report.formatting import Tile
 from lta_report.report import Grid, Picture, Report, TextTable
 import numpy as np
@@ -134,7 +132,6 @@ ABOVE: Final = "Both paths from above, in A's frame. Open circle: start. Filled 
 def build_report(comparison: ComparisonResult) -> Report:
     """Return the report of a comparison."""
     time = find_total_span(comparison)
-    scene, track = render_comparison_scene(comparison, time)
     return Report(
         command='compare',
         subject=f'A {shorten_path(comparison.a.path)} · B {shorten_path(comparison.b.path)}',
@@ -151,9 +148,6 @@ def build_report(comparison: ComparisonResult) -> Report:
         facts=describe_sources(comparison),
         commands=suggest_commands(comparison),
         closing=list_alignment_lines(comparison),
-        scene=scene,
-        time_bar=render_time_bar(READOUT, 'flights') if scene else '',
-        track=track,
     )
 
 
@@ -275,6 +269,6 @@ def suggest_commands(comparison: ComparisonResult) -> dict[str, str]:
         'Compare in a script: exit status 1 if they differ': format_lta_command(
             'compare', a, b, '--same'
         ),
-        'Look at A': format_lta_command('report', a),
+        'See A fly': format_lta_command('report', a),
         'Look for gaps and other faults': format_lta_command('bag check', a, b),
     }
