@@ -1,14 +1,12 @@
 """Inspect, check, plot, repair and export recordings: the `lta bag` commands."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 import math
 from pathlib import Path
-import sys
 from typing import Any, final, TYPE_CHECKING, TypeVar
 
 from lta_analysis.console import print_lines
-from lta_bridge.bag.storage import StorageFault
 from lta_config.errors import BadInput
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.info import BagInfo, print_bag_info, summarize_bag
@@ -18,10 +16,8 @@ from lta_report.request import Action, argument, Folder, option, Outcome, ROBOT
 from rich.console import Console
 from rich.progress import (
     BarColumn,
-    DownloadColumn,
     MofNCompleteColumn,
     TextColumn,
-    TimeRemainingColumn,
 )
 
 if TYPE_CHECKING:
@@ -177,98 +173,6 @@ class BagPlotRequest(Action, command='bag plot'):
 def print_remarks(remarks: Sequence[str], console: Console) -> None:
     """Print remarks on the recording, without duplicates."""
     print_lines(console, *dict.fromkeys(remarks), style='yellow')
-
-
-@final
-class BagRecoverRequest(Action, command='bag recover', json=True):
-    """
-    Recover a damaged bag into a new, complete, indexed one.
-
-    Repairs truncated bags (killed recorder, full disk), damaged bytes, and a missing summary or
-    metadata.yaml. Recovers every message in intact chunks. The original is not changed.
-    Reports the lost bytes, chunks and times, and the lost messages per topic as far as an index,
-    metadata.yaml or the topic's rate shows them.
-
-    Exit status 0: a new bag was written. 1: storage failed. 2: nothing to recover, or the bag is
-    intact.
-
-    Example: lta bag recover runs/20261120-lamp_room-1/bag --out runs/mended
-    """
-
-    path: Path = BAG_ARGUMENT
-    out: Folder | None = option(
-        'Folder for the new bag; BAG-recovered next to the original by default.', default=None,
-        metavar='FOLDER',
-    )  # fmt: skip
-
-    def run(self, console: Console) -> Outcome[Path | None]:
-        """Write the new bag, and return its folder; None if the disk failed."""
-        from lta_data.bag.recover import recover_bag
-
-        bag = find_bag(self.path)
-        target = self.out or name_copy(bag, 'recovered')
-        columns = (TextColumn('recovering'), BarColumn(), DownloadColumn(), TimeRemainingColumn())
-        with ProgressBar(console, *columns) as progress:
-
-            def show(done: int, total: int) -> None:
-                progress.update_bar(completed=done, total=total)
-
-            recovery = report_storage_fault(lambda: recover_bag(bag, target, show))
-        if recovery is None:
-            return Outcome(None, status=1)
-        print_lines(console, *recovery.describe_losses())
-        return Outcome(target, asdict(recovery))
-
-
-@final
-class BagUpgradeRequest(Action, command='bag upgrade'):
-    """
-    Convert a bag of version 1 to the messages of today.
-
-    Version 1 could record photodiodes, light/peaks, motors and energy/status as standard
-    messages; they become messages of lta_msgs. All others are copied as they are, and the
-    original is not changed.
-
-    Exit status 0: a new bag was written. 1: storage failed. 2: the bag needs no upgrade, or
-    cannot be upgraded.
-
-    Example: lta bag upgrade runs/20251120-lamp_room-1/bag --out runs/upgraded
-    """
-
-    path: Path = BAG_ARGUMENT
-    out: Folder | None = option(
-        'Folder for the new bag; BAG-upgraded next to the original by default.', default=None,
-        metavar='FOLDER',
-    )  # fmt: skip
-
-    def run(self, console: Console) -> Outcome[Path | None]:
-        """Write the new bag, and return its folder; None if the disk failed."""
-        from lta_data.bag.upgrade import upgrade_bag
-
-        bag = find_bag(self.path)
-        target = self.out or name_copy(bag, 'upgraded')
-        done = report_storage_fault(lambda: upgrade_bag(bag, target))
-        if done is None:
-            return Outcome(None, status=1)
-        print_lines(console, done.describe(), *done.losses)
-        return Outcome(target)
-
-
-def name_copy(bag: Path, word: str) -> Path:
-    """Return the folder of a new bag next to the original, which is never changed."""
-    place = bag.absolute()
-    # A bag is a folder, or a single .mcap file
-    name = place.name if place.is_dir() else place.stem
-    return place.parent / f'{name}-{word}'
-
-
-def report_storage_fault(write: Callable[[], Written]) -> Written | None:
-    """Return what writing a bag returns; print a fault of the disk, which is no bad input."""
-    try:
-        return write()
-    except StorageFault as fault:
-        sys.stderr.write(f'{fault}\n')
-        return None
 
 
 @final

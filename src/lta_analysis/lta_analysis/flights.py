@@ -471,7 +471,9 @@ def print_import(one: 'ImportedLog', console: Console) -> None:
     """Print a summary of one imported log."""
     form = f'{one.format}, mapping {one.mapping}' if one.mapping else one.format
     place = relative_path(Path(one.bag))
-    print_lines(console, f'{one.source} ({form}; {one.data})', style='bold')
+    print_lines(
+        console, f'{one.source} ({"; ".join(filter(None, (form, one.data)))})', style='bold'
+    )
     topics = one.topics.items()
     print_lines(console, *(f'  {name}: {format_count(n, "message")}' for name, n in topics))
     print_lines(console, *(f'  {note}' for note in one.notes), style='yellow')

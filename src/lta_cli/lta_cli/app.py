@@ -120,8 +120,6 @@ BAG_VERBS: Final = VerbGroup(
         'info': call('bag_info'),
         'check': call('bag_check'),
         'plot': call('bag_plot'),
-        'recover': call('bag_recover'),
-        'upgrade': call('bag_upgrade'),
         'export': call('bag_export'),
     },
 )

@@ -9,7 +9,6 @@ names a file never does, as a stranger would choose what is opened.
 """
 
 from collections.abc import Collection, Mapping
-from contextlib import suppress
 from functools import lru_cache
 import re
 from typing import Any, Final, final, NamedTuple, TypeVar
@@ -61,21 +60,12 @@ def parse_provenance_file(
 @lru_cache(maxsize=32)  # a study reads the same few files often; the models are frozen
 def _parse_model(model: type[Model], text: str, key: str) -> Model:
     content = read_recorded_file({key: text}, key)
-    _keep_first_resistor(content)
     try:
         return model.model_validate(content)
     except ValidationError as error:
         raise BadInput(
             f"The bag's {key} cannot be read by this version of LTA: {format_error(error)}"
         ) from error
-
-
-def _keep_first_resistor(content: Any) -> None:  # noqa: ANN401 - a file as plain data
-    """Replace the feedback resistors that version 1.0 listed for a scene to choose from."""
-    with suppress(KeyError, TypeError, AttributeError):
-        feedback = content['sensors']['diodes']['feedback']
-        if isinstance(feedback['value'], list):
-            feedback['value'] = feedback['value'][0]
 
 
 TRACKERS: Final = ('ground_truth/odom', 'ground_truth/pose', 'pose', 'mocap/pose', 'vrpn/pose')

@@ -163,7 +163,7 @@ def test_a_recording_that_was_cut_short_is_refused_with_the_remedy(tmp_path):
     file = bag(tmp_path / 'bag', regular()) / 'bag_0.mcap'
     for cut in (-8, -400):
         file.write_bytes(file.read_bytes()[:cut])
-        with pytest.raises(BadInput, match=r'unfinished \(.+\); copy it with `lta bag recover`'):
+        with pytest.raises(BadInput, match=r'unfinished \(.+\); copy it with `lta import`'):
             open_recording(tmp_path / 'bag', '', TABLE)
 
 

@@ -24,7 +24,7 @@ DISK = 1 << 28  # bytes of a file that it may write
 STREAMS = {1: '.out', 2: '.err'}
 LOADED = ['lta_cli.app', 'lta_data.importers.run', 'lta_data.export.run', 'lta_data.plot.report']
 LOADED += [f'lta_analysis.{name}' for name in ('bags', 'door', 'flights', 'vehicles')]
-LOADED += ['lta_data.data_quality.check_report', 'lta_data.bag.recover', 'lta_flight.simulate']
+LOADED += ['lta_data.data_quality.check_report', 'lta_flight.simulate']
 LOADED += ['lta_flight.report.page', 'lta_vehicle.difference', 'lta_vehicle.views.report']
 LOADED += ['lta_bridge.description.urdf', 'lta_vehicle.trim', 'pandas']
 # Requests import their reports when they run

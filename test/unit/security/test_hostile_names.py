@@ -84,7 +84,7 @@ COMMANDS = [
         (('bag', *words), bag)
         for words in [
             ('info',), ('info', '--json'), ('check',), ('check', '--json'), ('plot',),
-            ('export', '--out', 'done'), ('recover', '--out', 'done'),
+            ('export', '--out', 'done'),
         ]
     ),
     *(((verb, '--out', 'done'), bag) for verb in ('report', 'replay', 'import')),

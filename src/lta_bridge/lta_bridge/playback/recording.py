@@ -13,7 +13,6 @@ import struct
 from typing import final, NamedTuple
 
 from lta_bridge.bag.mcap_file import PROVENANCE
-from lta_bridge.bag.version_1 import refuse_old_bag
 from lta_bridge.log_time_assigner import read_stamp
 from lta_bridge.provenance import extract_robot_origin
 from lta_config.errors import BadInput, unknown_name_error
@@ -64,7 +63,7 @@ def open_indexed_file(file: Path) -> Iterator[tuple[McapReader, Summary]]:
     except (*DAMAGE_ERRORS, MemoryError) as error:
         why = str(error) or f'a chunk needs more than {READER_MEMORY >> 20} MB of memory'
         raise BadInput(
-            f"'{file}' is damaged or unfinished ({why}); copy it with `lta bag recover`."
+            f"'{file}' is damaged or unfinished ({why}); copy it with `lta import`."
         ) from error
 
 
@@ -134,7 +133,6 @@ class RobotBagRecording:
         self.path = path
         self._files = files
         channels, provenance = read_topic_types(files)
-        refuse_old_bag(path, channels, provenance)
         robots = sorted({parts[0] for parts in split_topic_names(channels, table)})
         self.robot = choose_robot(path, robot or (own if own in robots else ''), robots)
         self.provenance = extract_robot_origin(provenance, self.robot)

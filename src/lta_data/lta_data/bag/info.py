@@ -4,7 +4,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import final
 
-from lta_bridge.bag.version_1 import describe_old_topics
 from lta_data.bag.reader import Bag, read_bag
 from lta_data.bag.recorded_flight import list_robots
 from lta_report.formatting import format_count
@@ -86,7 +85,6 @@ def summarize_bag(path: Path | str) -> BagInfo:
     """Return the summary of a bag; raise BadInput if there is no recording at `path`."""
     bag = read_bag(path)
     seconds = bag.duration
-    old = describe_old_topics(bag.path, bag.types, bag.provenance)
     topics = [
         TopicInfo(
             topic.name,
@@ -110,7 +108,7 @@ def summarize_bag(path: Path | str) -> BagInfo:
         provenance=bag.provenance,
         complete=bag.is_complete,
         losses=list(bag.losses),
-        remarks=describe_irregularities(bag) + ([old] if old else []),
+        remarks=describe_irregularities(bag),
     )
 
 
@@ -139,5 +137,5 @@ def print_bag_info(info: BagInfo, console: Console) -> None:
     for sentence in (*info.losses, *info.remarks):
         console.print(sentence, style='yellow', highlight=False, markup=False)
     if info.losses:
-        advice = 'To copy the readable messages to a new bag, run `lta bag recover`.'
+        advice = 'To copy the readable messages to a new bag, run `lta import`.'
         console.print(advice, highlight=False, markup=False)

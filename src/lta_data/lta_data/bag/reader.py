@@ -5,7 +5,7 @@ Complete bags are opened by their summary, unfinished or damaged ones by their i
 Memory is limited to one chunk, whatever the size of the bag.
 """
 
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO, final, NamedTuple
@@ -28,9 +28,9 @@ from lta_data.bag.mcap_file.chunks import (
     McapMessage,
     RECORD,
     unpack_chunk,
+    unpack_cut_chunk,
 )
 from lta_data.bag.mcap_file.contents import (
-    DamagedRegion,
     McapContents,
     MessageRegion,
     name_lost_channels,
@@ -83,8 +83,6 @@ class Bag:
         The recorded topics by absolute name.
     parts : list of RecordingFile
         Its files and their contents.
-    channels : dict of str to (Channel, Schema or None)
-        The MCAP channel of each topic.
     provenance : dict of str to str
         As the recorder stored it.
     start, end : int or None
@@ -113,7 +111,6 @@ class Bag:
         self.start = min((c.start for _, c, _ in parts if c.start is not None), default=None)
         self.end = max((c.end for _, c, _ in parts if c.end is not None), default=None)
         self._schemas: dict[str, Schema] = {}
-        self.channels: dict[str, tuple[Channel, Schema | None]] = {}
         self.topics: dict[str, BagTopic] = {}
         for _, contents, _ in parts:
             self._add_topics(contents)
@@ -134,11 +131,6 @@ class Bag:
         """Whether the recording was finished and nothing is known to be missing."""
         return not self.losses
 
-    @property
-    def is_indexed(self) -> bool:
-        """Whether every file has a valid summary."""
-        return all(contents.indexed for _, contents, _ in self.parts)
-
     def iterate_messages(
         self, topics: Collection[str] | None = None
     ) -> Iterator[tuple[str, int, bytes]]:
@@ -149,33 +141,17 @@ class Bag:
 
         Raise `BadInput` if a topic is not in the bag.
         """
-        for topic, record in self.iterate_records(topics):
-            yield topic, record.log_time, record.data
-
-    def iterate_records(
-        self, topics: Collection[str] | None = None, at: Callable[[int], None] | None = None
-    ) -> Iterator[tuple[str, McapMessage]]:
-        """
-        Yield topic and message with all recorded fields; otherwise as `iterate_messages`.
-
-        `at` is called once per chunk with the number of bytes read so far.
-        """
         requested = set(self.topics if topics is None else topics)
         for name in sorted(requested - set(self.topics)):
             raise unknown_name_error('topic', name, list(self.topics))
-        behind = 0
         for part in self.parts:
             names = self._select_channels(part.contents, requested)
             channels = frozenset(names)
             with part.file.open('rb') as stream:
                 for place in part.contents.places:
-                    if at is not None:
-                        at(behind + place.offset)
                     if place.channels is None or not channels.isdisjoint(place.channels):
-                        for record in self._read_region(part, stream, place, channels):
-                            yield names[record.channel], record
-            # Progress is reported in bytes over all files of the bag
-            behind += part.file.stat().st_size
+                        for channel, log_time, data in self._read_region(stream, place, channels):
+                            yield names[channel], log_time, data
 
     def decode(self, topic: str, data: bytes) -> object:
         """Decode a message of a topic; raise `BadInput` if that is impossible."""
@@ -212,7 +188,6 @@ class Bag:
                 continue
             if schema is not None:
                 self._schemas.setdefault(type_name, schema)
-            self.channels.setdefault(channel.topic, (channel, schema))
             count = contents.counts[channel.id] + (0 if entry is None else entry.count)
             reason = explain_undecodable(schema, channel.message_encoding)
             self.topics[channel.topic] = BagTopic(channel.topic, type_name, count, reason)
@@ -227,7 +202,7 @@ class Bag:
         }
 
     def _read_region(
-        self, part: RecordingFile, stream: BinaryIO, place: MessageRegion, channels: frozenset[int]
+        self, stream: BinaryIO, place: MessageRegion, channels: frozenset[int]
     ) -> Iterator[McapMessage]:
         try:
             # Do not allocate memory for a damaged length.
@@ -238,14 +213,12 @@ class Bag:
                 )
             data: bytes | memoryview = read_at(stream, place.offset, place.length)
             if place.packed:
-                data = unpack_chunk(memoryview(data)[RECORD.size :])
+                unpack = unpack_cut_chunk if place.is_cut else unpack_chunk
+                data = unpack(memoryview(data)[RECORD.size :])
             messages = iterate_messages(data, channels)
             yield from map(self._decompress_message, messages) if self._message_kind else messages
         except DamagedRecord as error:
-            sentence = describe_damage(place.offset, place.length, str(error))
-            if sentence not in self.losses:
-                part.contents.lost.append(DamagedRegion(place.offset, place.length))
-                self._note_loss(sentence)
+            self._note_loss(describe_damage(place.offset, place.length, str(error)))
 
     def _decompress_message(self, message: McapMessage) -> McapMessage:
         """Decompress a message that was compressed on its own."""

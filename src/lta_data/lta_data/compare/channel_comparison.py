@@ -1,4 +1,4 @@
-"""Pair the channels of A and B, and compare each: size, spectrum and time of the difference."""
+"""Pair the channels of A and B, and compare each: size and time of the difference."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -19,8 +19,6 @@ from lta_data.compare.divergence import (
 from lta_data.compare.sampling import (
     align_signals,
     AlignedSignals,
-    ChannelSpectra,
-    compute_spectra,
 )
 from lta_data.even_grid import median_period, SampledSignal, sort_samples
 from lta_data.flight import Channel
@@ -219,7 +217,6 @@ class ChannelComparison:
     periods: tuple[float, float]  # median periods of A and B [s]
     measures: DifferenceMeasures | None  # None if there is no common valid sample
     parting: Divergence  # when they differ
-    spectra: ChannelSpectra | None  # None if there are too few consecutive samples
     lag: CoarseLag | None  # of B behind A; None if their changes do not correlate
     # Rank of the divergence: RMS over the larger of both spreads and the band, times the share of
     # the common span during which they differ.
@@ -264,7 +261,6 @@ def compare_channels(
         periods=(median_period(a.time), median_period(b.time)),
         measures=measures,
         parting=when,
-        spectra=compute_spectra(both, angular=angular),
         lag=estimate_coarse_lag([quantity], LONGEST_CHANNEL_LAG)
         if can_be_prepared(quantity)
         else None,

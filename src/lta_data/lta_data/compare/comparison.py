@@ -5,10 +5,10 @@ from dataclasses import dataclass, field, replace
 from hashlib import blake2b
 from itertools import starmap, zip_longest
 from operator import eq
-from typing import Final, final, NamedTuple
+from typing import Final, final
 
 from lta_config.errors import BadInput
-from lta_data.bag.channels import find_airspeed_topic, read_flight
+from lta_data.bag.channels import read_flight
 from lta_data.bag.recorded_flight import RecordedFlight
 from lta_data.compare.channel_comparison import (
     ChannelComparison,
@@ -22,26 +22,12 @@ from lta_data.compare.channel_comparison import (
 from lta_data.compare.frame_alignment import align_frames, FrameAlignment, Frames
 from lta_data.compare.sampling import Array
 from lta_data.compare.time_alignment import Align, align_times, TimeAlignment
-from lta_data.data_quality.checks.clocks import find_backward_stamps, find_gaps
-from lta_data.even_grid import mask_absurd_values
 from lta_data.flight import Flight
 from lta_data.scene import describe_exceeded_region_of_bag
-from lta_report.formatting import format_count
 import numpy as np
 
 # Rank of the verdicts in tables, largest difference first
 ORDER: Final = {'parted': 0, 'apart at times': 1, 'together': 2, 'identical': 3, 'unknown': 4}
-
-
-SLOWER: Final = 1.02  # ratio of two periods from which rates count as different
-
-
-@final
-class TopicFaults(NamedTuple):
-    """The rate of a topic of one flight, and what is wrong with its times and values."""
-
-    period: float | None  # median period; None for fewer than two messages [s]
-    sentences: tuple[str, ...]  # by the rules of `lta bag check`
 
 
 @final
@@ -69,9 +55,6 @@ class ComparisonResult:
     frames: tuple[FrameAlignment, ...]  # what was done about each pair of world frames
     span: tuple[float, float]  # common time on A's clock [s]
     channels: tuple[ChannelComparison, ...]  # those that diverge most and earliest first
-    # By topic
-    faults_a: Mapping[str, TopicFaults]
-    faults_b: Mapping[str, TopicFaults]
     # Topics missing in the other flight
     only_a: tuple[str, ...]
     only_b: tuple[str, ...]
@@ -128,10 +111,6 @@ def compare_flights(
     comparison = compare_sides(a, b, topic_pairs, request, tick)
     identical = find_identical_topics(one, other, comparison.topics)
     comparison = replace(comparison, identical_topics=identical)
-    if ('odom', 'odom') in [(each.topic_a, each.topic_b) for each in topic_pairs]:
-        comparison = replace(
-            comparison, remarks=(*comparison.remarks, *describe_old_odometry(one, other))
-        )
     outside = [describe_exceeded_region_of_bag(flight) for flight in (one, other)]
     remarks = [f'{label}: {text}' for label, text in zip('AB', outside, strict=True) if text]
     comparison = replace(comparison, remarks=(*comparison.remarks, *remarks))
@@ -174,24 +153,6 @@ def hash_messages(flight: RecordedFlight, topics: Collection[str]) -> dict[str, 
     return {topic: hashes[flight.absolute_name(topic)].digest() for topic in topics}
 
 
-def describe_old_odometry(one: RecordedFlight, other: RecordedFlight) -> list[str]:
-    """Return a remark if `odom` is of different quantities, as in a bag of version 1.0."""
-    flights = {'A': one, 'B': other}
-    # A bag of another program says nothing of `airspeed`, and its odom is over ground
-    old = [
-        label
-        for label, flight in flights.items()
-        if find_airspeed_topic(flight.topics) == 'odom' and 'lta' in flight.provenance
-    ]
-    if len(old) != 1:
-        return []
-    pair = 'odom=airspeed' if old == ['A'] else 'airspeed=odom'
-    return [
-        f"{old[0]} has no topic 'airspeed'. In bags of version 1.0, odom is of the motion through "
-        f'the air, and in later ones of that over ground; --pair {pair} compares the airspeed.'
-    ]
-
-
 def count_ticks(one: RecordedFlight, other: RecordedFlight, request: ComparisonRequest) -> int:
     """Return about how often `compare_flights` calls its tick."""
     topic_pairs = select_topic_pairs(request.pairs, request.topics, one.topics, other.topics)
@@ -227,8 +188,6 @@ def compare_sides(
         frames=tuple(frames),
         span=span,
         channels=channels,
-        faults_a=find_flight_faults(a),
-        faults_b=find_flight_faults(b),
         only_a=(),
         only_b=(),
         topics=topics,
@@ -285,47 +244,3 @@ def find_time_extent(times: Sequence[Array]) -> tuple[float, float]:
     return min(float(time.min()) for time in non_empty), max(
         float(time.max()) for time in non_empty
     )
-
-
-def find_rate_differences(
-    comparison: ComparisonResult,
-) -> list[tuple[str, TopicFaults, TopicFaults]]:
-    """Return the topics with different rates in both flights, and their faults."""
-    both = [
-        (name, comparison.faults_a[name], comparison.faults_b[other])
-        for name, other in comparison.topics.items()
-    ]
-    return [
-        (name, a, b)
-        for name, a, b in both
-        if a.period and b.period and max(a.period, b.period) > SLOWER * min(a.period, b.period)
-    ]
-
-
-def find_flight_faults(side: Flight) -> dict[str, TopicFaults]:
-    """Find the faults of each topic of a flight."""
-    faults = {}
-    for name, own in side.topics.items():
-        # All channels of a topic have the same times
-        time = own[0].time if own else np.empty(0)
-        shares = {
-            each.name: float(np.mean(np.isnan(mask_absurd_values(each.values))))
-            for each in own
-            if len(each.values)
-        }
-        # By ROS convention NaN marks an unmeasured field: a channel of NaN only is no fault
-        partly = [share for share in shares.values() if 0.0 < share < 1.0]
-        sentences = [
-            finding.evidence
-            for rule in (find_backward_stamps, find_gaps)
-            for finding in rule(name, time)
-        ]
-        if partly:
-            sentences.append(
-                f'{format_count(len(partly), "channel")} with NaN in up to '
-                f'{100 * max(partly):.1f} % of the messages.'
-            )
-        rising = np.diff(np.unique(time))
-        period = float(np.median(rising)) if len(rising) else None
-        faults[name] = TopicFaults(period, tuple(sentences))
-    return faults

@@ -1,39 +1,19 @@
 """Plot the channels of both flights, reduced to what a screen can show."""
 
-from base64 import b64encode
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Final, NamedTuple
 
-from lta_bridge.description.scene import draw_static_scene
 from lta_config.constants import DEGREES_PER_RADIAN
-from lta_config.errors import BadInput
 from lta_data.compare.channel_comparison import ChannelComparison
 from lta_data.compare.channel_roles import find_pose_prefix
-from lta_data.compare.comparison import ComparisonResult
 from lta_data.compare.sampling import (
     align_signals,
-    average_log_bands,
     break_at_gaps,
-    ChannelSpectra,
-    interpolate_signal,
-    wrap_angle,
 )
 from lta_data.even_grid import SampledSignal
-from lta_data.scene import read_scene, RecordedScene
-from lta_model.attitude import EulerAngles, to_quaternions
 from lta_report.drawing import create_figure, decimate_line, padded_range
-from lta_report.flight_scene import (
-    build_scene_track,
-    draw_vehicle,
-    render_scene,
-    sample_times,
-    SceneFlight,
-    SceneSet,
-    to_json_numbers,
-)
-from lta_report.palette import ESTIMATE, FILL, GOOD, SETPOINT, SOFT, TRUTH, WALL
+from lta_report.palette import ESTIMATE, FILL, SETPOINT, SOFT, TRUTH, WALL
 import numpy as np
-from numpy.typing import NDArray
 from plotly.graph_objects import Figure, Scatter
 
 FIGURE_POINTS: Final = 1200  # per line; a plot is at most about that wide in pixels
@@ -49,7 +29,7 @@ class ChannelTrace(NamedTuple):
     band: float
 
 
-def build_channel_trace(each: ChannelComparison, points: int = FIGURE_POINTS) -> ChannelTrace:
+def build_channel_trace(each: ChannelComparison) -> ChannelTrace:
     """Return a channel as drawn: angles in degrees and unwrapped."""
     unit, factor = each.unit, 1.0
     if unit in ('rad', 'rad/s'):
@@ -60,7 +40,8 @@ def build_channel_trace(each: ChannelComparison, points: int = FIGURE_POINTS) ->
         a, b = break_at_gaps(each.a), break_at_gaps(each.b)
     lines = [a, b, break_at_gaps(SampledSignal(each.both.time, each.both.difference))]
     one, other, apart = (
-        SampledSignal(*decimate_line(line.time, factor * line.values, points)) for line in lines
+        SampledSignal(*decimate_line(line.time, factor * line.values, FIGURE_POINTS))
+        for line in lines
     )
     return ChannelTrace(unit, one, other, apart, factor * each.parting.band)
 
@@ -74,26 +55,6 @@ def unwrap_pair(each: ChannelComparison) -> tuple[SampledSignal, SampledSignal]:
     return break_at_gaps(SampledSignal(time, a)), break_at_gaps(
         SampledSignal(time, a + difference)
     )
-
-
-def encode_floats(values: NDArray[np.float64]) -> dict[str, str]:
-    """Return numbers in plotly's binary form: single precision, base 64."""
-    return {'dtype': 'f4', 'bdata': b64encode(values.astype('<f4').tobytes()).decode()}
-
-
-def encode_channel(each: ChannelComparison, points: int) -> dict[str, object]:
-    """Return the data that the page needs to draw a picked channel."""
-    trace = build_channel_trace(each, points)
-    content: dict[str, object] = {
-        'unit': trace.unit,
-        'band': trace.band,
-        'at': each.parting.at,
-        'lines': [
-            {'x': encode_floats(line.time), 'y': encode_floats(line.values)}
-            for line in (trace.a, trace.b, trace.difference)
-        ],
-    }
-    return content
 
 
 A, B, DIFFERENCE = TRUTH, ESTIMATE, SETPOINT
@@ -121,15 +82,15 @@ def plot_overlay(each: ChannelComparison, time: tuple[float, float]) -> Figure:
         fillcolor=FILL, line={'width': 0}, layer='below',
     )  # fmt: skip
     at = each.parting.at
-    figure.add_shape(
-        type='line', xref='x', x0=at or 0.0, x1=at or 0.0, yref='paper', y0=0, y1=1,
-        # Created even if invisible: the page's picker moves the same shape to other channels
-        visible=at is not None, layer='below', line={'color': WALL, 'width': 1, 'dash': '2px,3px'},
-    )  # fmt: skip
-    figure.add_annotation(
-        x=at or 0.0, xref='x', y=1.0, yref='paper', yanchor='bottom', text='they diverge',
-        xanchor='left', font={'size': 10, 'color': SOFT}, visible=at is not None,
-    )  # fmt: skip
+    if at is not None:
+        figure.add_shape(
+            type='line', xref='x', x0=at, x1=at, yref='paper', y0=0, y1=1, layer='below',
+            line={'color': WALL, 'width': 1, 'dash': '2px,3px'},
+        )  # fmt: skip
+        figure.add_annotation(
+            x=at, xref='x', y=1.0, yref='paper', yanchor='bottom', text='they diverge',
+            xanchor='left', font={'size': 10, 'color': SOFT},
+        )  # fmt: skip
     unit = f' [{trace.unit}]' if trace.unit not in ('', '1') else ''
     figure.update_xaxes(range=list(time), hoverformat='.2f', unifiedhovertitle_text='%{x} s')
     figure.update_xaxes(title_text="time on A's clock [s]", row=2)
@@ -183,122 +144,3 @@ def thin_path(time: np.ndarray, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarra
     even = np.arange(0, len(across), -(-len(across) // FIGURE_POINTS) or 1)
     keep = np.union1d(even, np.flatnonzero(np.isnan(across + along)))
     return across[keep].astype(np.float32), along[keep].astype(np.float32)
-
-
-SPECTRUM: Final = (('A', A), ('B', B), ('B - A', DIFFERENCE))
-
-
-def plot_spectrum(each: ChannelComparison) -> Figure:
-    """Plot the power spectra of A, B and their difference above their coherence."""
-    figure = create_figure(2, [0.66, 0.34])
-    bands = None if each.spectra is None else average_log_bands(each.spectra)
-    frequency = np.empty(0) if bands is None else bands.frequency
-    for (name, colour), values in zip(SPECTRUM, positive_powers(bands), strict=True):
-        figure.add_trace(
-            Scatter(
-                x=frequency, y=values, name=name, mode='lines',
-                line={'color': colour, 'width': 1.5}, hovertemplate='%{y:.3~g}',
-            ),
-            row=1, col=1,
-        )  # fmt: skip
-    figure.add_trace(
-        Scatter(
-            x=frequency, y=np.empty(0) if bands is None else bands.coherence, name='coherence',
-            mode='lines', line={'color': GOOD, 'width': 1.5}, hovertemplate='%{y:.2f}',
-        ),
-        row=2, col=1,
-    )  # fmt: skip
-    figure.update_xaxes(type='log', unifiedhovertitle_text='%{x:.3~g} Hz')
-    figure.update_xaxes(title_text='frequency [Hz]', row=2)
-    figure.update_yaxes(type='log', title_text='power density', exponentformat='power', row=1)
-    figure.update_yaxes(title_text='coherence', range=[-0.04, 1.04], tickvals=[0, 0.5, 1], row=2)
-    return figure.update_layout(margin={'r': 20, 'l': 66})
-
-
-def positive_powers(thinned: ChannelSpectra | None) -> list[np.ndarray]:
-    """Return the three spectra with NaN for zero, which a logarithmic axis cannot show."""
-    if thinned is None:
-        return [np.empty(0)] * 3
-    return [
-        np.where(part > 0.0, part, np.nan) for part in (thinned.a, thinned.b, thinned.difference)
-    ]
-
-
-Array = NDArray[np.float64]
-MAP_POSE: Final = 'ground_truth/odom/'  # the only pose in the frame of the room
-PLACE: Final = tuple(f'position.{axis}' for axis in 'xyz')
-ANGLE_FIELDS: Final = ('orientation.yaw', 'orientation.pitch', 'orientation.roll')
-CAPTION: Final = (
-    "Both flights at the same time on A's clock, in A's frame. The path ahead is pale; a flight "
-    'is hidden while its position is unknown.'
-)
-READOUT: Final = {
-    'time': ('time', '\N{NO-BREAK SPACE}s', 1, 1.0),
-    'apart': ('apart', '\N{NO-BREAK SPACE}m', 2, 1.0),
-    'turned': ('heading, B - A', '°', 0, 1.0),
-}
-
-
-def render_comparison_scene(
-    comparison: ComparisonResult, span: tuple[float, float]
-) -> tuple[str, Mapping[str, object]]:
-    """
-    Return the panel of the 3-D view and the track of the page; both empty without positions.
-
-    `span`: time that the view covers, on A's clock [s].
-    """
-    pose = find_pose_prefix(comparison.channels)
-    by_name = {each.name: each for each in comparison.channels}
-    places = [by_name.get(f'{pose}{field}') for field in PLACE]
-    channels = [each for each in places if each is not None]
-    if not pose or len(channels) < len(PLACE):
-        return '', {}
-    angles = [by_name.get(f'{pose}{field}') for field in ANGLE_FIELDS]
-    time = sample_times(*span)
-    poses = {side: sample_pose(channels, angles, side, time) for side in ('a', 'b')}
-    scene = read_recorded_scene(comparison)
-    body, reach, _ = draw_vehicle(scene.vehicle)
-    flights = [
-        SceneFlight(name, colour, body, position, to_quaternions(turn), ghost=True)
-        for name, colour, (position, turn) in (
-            ('A', TRUTH, poses['a']),
-            ('B', ESTIMATE, poses['b']),
-        )
-    ]
-    (place_a, turn_a), (place_b, turn_b) = poses['a'], poses['b']
-    turned = np.degrees(wrap_angle(turn_b.yaw - turn_a.yaw))
-    columns = {
-        'apart': to_json_numbers(np.linalg.norm(place_b - place_a, axis=1)),
-        'turned': to_json_numbers(turned),
-    }
-    room = scene.scenario if pose.startswith(MAP_POSE) else None
-    scene_set = SceneSet(time, flights, columns)
-    panel = render_scene(
-        [scene_set], [] if room is None else draw_static_scene(room), CAPTION, reach
-    )
-    return panel, build_scene_track(scene_set)
-
-
-def read_recorded_scene(comparison: ComparisonResult) -> RecordedScene:
-    """Return the scene of A; empty if it cannot be read."""
-    try:
-        return read_scene(comparison.a.provenance)
-    except BadInput:  # written by another version, which does not matter for a comparison
-        return RecordedScene(None, None)
-
-
-def sample_pose(
-    places: Sequence[ChannelComparison],
-    angles: Sequence[ChannelComparison | None],
-    side: str,
-    time: Array,
-) -> tuple[Array, EulerAngles]:
-    """Return positions, shape (n, 3), and attitudes; unknown angles are zero. [m]"""
-    place = [interpolate_signal(getattr(each, side), time) for each in places]
-    turn = [
-        np.zeros_like(time)
-        if each is None
-        else np.nan_to_num(interpolate_signal(getattr(each, side), time, angular=True))
-        for each in angles
-    ]
-    return np.stack(place, axis=1), EulerAngles(*turn)

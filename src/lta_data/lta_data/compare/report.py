@@ -1,6 +1,5 @@
 """Build the report of a comparison, with its tables."""
 
-from html import escape
 from pathlib import Path
 from typing import Final
 
@@ -12,14 +11,7 @@ from lta_data.compare.channel_roles import (
     select_headline_channels,
     select_panel_channels,
 )
-from lta_data.compare.comparison import ComparisonResult, find_rate_differences
-from lta_data.compare.figures import (
-    encode_channel,
-    encode_floats,
-    READOUT,
-    render_comparison_scene,
-)
-from lta_data.compare.sampling import average_log_bands
+from lta_data.compare.comparison import ComparisonResult
 from lta_data.compare.sentences import (
     BASIS,
     comparison_to_dict,
@@ -32,26 +24,22 @@ from lta_data.compare.sentences import (
     format_offset,
     format_offset_and_interval,
     format_quantity,
-    format_rate,
     format_verdict,
     MISSING_DASH,
 )
-from lta_report.flight_scene import render_time_bar
 from lta_report.formatting import Tile
-from lta_report.html_elements import embed_data
-from lta_report.report import Block, Grid, HtmlBlock, Picture, Report, TextTable
+from lta_report.report import Grid, Picture, Report, TextTable
 import numpy as np
 
 RANKING_ROWS: Final = 20  # channels in the ranking
 DASH: Final = '-'
 HEADS: Final = (
-    'channel', 'diverges at', 'bias', 'RMS', '95 % of RMS', 'NRMSE', 'maximum', 'at', 'lag',
+    'channel', 'diverges at', 'bias', 'RMS', 'NRMSE', 'maximum', 'at', 'lag',
 )  # fmt: skip
 LEGEND: Final = (
     "Times are on A's clock. NRMSE is the RMS difference divided by the standard deviation of A "
     'at the same times.'
 )
-NO_FAULTS: Final = 'No gaps, missing values, or time stamps that repeat or go back.'
 
 
 def build_ranking(comparison: ComparisonResult) -> TextTable:
@@ -60,7 +48,7 @@ def build_ranking(comparison: ComparisonResult) -> TextTable:
     more = f' (first {RANKING_ROWS} of {count})' if count > RANKING_ROWS else ''
     rows = []
     for each in comparison.channels[:RANKING_ROWS]:
-        parts, bias, rms, _, nrmse, *_ = format_ranking_row(each)
+        parts, bias, rms, nrmse, *_ = format_ranking_row(each)
         rows.append([each.name, parts, bias, rms, nrmse])
     heads = ('channel', 'diverges at', 'bias', 'RMS', 'NRMSE')
     heading = f'Channels, the largest and earliest divergence first{more}'
@@ -72,16 +60,12 @@ def format_ranking_row(each: ChannelComparison) -> list[str]:
     """Return the cells of one channel in the ranking."""
     measures, when = each.measures, each.parting
     if measures is None:
-        return ['no common data', *[DASH] * 7]
+        return ['no common data', *[DASH] * 6]
     parts = each.verdict if when.at is None else f'{when.at:.2f} s'
-    low, high = (
-        format_quantity(value, each.unit) for value in (measures.rms_low, measures.rms_high)
-    )
     return [
         parts,
         format_quantity(measures.bias, each.unit),
         format_quantity(measures.rms, each.unit),
-        f'{low.split(" ")[0]} to {high.split(" ")[0]}',
         DASH if measures.nrmse is None else f'{measures.nrmse:.2g}',
         format_quantity(measures.greatest, each.unit),
         f'{measures.greatest_at:.2f} s',
@@ -95,29 +79,8 @@ def build_channel_table(comparison: ComparisonResult) -> TextTable:
     return TextTable('All channels', HEADS, rows, printed=False)
 
 
-def list_faults(comparison: ComparisonResult) -> list[tuple[str, str, str, str]]:
-    """Return flight, topic, rate and fault of all topics with faults."""
-    return [
-        (label, topic, format_rate(each), ' '.join(each.sentences))
-        for label, faults in (('A', comparison.faults_a), ('B', comparison.faults_b))
-        for topic, each in faults.items()
-        if each.sentences
-    ]
-
-
-def build_fault_table(comparison: ComparisonResult) -> TextTable:
-    """Return the table of data faults and of topics with different rates."""
-    rows = list_faults(comparison)
-    for topic, each, other in find_rate_differences(comparison):
-        rates = f'{format_rate(each)}, {format_rate(other)}'
-        rows.append(('A, B', topic, rates, 'different rates'))
-    note = '' if rows else NO_FAULTS
-    heads = ('flight', 'topic', 'rate', 'fault')
-    return TextTable('Faults of the data', heads, rows, note, printed=False)
-
-
 def list_alignment_lines(comparison: ComparisonResult) -> list[str]:
-    """Return what the terminal says about the alignment, and about topics that need a look."""
+    """Return what the terminal says about the alignment, and about topics of one flight."""
     lines = [f'Time: {describe_timing(comparison.timing)}']
     lines += [f'Frames of {each.topic}: {describe_frames(each)}' for each in comparison.frames]
     for label, only in (('A', comparison.only_a), ('B', comparison.only_b)):
@@ -125,13 +88,6 @@ def list_alignment_lines(comparison: ComparisonResult) -> list[str]:
             lines.append(f'Topics only in {label}: {", ".join(only)}.')
     if comparison.identical_topics and not comparison.is_identical:
         lines.append(f'Topics identical in every value: {", ".join(comparison.identical_topics)}.')
-    lines += [f'{label}, {topic}: {fault}' for label, topic, _, fault in list_faults(comparison)]
-    rates = [
-        f'{name} ({format_rate(a)} and {format_rate(b)})'
-        for name, a, b in find_rate_differences(comparison)
-    ]
-    if rates:
-        lines.append(f'Topics with different rates in A and B: {", ".join(rates)}.')
     return [*lines, *comparison.remarks]
 
 
@@ -165,8 +121,6 @@ def build_alignment_table(comparison: ComparisonResult) -> TextTable:
     )  # fmt: skip
 
 
-# All channels are embedded in the page for the picker
-PICKED: Final = 320  # points of a line in the channel picker; limits the page's size
 FIGURE_HEIGHT: Final = 330  # of a figure [px]
 COMPARED_COLOURS: Final = (
     'Blue: A, orange: B, grey: B - A. Shaded: the noise band or the tolerance. Gaps are not '
@@ -178,7 +132,6 @@ ABOVE: Final = "Both paths from above, in A's frame. Open circle: start. Filled 
 def build_report(comparison: ComparisonResult) -> Report:
     """Return the report of a comparison."""
     time = find_total_span(comparison)
-    scene, track = render_comparison_scene(comparison, time)
     return Report(
         command='compare',
         subject=f'A {shorten_path(comparison.a.path)} · B {shorten_path(comparison.b.path)}',
@@ -188,18 +141,13 @@ def build_report(comparison: ComparisonResult) -> Report:
         blocks=[
             Grid([*build_path_picture(comparison), build_ranking(comparison)]),
             Grid([build_panel(each, time) for each in select_panel_channels(comparison.channels)]),
-            *build_channel_picker(comparison),
             build_channel_table(comparison),
-            Grid([build_alignment_table(comparison), build_fault_table(comparison)]),
+            build_alignment_table(comparison),
         ],
         data=comparison_to_dict(comparison),
         facts=describe_sources(comparison),
         commands=suggest_commands(comparison),
         closing=list_alignment_lines(comparison),
-        scene=scene,
-        time_bar=render_time_bar(READOUT, 'flights') if scene else '',
-        track=track,
-        asset='compare.html',
     )
 
 
@@ -251,11 +199,6 @@ def build_tiles(comparison: ComparisonResult) -> list[Tile]:
         for each in select_headline_channels(comparison.channels)
         if each.parting.at is not None
     ] or parted
-    wrong = sum(
-        bool(each.sentences)
-        for side in (comparison.faults_a, comparison.faults_b)
-        for each in side.values()
-    )
     offset, doubt, unit = format_offset_and_interval(timing)
     doubt = f'± {doubt} {unit}; ' if doubt else ''
     how = {
@@ -285,7 +228,6 @@ def build_tiles(comparison: ComparisonResult) -> list[Tile]:
         )
     else:
         tiles.append(Tile('First divergence', MISSING_DASH, '', 'no channel diverges'))
-    tiles.append(Tile('Topics with faults', str(wrong), '', 'gaps, duplicates, missing values'))
     return tiles
 
 
@@ -300,56 +242,6 @@ def build_panel(entry: RoleChannel, time: tuple[float, float]) -> Picture:
     about = f'{entry.channel.name}. {summarize_channel(entry.channel)}'
     figure = figures.plot_overlay(entry.channel, time)
     return Picture(entry.role.name, format_title(entry), about, figure, FIGURE_HEIGHT, timed=True)
-
-
-def is_worth_plotting(each: ChannelComparison) -> bool:
-    """Return whether a channel is worth plotting."""
-    return each.measures is not None and not each.both_constant
-
-
-def build_channel_picker(comparison: ComparisonResult) -> list[Block]:
-    """Return the channel picker with the overlay and spectra of the chosen channel."""
-    channels = [each for each in comparison.channels if is_worth_plotting(each)]
-    if not channels:
-        return []
-    first, time = channels[0], find_total_span(comparison)
-    options = ''.join(f'<option>{escape(each.name)}</option>' for each in channels)
-    content = {each.name: build_picker_data(each) for each in channels}
-    by_frequency = (
-        "Power spectral density by Welch's method, in the channel's unit squared per hertz; "
-        "coherence is the share of B's power that depends linearly on A."
-    )
-    return [
-        HtmlBlock(
-            '<p class="choice"><label for="channel">Any channel</label> '
-            f'<select id="channel">{options}</select></p>{embed_data("channels", content)}'
-        ),
-        Grid([
-            Picture(
-                'channel', 'Over time', f'{first.name}. {summarize_channel(first)}',
-                figures.plot_overlay(first, time), FIGURE_HEIGHT, timed=True,
-            ),
-            Picture(
-                'spectrum', 'By frequency', by_frequency, figures.plot_spectrum(first),
-                FIGURE_HEIGHT,
-            ),
-        ]),
-    ]  # fmt: skip
-
-
-def build_picker_data(each: ChannelComparison) -> dict[str, object]:
-    """Return the data that the page's script needs for a channel."""
-    content = {
-        **encode_channel(each, PICKED),
-        'summary': f'{each.name}. {summarize_channel(each)}',
-    }
-    bands = None if each.spectra is None else average_log_bands(each.spectra)
-    if bands is not None:
-        content['frequency'] = encode_floats(bands.frequency)
-        content['powers'] = [
-            encode_floats(part) for part in (*figures.positive_powers(bands), bands.coherence)
-        ]
-    return content
 
 
 def describe_sources(comparison: ComparisonResult) -> dict[str, str]:
@@ -377,5 +269,6 @@ def suggest_commands(comparison: ComparisonResult) -> dict[str, str]:
         'Compare in a script: exit status 1 if they differ': format_lta_command(
             'compare', a, b, '--same'
         ),
-        'Look at A': format_lta_command('report', a),
+        'See A fly': format_lta_command('report', a),
+        'Look for gaps and other faults': format_lta_command('bag check', a, b),
     }

@@ -1,18 +1,15 @@
-"""Resample signals, and compare them at all frequencies; gaps stay gaps."""
+"""Resample signals; gaps stay gaps."""
 
-from dataclasses import dataclass
-from typing import Final, final, NamedTuple
+from typing import Final, NamedTuple
 
 from lta_data.even_grid import (
     BRIDGED_PERIODS,
-    find_runs,
     median_period,
     NO_SAMPLES,
     SampledSignal,
 )
 import numpy as np
 from numpy.typing import NDArray
-from scipy import signal
 
 FULL_TURN_RADIANS: Final = 2.0 * np.pi
 Array = NDArray[np.float64]
@@ -92,97 +89,3 @@ def break_at_gaps(line: SampledSignal) -> SampledSignal:
     return SampledSignal(
         np.insert(line.time, after + 1, when), np.insert(line.values, after + 1, np.nan)
     )
-
-
-SEGMENT: Final = 1024  # samples per segment, at most
-SEGMENTS: Final = 4  # at least, with half overlap
-MIN_SPECTRUM_SAMPLES: Final = 32  # samples needed for a spectrum
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class ChannelSpectra:
-    """Power spectra of both channels and of their difference."""
-
-    frequency: Array  # without zero, shape (n,) [Hz]
-    # One-sided power spectral density, shape (n,) [unit squared over Hz]
-    a: Array
-    b: Array
-    difference: Array
-    coherence: Array  # share of B's power that is linear in A, 0 to 1, shape (n,)
-    # Number of averaged segments; unrelated channels have a coherence of about 1 / segments
-    segments: int
-    # The longest stretch without a gap, from which they are computed [s]
-    span: tuple[float, float]
-
-
-def resample_evenly(pair: AlignedSignals, *, angular: bool = False) -> tuple[Array, Array, Array]:
-    """
-    Return times and both channels on an even grid over the longest stretch without a gap.
-
-    Angles are unwrapped.
-    """
-    stretches = find_runs(pair.both_valid)
-    if not len(stretches):
-        return NO_SAMPLES, NO_SAMPLES, NO_SAMPLES
-    part = slice(*stretches[np.ptp(stretches, axis=1).argmax()].tolist())
-    time, a = pair.time[part], pair.a[part]
-    a = np.unwrap(a) if angular else a
-    # The difference is wrapped already, so B stays on the branch of A
-    b = a + pair.difference[part]
-    count = len(time)
-    if count < 2:
-        return time, a, b
-    # Even steps, which the FFT needs; stamps jitter
-    grid = np.linspace(time[0], time[-1], count)
-    return grid, np.interp(grid, time, a), np.interp(grid, time, b)
-
-
-def compute_spectra(pair: AlignedSignals, *, angular: bool = False) -> ChannelSpectra | None:
-    """
-    Compute the spectra by Welch's method: Hann windows, half overlapping, mean removed.
-
-    None for fewer than 32 consecutive samples without a gap.
-    """
-    time, a, b = resample_evenly(pair, angular=angular)
-    count = len(time)
-    if count < MIN_SPECTRUM_SAMPLES:
-        return None
-    # With half overlap, n segments of length L cover (n + 1) L / 2 samples.
-    length = min(SEGMENT, 2 * count // (SEGMENTS + 1))
-    rate = (count - 1) / float(time[-1] - time[0])
-
-    def welch_power(values: Array) -> tuple[Array, Array]:
-        spectrum: tuple[Array, Array] = signal.welch(values, fs=rate, nperseg=length)
-        return spectrum
-
-    frequency, of_a = welch_power(a)
-    (_, of_b), (_, of_difference) = welch_power(b), welch_power(b - a)
-    # Magnitude-squared coherence: |P_ab|^2 / (P_aa P_bb)
-    across = np.abs(signal.csd(a, b, fs=rate, nperseg=length)[1]) ** 2
-    power = of_a * of_b
-    coherence = np.divide(across, power, out=np.zeros_like(power), where=power > 0.0)
-    return ChannelSpectra(
-        # The mean was removed, so the value at zero frequency means nothing.
-        frequency[1:], of_a[1:], of_b[1:], of_difference[1:],
-        np.clip(coherence[1:], 0.0, 1.0), (count - length // 2) // (length - length // 2),
-        (float(time[0]), float(time[-1])),
-    )  # fmt: skip
-
-
-def average_log_bands(full: ChannelSpectra, points: int = 96) -> ChannelSpectra:
-    """Average spectra over logarithmically spaced bands."""
-    if len(full.frequency) <= points:
-        return full
-    edges = np.geomspace(1, len(full.frequency), points + 1)
-    # At low frequencies several bands start at one bin; keep it once
-    starts = np.unique(np.floor(edges[:-1]).astype(int) - 1)
-    sizes = np.diff(np.append(starts, len(full.frequency)))
-
-    def mean(values: Array) -> Array:
-        return np.add.reduceat(values, starts) / sizes
-
-    return ChannelSpectra(
-        mean(full.frequency), mean(full.a), mean(full.b), mean(full.difference),
-        mean(full.coherence), full.segments, full.span,
-    )  # fmt: skip

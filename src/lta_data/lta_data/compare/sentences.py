@@ -1,6 +1,5 @@
 """Describe a comparison in sentences: verdict, divergence, and alignment of clocks and frames."""
 
-from collections.abc import Mapping
 from dataclasses import asdict, replace
 import math
 from typing import Any, Final
@@ -8,20 +7,15 @@ from typing import Any, Final
 from lta_config.constants import DEGREES_PER_RADIAN
 from lta_data.compare.channel_comparison import ChannelComparison
 from lta_data.compare.channel_roles import (
-    end_offset,
     FIELDS,
-    find_pose_channels,
-    format_direction,
     select_headline_channels,
 )
-from lta_data.compare.comparison import ComparisonResult, TopicFaults
+from lta_data.compare.comparison import ComparisonResult
 from lta_data.compare.frame_alignment import FrameAlignment, FrameTransform
-from lta_data.compare.sampling import average_log_bands, ChannelSpectra
 from lta_data.compare.time_alignment import TimeAlignment
 from lta_data.flight import Flight
 from lta_report.formatting import format_count
 from lta_report.json_value import to_json_value
-import numpy as np
 
 BASIS: Final = 1e6  # ppm
 MISSING_DASH: Final = '\N{EN DASH}'
@@ -59,9 +53,6 @@ def format_verdict(comparison: ComparisonResult) -> str:
     if not parted:
         return describe_minor_differences(comparison)
     first = find_earliest_divergence(parted)
-    ending = format_ending(comparison)
-    if ending:
-        return f'{ending}; {format_onset(comparison, first)}.'
     who = format_subject(comparison)
     text = f'{who} diverge at {first.parting.at:.2f} s, first in {format_channel_name(first)}'
     if differs_from_start(first):
@@ -73,29 +64,6 @@ def format_verdict(comparison: ComparisonResult) -> str:
         text += ', which also differs most'
     rms = 0.0 if worst.measures is None else worst.measures.rms
     return f'{text}: {format_quantity(rms, worst.unit)} RMS.'
-
-
-def format_ending(comparison: ComparisonResult) -> str:
-    """Return where B ends relative to A, 'B ends 3 m behind A'; '' if positions agree."""
-    channels = find_pose_channels(comparison)
-    offset = end_offset(channels)
-    if offset is None or all(channels[axis].parting.at is None for axis in 'xyz'):
-        return ''
-    away = format_quantity(math.hypot(*offset), channels['x'].unit, 2)
-    name_a, name_b = format_sides(comparison)
-    return f'{name_b} ends {away} {format_direction(offset)} {name_a}'
-
-
-def format_onset(comparison: ComparisonResult, first: ChannelComparison) -> str:
-    """Return since when the flights turn differently, or else when they diverge."""
-    heading = find_pose_channels(comparison)['yaw']
-    if heading.parting.at is None:
-        if differs_from_start(first):
-            return f'they differ from the start, in {format_channel_name(first)}'
-        return f'they diverge at {first.parting.at:.2f} s, first in {format_channel_name(first)}'
-    if differs_from_start(heading):
-        return 'they turn differently from the start'
-    return f'they turn differently from {heading.parting.at:.1f} s on'
 
 
 def format_sides(comparison: ComparisonResult) -> tuple[str, str]:
@@ -239,18 +207,11 @@ def describe_frame_transform(fit: FrameTransform) -> str:
     )
 
 
-def format_rate(faults: TopicFaults) -> str:
-    """Format the rate of a topic."""
-    return MISSING_DASH if not faults.period else f'{1.0 / faults.period:.4g} Hz'
-
-
 JSON_UNITS = {
     'offset': 's', 'sigma': 's', 'lead': 's', 'drift': '1', 'drift_sigma': '1', 'middle': 's',
     'span': 's', 'yaw': 'rad', 'x': 'm', 'y': 'm', 'z': 'm', 'before': 'm', 'after': 'm',
-    'periods': 's', 'at': 's', 'first': 's', 'greatest_at': 's', 'lag': 's', 'frequency': 'Hz',
-    'start': 'ns', 'nrmse': '1', 'coherence': '1',
-    'outside': '1', 'score': '1', 'bias, rms, rms_low, rms_high, greatest, spread, band': 'unit',
-    'a, b, difference (spectra)': 'unit2/Hz',
+    'periods': 's', 'at': 's', 'first': 's', 'greatest_at': 's', 'lag': 's', 'start': 'ns',
+    'nrmse': '1', 'outside': '1', 'score': '1', 'bias, rms, greatest, spread, band': 'unit',
 }  # fmt: skip
 
 
@@ -259,8 +220,8 @@ def comparison_to_dict(comparison: ComparisonResult) -> dict[str, Any]:
     content = {
         'verdict': comparison.verdict,
         'sentence': format_verdict(comparison),
-        'a': flight_to_dict(comparison.a, comparison.faults_a, comparison.only_a),
-        'b': flight_to_dict(comparison.b, comparison.faults_b, comparison.only_b),
+        'a': flight_to_dict(comparison.a, comparison.only_a),
+        'b': flight_to_dict(comparison.b, comparison.only_b),
         'span': comparison.span,
         'timing': asdict(comparison.timing),
         'frames': [asdict(each) for each in comparison.frames],
@@ -274,23 +235,19 @@ def comparison_to_dict(comparison: ComparisonResult) -> dict[str, Any]:
     return plain
 
 
-def flight_to_dict(
-    side: Flight, faults: Mapping[str, TopicFaults], only: tuple[str, ...]
-) -> dict[str, Any]:
-    """Return the origin and the faults of one flight."""
+def flight_to_dict(side: Flight, only: tuple[str, ...]) -> dict[str, Any]:
+    """Return the origin of one flight."""
     return {
         'path': side.path,
         'robot': side.robot,
         'start': side.start,
         'span': side.span,
         'topics_only_here': only,
-        'faults': {name: each.sentences for name, each in faults.items() if each.sentences},
-        'periods': {name: each.period for name, each in faults.items()},
     }
 
 
 def channel_to_dict(each: ChannelComparison) -> dict[str, Any]:
-    """Return a channel with its spectra at up to 96 frequencies."""
+    """Return a channel without its samples."""
     return {
         'name': each.name,
         'other': each.other,
@@ -304,13 +261,4 @@ def channel_to_dict(each: ChannelComparison) -> dict[str, Any]:
         # A NamedTuple would become a list.
         'correlation': each.lag
         and {'value': each.lag.correlations[each.name], 'lag': each.lag.lag},
-        'spectra': each.spectra and _round_spectra(average_log_bands(each.spectra)),
-    }
-
-
-def _round_spectra(spectra: ChannelSpectra) -> dict[str, Any]:
-    """Return spectra with six digits, which are enough and keep the file small."""
-    return {
-        name: [float(f'{value:.6g}') for value in part] if isinstance(part, np.ndarray) else part
-        for name, part in asdict(spectra).items()
     }

@@ -71,59 +71,28 @@ class ValidRange(NamedTuple):
 
 
 INFINITE: Final = float('inf')
-RANGES: Final = (
-    ValidRange(
-        re.compile(r'^motors/effort\.|^motors/effort\['), -1.0, 1.0, 'a duty is between -1 and 1'
-    ),
-    ValidRange(re.compile(r'(^|/)range/range$'), 0.0, INFINITE, 'a distance cannot be negative'),
-    ValidRange(
-        re.compile(r'(^|/)illuminance/illuminance$'),
-        0.0,
-        2e5,
-        'an illuminance cannot be negative, nor far above sunlight (1.3e5 lx)',
-    ),
-    ValidRange(re.compile(r'/percentage$'), 0.0, 1.0, 'a state of charge is between 0 and 1'),
-    ValidRange(
-        re.compile(r'/fluid_pressure$'),
-        3e4,
-        1.1e5,
-        'the air pressure below 9 km altitude is between 3e4 and 1.1e5 Pa',
-    ),
-    ValidRange(
-        re.compile(r'linear_acceleration\.[xyz]$'),
-        -320.0,
-        320.0,
-        'no accelerometer measures more than 32 g',
-    ),
-    ValidRange(
-        re.compile(r'angular(_velocity)?\.[xyz]$'),
-        -70.0,
-        70.0,
-        'no gyroscope measures more than 4000 deg/s (70 rad/s)',
-    ),
-    ValidRange(
-        re.compile(r'linear\.[xyz]$'), -60.0, 60.0, 'no indoor vehicle is faster than 60 m/s'
-    ),
-    ValidRange(
+RANGES: Final = tuple(
+    ValidRange(re.compile(names), low, high, reason)
+    for names, low, high, reason in (
+        (r'^motors/effort\.|^motors/effort\[', -1.0, 1.0, 'a duty is between -1 and 1'),
+        (r'(^|/)range/range$', 0.0, INFINITE, 'a distance cannot be negative'),
+        (r'(^|/)illuminance/illuminance$', 0.0, 2e5,
+         'an illuminance cannot be negative, nor far above sunlight (1.3e5 lx)'),
+        (r'/percentage$', 0.0, 1.0, 'a state of charge is between 0 and 1'),
+        (r'/fluid_pressure$', 3e4, 1.1e5,
+         'the air pressure below 9 km altitude is between 3e4 and 1.1e5 Pa'),
+        (r'linear_acceleration\.[xyz]$', -320.0, 320.0,
+         'no accelerometer measures more than 32 g'),
+        (r'angular(_velocity)?\.[xyz]$', -70.0, 70.0,
+         'no gyroscope measures more than 4000 deg/s (70 rad/s)'),
+        (r'linear\.[xyz]$', -60.0, 60.0, 'no indoor vehicle is faster than 60 m/s'),
         # 7 is just above 2 pi
-        re.compile(r'\.(yaw|pitch|roll)$'),
-        -7.0,
-        7.0,
-        'an angle in radians is between -2 pi and 2 pi',
-    ),
-    ValidRange(
-        re.compile(r'^light/peaks/snr\['),
-        0.0,
-        INFINITE,
-        'a signal-to-noise ratio cannot be negative',
-    ),
-    ValidRange(
-        re.compile(r'/temperature$'),
-        -60.0,
-        150.0,
-        'a temperature in flight is between -60 and 150 degrees Celsius',
-    ),
-)
+        (r'\.(yaw|pitch|roll)$', -7.0, 7.0, 'an angle in radians is between -2 pi and 2 pi'),
+        (r'^light/peaks/snr\[', 0.0, INFINITE, 'a signal-to-noise ratio cannot be negative'),
+        (r'/temperature$', -60.0, 150.0,
+         'a temperature in flight is between -60 and 150 degrees Celsius'),
+    )
+)  # fmt: skip
 COUNT_CHANNELS: Final = re.compile(r'^photodiodes/(min|max|mean)\[|^light/peaks/amplitude\[')
 SPREAD_CHANNELS: Final = re.compile(r'^photodiodes/std\[')
 # Single cells and packs; no battery has less than 2.5 V or 4.4 to 5 V. [V]

@@ -39,12 +39,11 @@ def build_provenance(
         'source_size': str(source_size(source)),
         'format': format_,
         'importer': f'lta import {VERSION}',
-        'data': 'measured' if mapping is None else mapping.data,
         'commit': read_commit(),
         'created': datetime.now(UTC).isoformat(timespec='seconds'),
     }
     if mapping is not None:
-        facts |= {'mapping': mapping.name, 'mapping_file': text}
+        facts |= {'data': mapping.data, 'mapping': mapping.name, 'mapping_file': text}
     if vehicle is not None:
         path = find_file('vehicle', vehicle)
         facts |= {'vehicle': vehicle, 'vehicle_file': path.read_text(encoding='utf-8')}

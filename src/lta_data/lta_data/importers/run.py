@@ -89,7 +89,7 @@ class ImportedLog:
     # How it was read; '' without a mapping
     format: str
     mapping: str
-    data: str  # 'measured' or 'simulated', as the mapping declares
+    data: str  # 'measured' or 'simulated', as the mapping declares; '' without one
     topics: dict[str, int] = field(default_factory=dict)  # messages by topic
     # Remarks on odd, missing or omitted data, one sentence each
     notes: list[str] = field(default_factory=list)
@@ -179,7 +179,11 @@ def _import_log(
         log = find_format(format_).opened(source, mapping)
         chosen = choose_entries(source, mapping, log, order.robot)
         imported = ImportedLog(
-            str(source), str(bag), format_, mapping.name if mapping else '', provenance['data']
+            str(source),
+            str(bag),
+            format_,
+            mapping.name if mapping else '',
+            mapping.data if mapping else '',
         )
         strange = (
             [] if order.vehicle is None else describe_unknown_actuators(order.vehicle, chosen)

@@ -187,7 +187,7 @@ def is_compass(group: ColumnGroup, angles: Numbers) -> bool:
 
 def is_crazyflie(group: ColumnGroup) -> bool:
     """Return whether angles have the names of a Crazyflie, whose pitch is positive nose up."""
-    words = frozenset().union(*(parse_column_name(column).words for column in group.columns))
+    words = group.words
     return group.axes == ('roll', 'pitch', 'yaw') and bool(
         words & {'stabilizer'} or {'state', 'estimate'} <= words
     )

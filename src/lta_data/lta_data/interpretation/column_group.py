@@ -5,6 +5,7 @@ from typing import Final, final, NamedTuple
 
 from lta_data.importers.axes import LocalMap
 from lta_data.importers.protocol import Numbers
+from lta_data.interpretation.column_names import parse_column_name
 import numpy as np
 
 ATTITUDES: Final = ('quaternion', 'matrix', 'euler')  # kinds of groups
@@ -37,6 +38,16 @@ class ColumnGroup(NamedTuple):
     def is_geodetic(self) -> bool:
         """Whether a position is in latitude, longitude and altitude."""
         return self.axes == GEODETIC
+
+    @property
+    def stem_words(self) -> frozenset[str]:
+        """The words in the names of its columns, without axes and units."""
+        return frozenset(word for one in self.columns for word in parse_column_name(one).stem)
+
+    @property
+    def words(self) -> frozenset[str]:
+        """The same, also without an index at their end."""
+        return frozenset(word for one in self.columns for word in parse_column_name(one).words)
 
     def stack(self, table: Columns) -> Numbers:
         """Return the numbers, shape (n, columns); a latitude becomes a place in metres."""

@@ -11,7 +11,6 @@ from typing import Any, Final, final
 
 from lta_config.covariances import select_estimates
 from lta_config.topics import load_topic_table
-from lta_data.bag.channels import find_airspeed_topic
 from lta_data.bag.recorded_flight import RecordedFlight
 from lta_data.bag.table import get_column, group_points, stack_components, Table
 from lta_data.even_grid import check_time_span, median_period
@@ -145,9 +144,8 @@ class FlightView:
     def estimate(self) -> MotionCurve:
         """The estimated motion, aligned with the truth at the start, with the airspeed."""
         motion = self._read_motion('odom')
-        topic = find_airspeed_topic(self.flight.topics)
-        if topic != 'odom':
-            airspeed = self.read_curve(topic, 'twist.twist.linear.x')
+        if self.has_topics('airspeed'):
+            airspeed = self.read_curve('airspeed', 'twist.twist.linear.x')
             motion = motion._replace(speed=np.interp(motion.time, *airspeed))
         return align_start(motion, self.truth) if self.has_topics('ground_truth/odom') else motion
 

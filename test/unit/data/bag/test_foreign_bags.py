@@ -8,7 +8,6 @@ project.
 from pathlib import Path
 
 from lta_data.bag import read_bag
-from lta_data.bag.recover import recover_bag
 from mcap.reader import make_reader
 import pytest
 
@@ -39,8 +38,7 @@ def test_whole_and_cut(tmp_path, measured):
     (tmp_path / 'cut.mcap').write_bytes(
         measured.read_bytes()[: middle.chunk_start_offset + middle.chunk_length - 1]
     )
-    found = recover_bag(tmp_path / 'cut.mcap', tmp_path / 'new')
-    kept = list(read_bag(tmp_path / 'new').iterate_messages())
+    kept = list(read_bag(tmp_path / 'cut.mcap').iterate_messages())
     assert kept == theirs[: len(kept)]
-    assert found.messages == len(kept) > 0
-    assert kept[-1][1] <= middle.message_start_time <= theirs[len(kept)][1]
+    # What is before the cut in its chunk, too
+    assert kept[-1][1] >= middle.message_start_time

@@ -121,18 +121,15 @@ def test_padding_makes_no_difference_but_a_letter_does(tmp_path):
     assert not compare_flights(clean, other, ComparisonRequest()).is_identical
 
 
-def test_gaps_are_named_and_never_bridged(two):
+def test_gaps_are_never_bridged(two):
     found = two(NOISY, OTHER | {'offset': 0.1234, 'drop': (10.0, 15.0)})
-    (gap,) = found.faults_b['odom'].sentences
-    assert gap.startswith('No message for 5.0')
-    assert found.faults_a['odom'].sentences == ()
     both = channel(found, Z).both
     inside = (both.time > 10.1) & (both.time < 14.9)
     assert not np.isfinite(both.difference[inside]).any()
     assert found.verdict == 'same'
 
 
-def test_doubled_and_backward_messages_are_counted(record):
+def test_doubled_and_late_messages_make_no_difference(record):
     def at(k):
         covered = make('geometry_msgs/msg/PoseWithCovariance', pose=pose(0.01 * k, 0.0, 1.0, 0.0))
         time = 1_000_000_000 + 10_000_000 * k
@@ -143,10 +140,6 @@ def test_doubled_and_backward_messages_are_counted(record):
     a = open_flight(record([at(k) for k in range(100)], 'a'))
     b = open_flight(record([at(k) for k in order], 'b'))
     found = compare_flights(a, b, ComparisonRequest())
-    late, twice = found.faults_b['odom'].sentences
-    assert late.startswith('1 of 102 messages were recorded after later ones, by up to 0.040 s')
-    assert twice == '1 of 101 messages repeat the previous time stamp.'
-    assert found.faults_a['odom'].sentences == ()
     assert not found.is_identical
     assert found.is_within_bands
 
@@ -179,13 +172,13 @@ def test_a_bag_is_gone_through_a_few_times_whatever_it_holds(tmp_path, monkeypat
     write_flight(tmp_path / 'bag')
     flight = open_flight(tmp_path / 'bag')
     passes = []
-    read = type(flight.bag).iterate_records
+    read = type(flight.bag).iterate_messages
 
-    def counted(bag, topics=None, at=None):
+    def counted(bag, topics=None):
         passes.append(topics)
-        return read(bag, topics, at)
+        return read(bag, topics)
 
-    monkeypatch.setattr(type(flight.bag), 'iterate_records', counted)
+    monkeypatch.setattr(type(flight.bag), 'iterate_messages', counted)
     found = compare_flights(flight, flight, ComparisonRequest())
     assert found.verdict == 'identical'
     packed = {'lta_msgs/msg/LightBlock', 'lta_msgs/msg/LampPeaks'}

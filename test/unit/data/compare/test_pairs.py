@@ -1,7 +1,5 @@
 """Which channels of two flights are compared: of other names or units, and what one lacks."""
 
-from types import SimpleNamespace
-
 from lta_config.errors import BadInput
 from lta_data.bag import open_flight
 from lta_data.compare.channel_comparison import select_topic_pairs
@@ -9,7 +7,6 @@ from lta_data.compare.comparison import (
     compare_flights,
     compare_sides,
     ComparisonRequest,
-    describe_old_odometry,
 )
 from lta_data.compare.sentences import format_verdict
 from lta_data.flight import Channel
@@ -91,55 +88,3 @@ def test_two_topics_of_one_bag_are_no_two_flights(tmp_path):
     pairs = ('odom/pose.pose.position.x=odom/pose.pose.position.y',)
     found = compare_flights(flight, flight, ComparisonRequest(pairs=pairs))
     assert format_verdict(found).startswith('odom and odom differ from the start, in x of odom')
-
-
-@pytest.mark.parametrize(
-    ('a', 'b', 'pair'),
-    [
-        ('old', 'new', 'odom=airspeed'),
-        ('new', 'old', 'airspeed=odom'),
-        ('old', 'old', ''),
-        ('new', 'new', ''),
-        ('foreign', 'new', ''),
-    ],
-)
-def test_an_odom_through_the_air_beside_one_over_ground_is_remarked(a, b, pair):
-    flights = {
-        'old': SimpleNamespace(topics=['odom'], provenance={'lta': '1.0.0'}),
-        'new': SimpleNamespace(topics=['airspeed', 'odom'], provenance={'lta': '1.0.0'}),
-        'foreign': SimpleNamespace(topics=['odom'], provenance={}),
-    }
-    found = describe_old_odometry(flights[a], flights[b])
-    assert len(found) == bool(pair)
-    assert all(f'--pair {pair} compares the airspeed' in text for text in found)
-
-
-def test_the_headline_says_where_b_ends_and_since_when_it_turns_differently(tmp_path):
-    """A flies north at 1 m/s; B turns away by 0.1 rad at 4 s and is slower from there on."""
-    t = np.arange(0.0, 10.0, 0.02)
-    chance = np.random.default_rng(0)
-
-    def side(label, turn, slower):
-        noise = 1e-4 * chance.normal(size=(4, len(t)))
-        late = np.maximum(t - 4.0, 0.0)
-        lines = {
-            'position.x': noise[0],
-            'position.y': t - slower * late + noise[1],
-            'position.z': 1.0 + noise[2],
-            'orientation.yaw': np.pi / 2 + turn * (t > 4.0) + noise[3],
-        }
-        return side_of(
-            [
-                Channel(f'odom/pose.pose.{name}', 'rad' if 'yaw' in name else 'm', t, line)
-                for name, line in lines.items()
-            ],
-            label,
-        )
-
-    topics = select_topic_pairs((), (), ['odom'], ['odom'])
-    request = ComparisonRequest(align='none', frames='none')
-    found = compare_sides(side('A', 0.0, 0.0), side('B', 0.1, 0.5), topics, request)
-    # 0.5 m/s for 6 s
-    assert format_verdict(found) == 'B ends 3 m behind A; they turn differently from 4.0 s on.'
-    found = compare_sides(side('A', 0.0, 0.0), side('B', 0.0, -0.5), topics, request)
-    assert format_verdict(found).startswith('B ends 3 m ahead of A; they diverge at 4.0')

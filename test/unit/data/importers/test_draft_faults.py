@@ -112,3 +112,14 @@ def test_files_without_rows_in_a_folder_are_left_out_and_named(tmp_path):
         request = ImportRequest([folder], str(tmp_path / 'mapping.yaml'))
         (done,) = import_logs(request, tmp_path / 'out', progress)
     assert done.notes[-1] == 'Left out, as they hold no rows of numbers: b.csv, notes.txt.'
+
+
+def test_an_attitude_that_was_never_measured_is_left_out(tmp_path):
+    f = lab_flight()
+    nothing = np.full((len(f['t']), 4), np.nan)
+    columns = {'t': f['t'], **three('p', f['p']), **three('q', nothing, 'xyzw')}
+    draft = draft_mapping(write_csv(tmp_path / 'a.csv', columns), {})
+    (topic,) = yaml.safe_load(draft.text)['topics']
+    assert topic['position']['columns'] == ['px', 'py', 'pz']
+    assert 'orientation' not in topic
+    assert any('never measured' in one.reason for one in draft.choices.reasons)

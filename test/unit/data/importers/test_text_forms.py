@@ -88,6 +88,35 @@ def test_a_degree_sign_in_any_encoding(encoding, tmp_path):
     assert 'Zeit [s]' in text
 
 
+@pytest.mark.parametrize(
+    ('sep', 'between', 'point', 'quote'),
+    [(',', ',', '.', '"'), (';', ',', '.', ''), (';', '.', ',', ''), (',', '.', ',', '"')],
+)
+def test_marks_between_thousands_and_words_for_no_number(sep, between, point, quote, tmp_path):
+    f = lab_flight(seconds=4.0)
+    place = 1000.0 * f['p']  # mm, of 500 to 3000
+
+    def write(value):
+        text = f'{value:,.3f}'.replace(',', '\0').replace('.', point).replace('\0', between)
+        return f'{quote}{text}{quote}'
+
+    lines = [sep.join(('t', 'x', 'y', 'z'))]
+    lines += [sep.join(map(write, row)) for row in np.column_stack([f['t'], place])]
+    lines[7] = sep.join(['N/A', *lines[7].split(sep)[1:]]) if sep == ';' else lines[7]
+    path = tmp_path / 'log.csv'
+    path.write_text('\n'.join(lines) + '\n')
+    (table,) = read_text_file(path)[0].values()
+    np.testing.assert_allclose(np.column_stack([table[one] for one in 'xyz']), place, atol=1e-3)
+    assert np.isnan(table['t']).sum() == (sep == ';')
+
+
+def test_three_decimals_behind_a_comma_are_no_thousands(tmp_path):
+    path = tmp_path / 'log.csv'
+    path.write_text('t;x\n' + ''.join(f'0,{k:03d};1,{k:03d}\n' for k in range(1, 60)))
+    (table,) = read_text_file(path)[0].values()
+    np.testing.assert_allclose(table['x'], 1.0 + 1e-3 * np.arange(1, 60))
+
+
 def test_binary_data_are_no_text():
     assert detect_encoding(bytes(range(256)) * 8) == ''
 

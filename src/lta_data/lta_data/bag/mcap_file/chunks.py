@@ -2,6 +2,7 @@
 
 from collections import deque
 from collections.abc import Iterator
+from contextlib import suppress
 import struct
 from typing import NamedTuple
 import zlib
@@ -89,12 +90,10 @@ class McapRecord(NamedTuple):
 
 
 class McapMessage(NamedTuple):
-    """A recorded message; times in ns."""
+    """A recorded message; its log time in ns."""
 
     channel: int
-    sequence: int
     log_time: int
-    publish_time: int
     data: bytes
 
 
@@ -122,16 +121,7 @@ def unpack_chunk(body: bytes | memoryview) -> bytes | memoryview:
         If it cannot be decompressed or its CRC is wrong.
 
     """
-    if len(body) < CHUNK_HEAD_LAYOUT.size + LENGTH.size:
-        raise DamagedRecord
-    _, _, size, crc, name_length = CHUNK_HEAD_LAYOUT.unpack_from(body)
-    start = CHUNK_HEAD_LAYOUT.size + name_length + LENGTH.size
-    if name_length > LONGEST_NAME or start > len(body):
-        raise DamagedRecord
-    name = bytes(body[CHUNK_HEAD_LAYOUT.size : CHUNK_HEAD_LAYOUT.size + name_length]).decode(
-        errors='replace'
-    )
-    end = start + LENGTH.unpack_from(body, start - LENGTH.size)[0]
+    size, crc, name, start, end = _read_chunk_head(body)
     if end > len(body):
         raise DamagedRecord
     data = decompress(name, body[start:end])
@@ -144,12 +134,46 @@ def unpack_chunk(body: bytes | memoryview) -> bytes | memoryview:
     return data
 
 
+def _read_chunk_head(body: bytes | memoryview) -> tuple[int, int, str, int, int]:
+    """Return size and CRC of the records in a chunk, their compression, and where they lie."""
+    if len(body) < CHUNK_HEAD_LAYOUT.size + LENGTH.size:
+        raise DamagedRecord
+    _, _, size, crc, name_length = CHUNK_HEAD_LAYOUT.unpack_from(body)
+    start = CHUNK_HEAD_LAYOUT.size + name_length + LENGTH.size
+    if name_length > LONGEST_NAME or start > len(body):
+        raise DamagedRecord
+    name = bytes(body[CHUNK_HEAD_LAYOUT.size : start - LENGTH.size]).decode(errors='replace')
+    return size, crc, name, start, start + LENGTH.unpack_from(body, start - LENGTH.size)[0]
+
+
+def unpack_cut_chunk(body: bytes | memoryview) -> bytes:
+    """Return the whole records in what is left of a chunk without its end; see `unpack_chunk`."""
+    _, _, name, start, _ = _read_chunk_head(body)
+    packed = bytes(body[start:])
+    try:
+        if name == 'zstd':
+            with zstandard.ZstdDecompressor().stream_reader(packed) as stream:
+                packed = stream.read(CHUNK_BYTES)
+        elif name == 'lz4':
+            unpacker = lz4.frame.LZ4FrameDecompressor()
+            packed = unpacker.decompress(packed, max_length=CHUNK_BYTES)
+        elif name:
+            raise DamagedRecord
+    except (zstandard.ZstdError, RuntimeError, ValueError, EOFError, MemoryError) as error:
+        raise DamagedRecord from error
+    end = 0
+    with suppress(DamagedRecord):
+        for record in iterate_records(packed):
+            end = record.end
+    return packed[:end]
+
+
 def iterate_messages(data: bytes | memoryview, channels: frozenset[int]) -> Iterator[McapMessage]:
     """Yield the messages of the given channels."""
     at, size, unpack = 0, len(data), BARE.unpack_from
     last = size - BARE.size
     while at <= last:
-        opcode, length, channel, sequence, log_time, publish_time = unpack(data, at)
+        opcode, length, channel, _, log_time, _ = unpack(data, at)
         start = at + 9
         at = start + length
         if at > size:
@@ -157,8 +181,7 @@ def iterate_messages(data: bytes | memoryview, channels: frozenset[int]) -> Iter
         if opcode == 5 and channel in channels:  # Opcode.MESSAGE; the enum is slow in this loop
             if length < 22:
                 raise DamagedRecord
-            body = bytes(data[start + 22 : at])
-            yield McapMessage(channel, sequence, log_time, publish_time, body)
+            yield McapMessage(channel, log_time, bytes(data[start + 22 : at]))
     for record in iterate_records(memoryview(data)[at:]):
         if record.opcode == Opcode.MESSAGE:  # shorter than its own header
             raise DamagedRecord

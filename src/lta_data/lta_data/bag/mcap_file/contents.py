@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from io import BytesIO
 import os
 import struct
-from typing import BinaryIO, final, NamedTuple
+from typing import BinaryIO, final
 import zlib
 
 from lta_bridge.bag.mcap_file import PROVENANCE
@@ -28,27 +28,15 @@ class MessageRegion:
     """
     A region of the file that contains messages. [bytes from the start of the file]
 
-    `packed` marks a chunk, otherwise the records are bare; `channels` is None if unknown.
+    `packed` marks a chunk, otherwise the records are bare; `channels` is None if unknown. `is_cut`
+    marks a chunk without its end.
     """
 
     offset: int
     length: int
     packed: bool
     channels: frozenset[int] | None
-
-
-@final
-@dataclass(slots=True)
-class DamagedRegion:
-    """
-    A region of the file that cannot be used. [bytes from the start of the file]
-
-    `reason`: why, as a clause, if not for damage.
-    """
-
-    offset: int
-    length: int
-    reason: str = ''
+    is_cut: bool = False
 
 
 @final
@@ -58,8 +46,7 @@ class McapContents:
     Directory of one MCAP file.
 
     `counts` are messages by channel, `start` and `end` the first and last log time in ns. `losses`
-    describe what is missing, `lost` where, and `remarks` irregularities without loss. `indexed`
-    is whether everything comes from the file's summary.
+    describe what is missing, `remarks` irregularities without loss.
     """
 
     schemas: dict[int, Schema] = field(default_factory=dict)
@@ -70,9 +57,7 @@ class McapContents:
     start: int | None = None
     end: int | None = None
     losses: list[str] = field(default_factory=list)
-    lost: list[DamagedRegion] = field(default_factory=list)
     remarks: list[str] = field(default_factory=list)
-    indexed: bool = field(default=False, compare=False)
 
     def add_record(self, opcode: int, body: bytes) -> None:
         """
@@ -170,7 +155,7 @@ def read_summary_section(stream: BinaryIO, size: int) -> tuple[int, bytes]:
 
 def parse_summary(stream: BinaryIO, start: int, section: bytes) -> McapContents:
     """Return the contents in a summary section; raise DamagedRecord if it is inconsistent."""
-    contents = McapContents(indexed=True)
+    contents = McapContents()
     statistics = None
     notes = []
     for record in iterate_records(section):
@@ -227,29 +212,6 @@ def covers_all_messages(contents: McapContents, statistics: Statistics, data_end
 
 
 NAMELESS = '/channel_{}'  # cannot collide with a robot's topic, which has a namespace
-
-
-@final
-class TopicMetadata(NamedTuple):
-    """The entry of a topic in metadata.yaml; 0 messages if there is no count."""
-
-    topic: str
-    type_name: str
-    messages: int
-
-
-def parse_topic_metadata(described: Mapping[str, object]) -> list[TopicMetadata]:
-    """Return the topics in `rosbag2_bagfile_information`; malformed entries are skipped."""
-    listed = described.get('topics_with_message_count')
-    entries = []
-    for entry in listed if isinstance(listed, list) else []:
-        topic = entry.get('topic_metadata') if isinstance(entry, dict) else None
-        if not isinstance(topic, dict):
-            continue
-        name, type_name, count = topic.get('name'), topic.get('type'), entry.get('message_count')
-        if isinstance(name, str) and isinstance(type_name, str):
-            entries.append(TopicMetadata(name, type_name, count if isinstance(count, int) else 0))
-    return entries
 
 
 def name_lost_channels(contents: McapContents) -> None:

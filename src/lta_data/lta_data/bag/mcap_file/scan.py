@@ -7,6 +7,7 @@ lies between two such chunks is walked record by record, and given up where that
 """
 
 from contextlib import suppress
+from dataclasses import dataclass
 import re
 from typing import BinaryIO, Final, final, NamedTuple
 
@@ -17,8 +18,9 @@ from lta_data.bag.mcap_file.chunks import (
     MESSAGE,
     RECORD,
     unpack_chunk,
+    unpack_cut_chunk,
 )
-from lta_data.bag.mcap_file.contents import DamagedRegion, McapContents, MessageRegion
+from lta_data.bag.mcap_file.contents import McapContents, MessageRegion
 from mcap.opcode import Opcode
 from mcap.writer import MCAP0_MAGIC
 
@@ -47,6 +49,20 @@ class IntactChunk(NamedTuple):
     records: bytes | memoryview
 
 
+@final
+@dataclass(slots=True)
+class DamagedRegion:
+    """
+    A region of the file that cannot be used. [bytes from the start of the file]
+
+    `reason`: why, as a clause, if not for damage.
+    """
+
+    offset: int
+    length: int
+    reason: str = ''
+
+
 def scan_mcap_file(stream: BinaryIO, size: int) -> McapContents:
     """Return the contents of a file that starts as MCAP; `size` in bytes."""
     scanner = McapScanner(stream, size)
@@ -60,6 +76,7 @@ class McapScanner:
 
     def __init__(self, stream: BinaryIO, size: int) -> None:
         self.contents = McapContents()
+        self._lost: list[DamagedRegion] = []
         self._stream = stream
         self._size = size
         self._patience = 8 * size + FUTILE
@@ -131,6 +148,8 @@ class McapScanner:
                 self._add_record(opcode, at, end)
                 self._readable = end
             except DamagedRecord as error:
+                if opcode == Opcode.CHUNK and stop == self._size < end:
+                    self._add_cut_chunk(at)
                 # The length of a damaged chunk may be right; that of others misleads
                 end = end if opcode == Opcode.CHUNK and end <= stop else stop
                 self._note_loss(at, end, opcode, str(error))
@@ -156,7 +175,18 @@ class McapScanner:
         elif not (opcode in UNREAD or opcode >= PRIVATE or self._ended):
             raise DamagedRecord
 
-    def _add_chunk(self, chunk: IntactChunk) -> None:
+    def _add_cut_chunk(self, at: int) -> None:
+        """Add the messages in what is left of a chunk without its end."""
+        with suppress(DamagedRecord):
+            body = self._read(at + RECORD.size, min(self._size - at, 2 * CHUNK_BYTES))
+            if records := unpack_cut_chunk(body):
+                self._add_chunk(IntactChunk(at, self._size, records), is_cut=True)
+                self.contents.losses.append(
+                    f'The chunk at byte {at} is cut off; the messages before the cut are read, '
+                    'and no checksum covers them.'
+                )
+
+    def _add_chunk(self, chunk: IntactChunk, *, is_cut: bool = False) -> None:
         """Add a chunk, its messages and the channels announced in it."""
         self._ended, self._readable = False, chunk.end
         times, channels = [], []
@@ -177,7 +207,9 @@ class McapScanner:
         contents.counts.update(channels)
         if times:
             contents.extend_time_span(min(times), max(times))
-        contents.places.append(MessageRegion(chunk.start, length, True, frozenset(channels)))
+        contents.places.append(
+            MessageRegion(chunk.start, length, True, frozenset(channels), is_cut)
+        )
 
     def _add_message(self, at: int, end: int) -> None:
         """Add a message outside chunks to the region of its neighbours."""
@@ -198,7 +230,7 @@ class McapScanner:
             return
         is_chunk = opcode == Opcode.CHUNK
         self._chunked |= is_chunk
-        lost = self.contents.lost
+        lost = self._lost
         if lost and lost[-1].offset + lost[-1].length == at and not is_chunk:
             lost[-1].length += end - at
         else:
@@ -206,7 +238,7 @@ class McapScanner:
 
     def _describe_losses(self) -> None:
         """Add a sentence for each unusable region, and for an end that is missing."""
-        lost, size = self.contents.lost, self._size
+        lost, size = self._lost, self._size
         magic = len(MCAP0_MAGIC)
         cut = self._read(max(size - magic, magic), magic) != MCAP0_MAGIC
         for loss in lost[:MOST_TOLD]:

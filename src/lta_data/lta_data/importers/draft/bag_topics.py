@@ -6,16 +6,14 @@ from pathlib import Path
 from typing import Any, Final, final, NamedTuple
 
 from lta_config.errors import BadInput
-from lta_config.schema.import_file import FIELD_AXES
-from lta_data.importers.axes import signed_permutation
 from lta_data.importers.draft.bodies import choose_bag_body, choose_moving, read_tables
 from lta_data.importers.draft.choices import BODY_AXES, DraftChoices
-from lta_data.importers.draft.clock_alignment import TimedTable
+from lta_data.importers.draft.clock_alignment import build_timed_table, TimedTable
 from lta_data.importers.draft.command_motion import ask_for_columns
 from lta_data.importers.draft.motion_draft import draft_motion, MotionDraft
 from lta_data.importers.draft.motion_kinds import MIN_MOTION_ROWS
 from lta_data.importers.draft.scalar_draft import draft_scalars
-from lta_data.importers.draft.table_draft import draft_inertial, draft_table
+from lta_data.importers.draft.table_draft import draft_inertial, draft_table, ROLE_TOPICS
 from lta_data.importers.draft.time_base import TimeBase
 from lta_data.importers.draft.vertical import CONFLICT, find_axes, VerticalAxes
 from lta_data.importers.entry_plan import MESSAGE_SHAPES
@@ -34,7 +32,6 @@ from lta_data.interpretation.column_names import (
 )
 from lta_data.interpretation.kinematics import AGREEING_SHARE, find_sensor_axes
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 # Message type -> topic; a pose or odometry is truth, estimate or setpoint by its name
 BY_TYPE: Final[Mapping[str, str]] = {
@@ -54,11 +51,6 @@ POSE_TYPES: Final = (
     'geometry_msgs/msg/PoseWithCovarianceStamped',
 )
 LOG_DATA_GENERIC: Final = 'crazyflie_interfaces/msg/LogDataGeneric'  # values without names
-ROLE_TOPICS: Final = {
-    'truth': 'ground_truth/odom',
-    'estimate': 'odom',
-    'setpoint': 'setpoint/pose',
-}
 # Between stamp and log time; more is another clock, not a delay [s]
 OTHER_CLOCK_DELAY: Final = 1.0
 RISES: Final = 0.9  # share of the steps of a clock
@@ -107,9 +99,6 @@ def draft_bag_topics(path: Path, choices: DraftChoices) -> BagDraft:
         entry = {'topic': ours, 'table': name}
         if ours in poses and name in tables:
             pose_groups = _group_pose(types[name], tables[name])
-            if 'attitude' not in pose_groups:
-                why = 'all its quaternions are NaN: the attitude was never measured'
-                choices.add_reason(f'{ours}: orientation', [name], 'left out', why)
             groups[name] = [*pose_groups.values()]
             drafted, axes = _draft_pose(ours, pose_groups, tables[name], choices)
             entry |= _list_differences(drafted, axes)
@@ -117,7 +106,9 @@ def draft_bag_topics(path: Path, choices: DraftChoices) -> BagDraft:
                 inertial = _draft_inertial(
                     chosen.get('imu', ''), name, tables, drafted, axes, choices
                 )
-                tracked = _place_in_our_axes(name, tables[name], drafted, axes)
+                first = float(tables[name].stamps[0]) * 1e-9
+                seconds = _count_seconds(tables[name])
+                tracked = build_timed_table(name, first, seconds, drafted, axes)
         entries.append(entry)
     for entry in entries:
         entry |= inertial if entry['topic'] == 'imu' else {}
@@ -252,9 +243,7 @@ def _group_pose(kind: str, table: LogTable) -> dict[str, ColumnGroup]:
         letters = 'xyzw' if part.kind == 'attitude' else 'xyz'
         columns = tuple(f'{part.place}.{axis}' for axis in letters)
         values = [table.columns[one] for one in columns if one in table.columns]
-        filled = any(np.any(one) for one in values)
-        # A tracker that knows no attitude sends NaN
-        if any(np.isfinite(one).any() for one in values) and (filled or name in POSE_KINDS):
+        if any(np.any(one) for one in values) or (values and name in POSE_KINDS):
             group = 'quaternion' if part.kind == 'attitude' else name
             groups[POSE_KINDS.get(name, name)] = ColumnGroup(
                 group, '', columns, tuple(letters), '', 'the message type'
@@ -335,24 +324,6 @@ def _list_axes(axes: VerticalAxes | None) -> dict[str, Any]:
         return {}
     ours = {'world': 'ENU', 'body': 'FLU'}
     return {key: getattr(axes, key) for key in ours if getattr(axes, key) != ours[key]}
-
-
-def _place_in_our_axes(
-    name: str, table: LogTable, drafted: MotionDraft, axes: VerticalAxes | None
-) -> TimedTable | None:
-    """Return the poses in our axes; None without place or attitude."""
-    place, turn = drafted.evidence.position, drafted.turn
-    if place is None or turn is None or axes is None:
-        return None
-    world, body = (
-        signed_permutation(FIELD_AXES[one] if isinstance(one, str) else one)
-        for one in (axes.world, axes.body)
-    )
-    count = min(len(place), len(turn))
-    ours = Rotation.from_matrix(world @ turn.as_matrix()[:count] @ body.T)
-    seconds = _count_seconds(table)[:count]
-    return TimedTable(name, float(table.stamps[0]) * 1e-9, seconds, None, place[:count] @ world.T,
-                      ours)  # fmt: skip
 
 
 def _is_time(name: str, values: Numbers) -> bool:

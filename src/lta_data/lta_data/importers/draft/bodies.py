@@ -62,7 +62,7 @@ def choose_body(
     choices.add_reason('body', by_name[chosen].place.columns, chosen, why)
     others = frozenset().union(*(one.words for one in bodies if one.name != chosen))
     others -= by_name[chosen].words
-    return [group for group in groups if not _list_words(group) & others]
+    return [group for group in groups if not group.stem_words & others]
 
 
 def select_body_rows(
@@ -151,10 +151,12 @@ def _list_bodies(groups: Sequence[ColumnGroup], table: Columns) -> list[TrackedB
     """Return the bodies whose positions a table has; estimates of one body count once."""
     bodies: list[TrackedBody] = []
     places = [group for group in groups if group.kind == 'position' and group.role != 'setpoint']
-    shared = frozenset.intersection(*map(_list_words, places)) if places else frozenset[str]()
+    shared = (
+        frozenset.intersection(*(one.stem_words for one in places)) if places else frozenset[str]()
+    )
     for place in places:
         rows = place.stack(table)
-        own = _list_words(place) - shared - NO_BODY_WORDS
+        own = place.stem_words - shared - NO_BODY_WORDS
         own = frozenset(word for word in own if not match_role([word]))
         if not np.isfinite(rows).all(axis=1).any() or is_held(rows):
             continue
@@ -165,10 +167,6 @@ def _list_bodies(groups: Sequence[ColumnGroup], table: Columns) -> list[TrackedB
         name = '_'.join(word for word in words if word in own)
         bodies.append(TrackedBody(name, own, place, float((high - low).max())))
     return bodies if all(one.words for one in bodies) else bodies[:1]
-
-
-def _list_words(group: ColumnGroup) -> frozenset[str]:
-    return frozenset(word for name in group.columns for word in parse_column_name(name).stem)
 
 
 def _is_same(rows: Numbers, others: Numbers) -> bool:

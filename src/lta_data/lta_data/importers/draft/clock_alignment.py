@@ -6,11 +6,11 @@ from typing import Any, Final, final, NamedTuple
 
 from lta_config.errors import BadInput
 from lta_config.quantity import Quantity
-from lta_config.schema.import_file import FIELD_AXES
 from lta_data.even_grid import hann_kernel, smooth_columns
-from lta_data.importers.axes import signed_permutation
 from lta_data.importers.draft.choices import DraftChoices
+from lta_data.importers.draft.motion_draft import MotionDraft
 from lta_data.importers.draft.table_draft import list_columns, TableDraft
+from lta_data.importers.draft.vertical import spread_axes, VerticalAxes
 from lta_data.importers.protocol import Numbers
 from lta_data.interpretation.column_group import Columns
 from lta_data.interpretation.commands import DRIVES
@@ -173,16 +173,27 @@ def _read_draft(name: str, draft: TableDraft, table: Columns) -> TimedTable:
         for column in list_columns(entry)
     ]  # fmt: skip
     commands = np.column_stack([table[one] for one in columns]).astype(float) if columns else None
-    first, seconds, motion = draft.time.first, draft.time.seconds, draft.motion
+    return build_timed_table(
+        name, draft.time.first, draft.time.seconds, draft.motion, draft.axes, commands
+    )
+
+
+def build_timed_table(
+    name: str,
+    first: float,
+    seconds: Numbers,
+    motion: MotionDraft | None,
+    axes: VerticalAxes | None,
+    commands: Numbers | None = None,
+) -> TimedTable:
+    """Return a table with the poses of its motion in our axes, if it has any."""
     if motion is None or motion.turn is None or motion.evidence.position is None:
         return TimedTable(name, first, seconds, commands)
-    axes: list[Any] = [None, None] if draft.axes is None else [draft.axes.world, draft.axes.body]
-    world, body = (
-        signed_permutation(FIELD_AXES[one] if isinstance(one, str) else one) for one in axes
-    )
+    used = ('ENU', 'FLU') if axes is None else (axes.world, axes.body)
+    world, body = map(spread_axes, used)
     # A draft looks at the first rows only
-    count = len(motion.turn)
-    turn = Rotation.from_matrix(world @ motion.turn.as_matrix() @ body.T)
+    count = min(len(motion.turn), len(motion.evidence.position))
+    turn = Rotation.from_matrix(world @ motion.turn.as_matrix()[:count] @ body.T)
     position = motion.evidence.position[:count] @ world.T
     return TimedTable(name, first, motion.evidence.seconds[:count], commands, position, turn)
 

@@ -109,8 +109,7 @@ def group_columns(
 
 def _read_gyroscope(group: ColumnGroup) -> ColumnGroup:
     """Return a group beside an accelerometer: gx, gy, gz are its rates."""
-    words = frozenset(word for one in group.columns for word in parse_column_name(one).stem)
-    if group.kind or words != {'g'}:
+    if group.kind or group.stem_words != {'g'}:
         return group
     return group._replace(kind='rates', reason='the name g beside an accelerometer')
 
@@ -132,11 +131,8 @@ def _complete_angles(
 
 def _is_marker(group: ColumnGroup, groups: Sequence[ColumnGroup]) -> bool:
     """Return whether a position is that of a marker on a body whose pose the log has."""
-    words, *bodies = (
-        frozenset(word for name in each.columns for word in parse_column_name(name).words)
-        for each in (group, *(one for one in groups if one.kind == 'quaternion'))
-    )
-    names = [body - KIND_WORDS['quaternion'] for body in bodies]
+    words = group.words
+    names = [one.words - KIND_WORDS['quaternion'] for one in groups if one.kind == 'quaternion']
     others = sum(one.kind == 'position' for one in groups) > 1
     return group.kind == 'position' and 'marker' in words and others and any(
         body and body < words and 'marker' not in body for body in names

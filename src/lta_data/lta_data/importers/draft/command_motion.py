@@ -83,25 +83,32 @@ def _name_part(name: ColumnName) -> ColumnName:
 def find_motion_of(
     table: LogTable, columns: Mapping[str, Numbers], tracked: TimedTable | None
 ) -> dict[str, str]:
-    """
-    Return for each command the accelerations that it explains, as a sentence.
-
-    The accelerations (forward, vertical, yaw) are regressed on all commands, the velocities and a
-    constant; the share of a command is what the fit loses without it.
-    """
+    """Return for each command the accelerations that it explains, as a sentence."""
     if tracked is None:
         return {}
     stamps: Numbers = np.asarray(table.stamps * 1e-9 - tracked.first, dtype=np.float64)
     values: Numbers = np.array([*columns.values()], dtype=np.float64).T
-    shares = measure_shares(tracked, stamps, values)
-    if shares is None:
+    effects = measure_effects(tracked, stamps, values)
+    if effects is None:
         return {}
-    return {name: describe_shares(row) for name, row in zip(columns, shares, strict=True)}
+    return {name: describe_shares(row) for name, row in zip(columns, effects.shares, strict=True)}
 
 
-def measure_shares(tracked: TimedTable, stamps: Numbers, values: Numbers) -> Numbers | None:
+@final
+class CommandEffects(NamedTuple):
+    """What commands do to the accelerations forward, up and yaw; shape (commands, 3) each."""
+
+    shares: Numbers  # of the variance, that the command alone explains
+    factors: Numbers  # acceleration by a number of the command [m/s2, rad/s2]
+
+
+def measure_effects(
+    tracked: TimedTable, stamps: Numbers, values: Numbers
+) -> CommandEffects | None:
     """
-    Return the share of each acceleration that each command alone explains.
+    Return what commands do, at the delay at which they explain most; None for too few poses.
+
+    The accelerations are regressed on all commands, the velocities and a constant.
 
     Parameters
     ----------
@@ -110,40 +117,29 @@ def measure_shares(tracked: TimedTable, stamps: Numbers, values: Numbers) -> Num
     stamps, values : arrays, shapes (m,) and (m, k)
         Times since the first pose [s], and commands in any unit.
 
-    Returns
-    -------
-    array, shape (k, 3), or None
-        Of the accelerations forward, up and yaw; None if the poses are too few.
-
     """
-    if tracked.position is None or tracked.turn is None:
-        return None
     # A row without any command is that of another sensor
     seconds, rising = tracked.seconds, find_rising(stamps) & np.isfinite(values).any(axis=1)
-    grid = build_uniform_time_grid(
-        np.nanmin(seconds), np.nanmax(seconds), ALIGNED_STEP, len(seconds)
-    )
-    if len(grid) < MIN_MOTION_POINTS or not rising.any():
+    if tracked.position is None or tracked.turn is None or not rising.any():
         return None
-    stamps, values = stamps[rising], values[rising]
+    stamps, values = stamps[rising], np.nan_to_num(values[rising])
+    first, last = max(np.nanmin(seconds), stamps[0]), min(np.nanmax(seconds), stamps[-1])
+    grid = build_uniform_time_grid(first, last, ALIGNED_STEP, len(seconds))
+    if len(grid) < MIN_MOTION_POINTS:
+        return None
     speed, pull = find_motion(seconds, tracked.position, tracked.turn, grid)
-    target = pull / np.maximum(pull.std(axis=0), 1e-9)
-    values = np.nan_to_num(values)
     base = np.column_stack([speed, np.ones(len(grid))])
-    best: tuple[float, Numbers] = (-np.inf, np.zeros((values.shape[1], len(ACCELERATION_WORDS))))
+    best: CommandEffects | None = None
     for delay in REACTION_DELAYS:
-        rows = np.clip(np.searchsorted(stamps + delay, grid, side='right') - 1, 0, None)
-        held = values[rows]
+        held = values[np.clip(np.searchsorted(stamps + delay, grid, side='right') - 1, 0, None)]
         shares = np.array([
-            [
-                lose_without(base, held, column, target[:, axis : axis + 1])
-                for axis in range(len(ACCELERATION_WORDS))
-            ]
+            [lose_without(base, held, column, one[:, None]) for one in pull.T]
             for column in range(held.shape[1])
         ])  # fmt: skip
-        if shares.sum() > best[0]:
-            best = float(shares.sum()), shares
-    return best[1]
+        if best is None or shares.sum() > best.shares.sum():
+            fit = np.linalg.lstsq(np.column_stack([base, held]), pull, rcond=None)[0]
+            best = CommandEffects(shares, fit[base.shape[1] :])
+    return best
 
 
 def lose_without(base: Numbers, held: Numbers, column: int, pull: Numbers) -> float:
@@ -209,25 +205,14 @@ def find_driven_axes(
         values = np.column_stack([tables[name][one] for one in columns]).astype(float)
         late = clocks[name].seconds if name in clocks else 0.0
         stamps = draft.time.seconds + draft.time.first - pose.first + late
-        shares = _measure_overlapping(pose, stamps, values)
-        if shares is not None:
+        if (effects := measure_effects(pose, stamps, values)) is not None:
+            shares = effects.shares
             axes = _choose_axes(shares, draft.generic)
             for k, column in enumerate(draft.generic):
                 reached = axes[k] != 'rotor' and _is_reached(pose, stamps, values[:, k])
                 axis = '' if reached or _contradicts(column, axes[k]) else axes[k]
                 driven[column] = DrivenAxis(axis, describe_shares(shares[k]))
     return driven
-
-
-def _measure_overlapping(pose: TimedTable, stamps: Numbers, values: Numbers) -> Numbers | None:
-    """Return the shares of commands that were sent while the pose was logged; else None."""
-    begins, ends = (
-        [function(one) for one in (stamps, pose.seconds)] for function in (np.nanmin, np.nanmax)
-    )
-    shared = min(ends) - max(begins)
-    return (
-        measure_shares(pose, stamps, values) if shared > MIN_MOTION_POINTS * ALIGNED_STEP else None
-    )
 
 
 def _choose_axes(shares: Numbers, generic: Sequence[str]) -> list[str]:
@@ -385,18 +370,10 @@ def _fit_accelerations(
     Only of the commands that clearly explain the acceleration. [m/s2, rad/s2]
     """
     columns = list_columns(entry)
-    held = np.column_stack([table[one] for one in columns]).astype(float)
-    rising = find_rising(stamps) & np.isfinite(held).any(axis=1)
-    if pose.position is None or pose.turn is None or not rising.any():
+    values = np.column_stack([table[one] for one in columns]).astype(float)
+    effects = measure_effects(pose, stamps, values)
+    if effects is None:
         return {}
-    stamps, held = stamps[rising], np.nan_to_num(held[rising])
-    begin, end = np.nanmin(pose.seconds), np.nanmax(pose.seconds)
-    first, last = max(begin, stamps[0]), min(end, stamps[-1])
-    grid = build_uniform_time_grid(first, last, ALIGNED_STEP, len(pose.seconds))
-    if len(grid) < MIN_MOTION_POINTS:
-        return {}
-    speed, pull = find_motion(pose.seconds, pose.position, pose.turn, grid)
-    base = np.column_stack([speed, np.ones(len(grid))])
     forces = entry.get('forces') or [entry.get('force', {})]
     out = {}
     for vectors, place, axis in (
@@ -406,13 +383,7 @@ def _fit_accelerations(
         column = next((one for one in named if one is not None), None)
         if column is None:
             continue
-        k, target = columns.index(column), pull[:, axis : axis + 1]
-        shares, factors = [], []
-        for delay in REACTION_DELAYS:
-            rows = np.clip(np.searchsorted(stamps + delay, grid, side='right') - 1, 0, None)
-            shares.append(lose_without(base, held[rows], k, target))
-            fit = np.linalg.lstsq(np.column_stack([base, held[rows]]), target, rcond=None)[0]
-            factors.append(float(fit[base.shape[1] + k, 0]))
-        if max(shares) > DECIDING_SHARE:
-            out[axis] = factors[int(np.argmax(shares))]
+        k = columns.index(column)
+        if effects.shares[k, axis] > DECIDING_SHARE:
+            out[axis] = float(effects.factors[k, axis])
     return out

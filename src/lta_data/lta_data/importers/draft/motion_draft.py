@@ -1,6 +1,6 @@
 """Draft the motion of one table: position, attitude, velocity, rates and inertial sensor."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, Final, final, NamedTuple
 
 from lta_config.constants import RADIANS_PER_DEGREE
@@ -86,15 +86,14 @@ def draft_motion(
             groups = {**groups, 'velocity': _turn_names(velocity)}
             rows['velocity'] = _turn_rows(rows['velocity'])
     parts: dict[str, Any] = {}
+    for kind, why in _list_unusable(groups, numbers):
+        part = 'orientation' if kind == 'attitude' else kind
+        choices.add_reason(f'{topic}: {part}', groups[kind].columns, 'left out', why)
+        groups = {one: group for one, group in groups.items() if one != kind}
+        del rows[kind]
     scales = {'acceleration': _draft_acceleration(topic, groups, rows, parts, choices)}
     # Without gravity in it, an acceleration says nothing about the attitude
     felt = rows.get('acceleration') if scales['acceleration'] else None
-    if 'attitude' in groups and _are_no_angles(groups['attitude'], rows['attitude']):
-        why = 'its angles are larger than those in degrees; divide them first'
-        columns = groups['attitude'].columns
-        choices.add_reason(f'{topic}: orientation', columns, 'left out', why)
-        groups = {kind: one for kind, one in groups.items() if kind != 'attitude'}
-        rows = {kind: one for kind, one in rows.items() if kind != 'attitude'}
     place = _blank_lost_rows(rows)
     raw = MotionEvidence(
         seconds, place, rows.get('velocity'), rows.get('rates'), felt, rows.get('sensed')
@@ -145,10 +144,21 @@ def draft_motion(
     )
 
 
-def _are_no_angles(group: ColumnGroup, rows: Numbers) -> bool:
-    """Return whether angles can be neither radians nor degrees, as those in 0.01 degrees."""
-    sizes = np.nanpercentile(np.abs(rows), 99.0, axis=0)
-    return group.kind == 'euler' and len(sizes) == 3 and bool((sizes[:2] > MOST_DEGREES).any())
+def _list_unusable(
+    groups: Mapping[str, ColumnGroup], numbers: Mapping[str, Numbers]
+) -> Iterator[tuple[str, str]]:
+    """Yield the kinds of groups that say nothing, and why."""
+    for kind, group in groups.items():
+        rows = numbers[kind][np.isfinite(numbers[kind]).all(axis=1)]
+        if not len(rows):
+            yield kind, 'it was never measured: no row has all its numbers'
+        # Neither radians nor degrees, but for example 0.01 degrees
+        elif (
+            group.kind == 'euler'
+            and len(group.columns) == 3
+            and (np.percentile(np.abs(rows[:, :2]), 99.0, axis=0) > MOST_DEGREES).any()
+        ):
+            yield kind, 'its angles are larger than those in degrees; divide them first'
 
 
 def _turn_names(group: ColumnGroup) -> ColumnGroup:

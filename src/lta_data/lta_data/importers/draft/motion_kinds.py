@@ -61,12 +61,12 @@ def settle_kinds(
 
 def _find_places(groups: Sequence[ColumnGroup]) -> list[ColumnGroup]:
     """Return groups in which vectors without a kind that stand for a body are its places."""
-    bodies = [_list_words(one) - KIND_WORDS['quaternion'] - KIND_WORDS['euler']
+    bodies = [one.stem_words - KIND_WORDS['quaternion'] - KIND_WORDS['euler']
               for one in groups if one.kind in ATTITUDES]  # fmt: skip
     has_place = any(group.kind == 'position' for group in groups)
     placed = []
     for group in groups:
-        words = _list_words(group)
+        words = group.stem_words
         named = bool(words) and words in bodies
         alone = not has_place and not bodies and not words & NO_PLACES
         if not group.kind and (named or alone):
@@ -74,10 +74,6 @@ def _find_places(groups: Sequence[ColumnGroup]) -> list[ColumnGroup]:
             group = group._replace(kind='position', reason=why)
         placed.append(group)
     return placed
-
-
-def _list_words(group: ColumnGroup) -> frozenset[str]:
-    return frozenset(word for name in group.columns for word in parse_column_name(name).stem)
 
 
 def _settle_kind(

@@ -25,7 +25,7 @@ from lta_data.interpretation.kinematics import find_sensor_axes, MotionEvidence,
 import numpy as np
 import pandas as pd
 
-ROLE_TABLE_TOPICS: Final = {
+ROLE_TOPICS: Final = {
     'truth': 'ground_truth/odom',
     'estimate': 'odom',
     'setpoint': 'setpoint/pose',
@@ -98,19 +98,15 @@ def draft_table(
     axes = None
     inertial = topics.pop('imu', {})
     primary: MotionDraft | None = None
-    for topic, members in sorted(
-        topics.items(), key=lambda one: one[0] != ROLE_TABLE_TOPICS['truth']
-    ):
+    for topic, members in sorted(topics.items(), key=lambda one: one[0] != ROLE_TOPICS['truth']):
         if topic == 'wrench_command':
             entries.append(_draft_wrench(topic, members, choices))
             continue
-        borrowed = (
-            dict(inertial) if topic != ROLE_TABLE_TOPICS['setpoint'] and primary is None else {}
-        )
+        borrowed = dict(inertial) if topic != ROLE_TOPICS['setpoint'] and primary is None else {}
         if (rates := borrowed.pop('rates', None)) is not None:
             borrowed['sensed'] = rates
         drafted = _draft_topic(topic, members | borrowed, at, numbers, choices)
-        if topic != ROLE_TABLE_TOPICS['setpoint'] and primary is None:
+        if topic != ROLE_TOPICS['setpoint'] and primary is None:
             primary = drafted
             if drafted.turn is not None or drafted.evidence.position is not None:
                 axes = find_axes(drafted.evidence, drafted.turn, drafted.axis_names, choices)
@@ -141,10 +137,10 @@ def _join_rows(
         kind: np.isfinite(one.stack(numbers)).all(axis=1)
         for one in groups for kind in [one.kind] if len(one.columns) > 1
     }  # fmt: skip
+    filled = {kind: rows for kind, rows in filled.items() if rows.any()}
     pose = next((filled[kind] for kind in (*ATTITUDES, 'position') if kind in filled), None)
     if pose is None or all(
-        not rows.any() or (rows & pose).sum() > SHARED_ROWS * rows.sum()
-        for rows in filled.values()
+        (rows & pose).sum() > SHARED_ROWS * rows.sum() for rows in filled.values()
     ):
         return numbers, time
     table = pd.DataFrame(dict(numbers)).ffill()[pose]
@@ -161,15 +157,16 @@ def _sort_groups(
     nameless_role = _role_of_nameless(groups)
     for group in groups:
         kind = _part_of(group)
-        own = frozenset[str]().union(*(parse_column_name(c).words for c in group.columns))
         if kind in ('force', 'torque'):
             topic = 'wrench_command'
-        elif kind == 'acceleration' or (kind == 'rates' and (own | words) & INERTIAL_WORDS):
+        elif kind == 'acceleration' or (
+            kind == 'rates' and (group.words | words) & INERTIAL_WORDS
+        ):
             topic = 'imu'
         else:
             role = group.role or match_role(words)
             role = role or _role_by_motion(group, topics, table, nameless_role)
-            topic = choices.override(f'{group.columns[0]}.topic', ROLE_TABLE_TOPICS[role])
+            topic = choices.override(f'{group.columns[0]}.topic', ROLE_TOPICS[role])
             if role == 'setpoint' and kind in ('velocity', 'rates'):
                 topic = 'setpoint/velocity'
         members = topics.setdefault(topic, {})
@@ -224,7 +221,7 @@ def _role_by_motion(
     group: ColumnGroup, topics: Mapping[str, Groups], table: Columns, usual: str
 ) -> str:
     """Return the role of a group whose names do not say it."""
-    members, part = topics.get(ROLE_TABLE_TOPICS[usual], {}), _part_of(group)
+    members, part = topics.get(ROLE_TOPICS[usual], {}), _part_of(group)
     # An attitude in another form is the same one
     if part not in members or (part == 'attitude' and members[part].kind != group.kind):
         return usual

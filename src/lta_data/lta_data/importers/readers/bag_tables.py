@@ -16,15 +16,16 @@ from collections.abc import (
 )
 from dataclasses import replace
 from itertools import islice
-from typing import Any, final, NamedTuple
+from typing import Any, cast, final, NamedTuple
 
+from lta_bridge.bag.metadata import OfferedQos
 from lta_bridge.bag.schemas import load_jazzy_types, MessageDefinition
 from lta_config.errors import BadInput
+from lta_config.files import parse_yaml
 from lta_config.schema.import_file import ImportMapping as MappingFile
 from lta_config.schema.import_file import OrientationField, ScalarField, TopicMapping, VectorField
 from lta_data.bag.columns import extract_field_columns, extract_stamp
 from lta_data.bag.mcap_file.decoder import MISDEFINED, parse_definition
-from lta_data.bag.recover import build_definition
 from lta_data.importers.entry_plan import MESSAGE_SHAPES, MessagePart
 from lta_data.importers.protocol import LogTable, Numbers
 from mcap.records import Channel, Schema
@@ -35,8 +36,14 @@ from rosbags.typesys.store import Typestore
 
 def read_bag_definition(channel: Channel, schema: Schema | None) -> MessageDefinition:
     """Return a topic's definition from an MCAP file, with its REP-2016 hash if possible."""
-    definition = build_definition(channel, schema)
-    if definition.rihs01 or definition.encoding != 'ros2msg':
+    hashed = channel.metadata.get('topic_type_hash', '')
+    if schema is None:
+        return MessageDefinition('', '', hashed, '', channel.message_encoding)
+    text = schema.data.decode(errors='surrogateescape')
+    definition = MessageDefinition(
+        schema.name, text, hashed, schema.encoding, channel.message_encoding
+    )
+    if hashed or definition.encoding != 'ros2msg':
         return definition
     types = get_typestore(Stores.EMPTY)
     try:
@@ -46,6 +53,19 @@ def read_bag_definition(channel: Channel, schema: Schema | None) -> MessageDefin
         return replace(definition, rihs01=types.hash_rihs01(definition.type_name))
     except MISDEFINED:
         return definition  # unreadable, but kept as it is
+
+
+def parse_qos_profiles(channel: Channel) -> list[OfferedQos]:
+    """Return the QoS that a topic's publishers offered; empty if unknown, or in numbers."""
+    text = channel.metadata.get('offered_qos_profiles', '')
+    try:
+        listed: Any = parse_yaml(text, 'the QoS') if text else []
+    except BadInput:
+        return []
+    named = isinstance(listed, list) and all(
+        isinstance(one, dict) and isinstance(one.get('history'), str) for one in listed
+    )
+    return cast('list[OfferedQos]', listed) if named else []
 
 
 def find_store_definition(type_name: str, types: Typestore, notes: list[str]) -> MessageDefinition:

@@ -31,7 +31,16 @@ CONTROLS: Final = frozenset(range(32)) - frozenset(b'\t\n\v\f\r\x1b')  # bytes t
 LIST: Final = re.compile(rb'"?(?:(?:np\.)?array\()?[\[(]([^\[\]()"]*)[\])](?:\))?"?')
 QUOTED_DECIMAL: Final = re.compile(rb'"([-+]?\d*),(\d+(?:[eE][-+]?\d+)?)"')
 NAMED_DELIMITERS: Final = {'tab': '\t', 'whitespace': ' '}
-EMPTY_CELLS: Final = ('', ' ', 'NA', 'null', 'None')  # cells without a number
+# Cells without a number
+EMPTY_CELLS: Final = (
+    '', ' ', '-', '--', 'NA', 'N/A', 'n/a', '#N/A', 'null', 'NULL', 'None', 'none', 'missing',
+)  # fmt: skip
+# A number with marks between its thousands, as 1,234.5, by its decimal mark: it has both, or two
+# groups. Beside one, a single group is one, too
+THOUSANDS: Final = {
+    '.': (re.compile(r'[-+]?\d{1,3}(?:(?:,\d{3})+\.\d*|(?:,\d{3}){2,})'), ','),
+    ',': (re.compile(r'[-+]?\d{1,3}(?:(?:\.\d{3})+,\d*|(?:\.\d{3}){2,})'), '.'),
+}
 Cells: TypeAlias = pa.ChunkedArray  # of a column, as bytes; null where empty
 
 
@@ -137,6 +146,7 @@ def clean_text(data: bytes, text: TextFormat, names: Sequence[str]) -> tuple[byt
     if _is_torn(data, mark):
         data = data[: data.rfind(b'\n') + 1]
         notes.append('The last line is cut off and skipped.')
+    data = _join_thousands(data, text, delimiter)
     if text.lists:
         data = LIST.sub(lambda cell: mark.join(cell[1].replace(b',', b' ').split()), data)
     if text.decimal == delimiter:
@@ -144,6 +154,18 @@ def clean_text(data: bytes, text: TextFormat, names: Sequence[str]) -> tuple[byt
     elif text.decimal != '.':
         data = data.replace(text.decimal.encode(), b'.')
     return data, notes
+
+
+def _join_thousands(data: bytes, text: TextFormat, delimiter: str) -> bytes:
+    """Return numbers without the marks between their thousands, if the text has such numbers."""
+    number, mark = THOUSANDS[text.decimal]
+    # The delimiter is a mark inside quotes only
+    begin, end = (b'"', b'"') if mark == delimiter else (rb'(?<![\w.,+-])', rb'(?![\w.,])')
+    if not re.search(begin + number.pattern.encode() + end, data):
+        return data
+    group, point = re.escape(mark).encode(), re.escape(text.decimal).encode()
+    lenient = rb'[-+]?\d{1,3}(?:' + group + rb'\d{3})+(?:' + point + rb'\d*)?'
+    return re.sub(begin + lenient + end, lambda found: found[0].replace(mark.encode(), b''), data)
 
 
 def _is_torn(data: bytes, mark: bytes) -> bool:

@@ -16,9 +16,7 @@ from lta_bridge.bag.schemas import load_jazzy_types
 from lta_config.errors import BadInput
 from lta_config.limits import limit_memory
 from lta_config.schema.import_file import ImportMapping as MappingFile
-from lta_data.bag.bag_folder import find_bag_files
-from lta_data.bag.reader import Bag, read_bag, read_file_contents
-from lta_data.bag.recover import parse_qos_profiles
+from lta_data.bag.reader import Bag, read_bag
 from lta_data.importers.protocol import PassThroughMessage, RawTopic, Reached
 from lta_data.importers.readers.bag_tables import (
     BagTableLog,
@@ -26,6 +24,7 @@ from lta_data.importers.readers.bag_tables import (
     Decode,
     find_store_definition,
     list_mapping_tables,
+    parse_qos_profiles,
     read_bag_definition,
 )
 from lta_data.importers.readers.sqlite_files import (
@@ -63,15 +62,17 @@ class McapLog(BagTableLog):
     def __init__(self, path: Path, mapping: MappingFile | None) -> None:
         self._bag = read_bag(path)
         self.notes: list[str] = []
-        # Prefixed, since the new bag gets its own provenance
-        self.facts = {f'original_{key}': text for key, text in self._bag.provenance.items()}
-        self.raw: Mapping[str, RawTopic] = _list_raw_topics(self._bag, path)
+        # Prefixed where a mapping reads the messages anew; else the flight is the same
+        prefix = '' if mapping is None else 'original_'
+        self.facts = {f'{prefix}{key}': text for key, text in self._bag.provenance.items()}
+        self.raw: Mapping[str, RawTopic] = _list_raw_topics(self._bag)
         self._total = max(1, sum(topic.count for topic in self._bag.topics.values()))
         self._tables = build_tables(
             list_mapping_tables(mapping), self.raw, self._iterate_decodable()
         )
         if not any(topic.count for topic in self._bag.topics.values()):
-            raise BadInput(f"'{path}' contains no message; give a bag with messages.")
+            why = ' '.join(self._bag.losses) or 'it contains none.'
+            raise BadInput(f"'{path}' has no message that can be read: {why}")
 
     def iterate_messages(self, reached: Reached) -> Iterator[PassThroughMessage]:
         """Yield all messages in the order of recording."""
@@ -99,11 +100,11 @@ class McapLog(BagTableLog):
             ) from None
 
 
-def _list_raw_topics(bag: Bag, path: Path) -> dict[str, RawTopic]:
+def _list_raw_topics(bag: Bag) -> dict[str, RawTopic]:
     """Return the topics with their definitions, whatever their encoding."""
     topics: dict[str, RawTopic] = {}
-    for file in find_bag_files(path):
-        contents = read_file_contents(file)
+    for part in bag.parts:
+        contents = part.contents
         for channel in contents.channels.values():
             # A channel without a schema gets None
             definition = read_bag_definition(channel, contents.schemas.get(channel.schema_id))

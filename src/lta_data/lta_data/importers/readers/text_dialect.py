@@ -11,7 +11,13 @@ from typing import Final, Literal
 from lta_config.errors import BadInput
 from lta_config.limits import check_column_count
 from lta_config.schema.import_file import TextFormat
-from lta_data.importers.readers.csv_text import HEAD_LINES, LIST, read_text
+from lta_data.importers.readers.csv_text import (
+    EMPTY_CELLS,
+    HEAD_LINES,
+    LIST,
+    read_text,
+    THOUSANDS,
+)
 from lta_data.interpretation.column_names import UNIT_WORDS
 
 DIALECT_LINES: Final = 60  # that are looked at
@@ -186,7 +192,12 @@ def _read_lines(path: Path) -> list[str]:
 
 def _split_numbers(line: str, mark: str | None, decimal: str) -> list[str]:
     """Return the cells of a line with points as decimal marks."""
-    return [cell.replace(decimal, '.') for cell in split_cells(line, mark)]
+    number, between = THOUSANDS[decimal]
+    cells = (
+        cell.replace(between, '') if number.fullmatch(cell) else cell
+        for cell in split_cells(line, mark)
+    )
+    return [cell.replace(decimal, '.') for cell in cells]
 
 
 def _count_rows(lines: Sequence[str], mark: str | None, decimal: str) -> tuple[int, int, int]:
@@ -209,7 +220,7 @@ def _is_row(line: str, mark: str | None, decimal: str, count: int) -> bool:
 def _are_numbers(cells: Sequence[str]) -> bool:
     """Return whether cells are numbers: one at least, and a date or an empty cell beside it."""
     numbers = sum(_is_number(cell) for cell in cells)
-    words = sum(bool(cell) and not _is_number(cell) for cell in cells)
+    words = sum(cell not in EMPTY_CELLS and not _is_number(cell) for cell in cells)
     return numbers > 0 and numbers >= words
 
 
