@@ -66,7 +66,8 @@ def score_forecasts(
             for name, each in forecasts.items()
         }
         tables[COASTING] = np.concatenate([one.coasting[:, h] for one in first])
-        headings = np.concatenate([one.headings for one in first])
+        # The last model knows best where the nose is, if the markers are turned
+        headings = np.concatenate([one.headings for one in [*forecasts.values()][-1]])
         measured = ~np.isnan(np.stack(list(tables.values()))).any(axis=(0, 2))
         if measured.any():
             rms = {
