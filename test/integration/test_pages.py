@@ -149,10 +149,7 @@ PAGES = {
     'cells': run_quickly('cells'),
     'breakeven': run_quickly('energy', 'breakeven'),
 }  # fmt: skip
-PAGES |= {
-    made.__name__: made
-    for made in (flight, plot, vehicle, sweep, platforms, tune, replay)
-}
+PAGES |= {made.__name__: made for made in (flight, plot, vehicle, sweep, platforms, tune, replay)}
 
 
 def typed(*words):
