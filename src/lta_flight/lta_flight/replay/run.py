@@ -10,11 +10,11 @@ from lta_config.errors import BadInput
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.recorded_flight import open_flight, RecordedFlight
 from lta_flight.flight import DomainLock, is_refusal, parse_final_status
+from lta_flight.replay.node_settings import parse_settings
 from lta_flight.replay.replay_request import (
     build_launch_plan,
     check_request,
     parse_nodes,
-    parse_settings,
     ReplayRequest,
 )
 from lta_flight.stall_watchdog import PLAYBACK, StallMonitor

@@ -16,13 +16,12 @@ from lta_flight.replay.comparison import (
     TopicMessages,
 )
 from lta_flight.replay.decisions import compare_decisions, compute_differences
+from lta_flight.replay.node_settings import NODES, parse_settings
 from lta_flight.replay.replay_request import (
     build_launch_arguments,
     build_launch_plan,
     check_request,
-    NODES,
     parse_nodes,
-    parse_settings,
     ReplayRequest,
 )
 from lta_flight.replay.report import build_report
