@@ -125,7 +125,7 @@ def test_a_client_takes_off_goes_to_the_lamp_and_lands(lta, scenario, commander,
     launch.interrupt()
     launch.end()
     (line,) = [line for _, line in launch.lines if '"outcome"' in line]
-    assert json.loads(line.partition(' ')[2])['outcome'] == 'flying'
+    assert json.loads(line.partition(' ')[2])['outcome'] == 'landed'
 
 
 def at(x, y):

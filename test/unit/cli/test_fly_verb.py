@@ -77,7 +77,7 @@ def test_the_exit_status_tells_how_the_flight_ended(flown, call, outcome, status
 @pytest.mark.parametrize('flight_verb', [FlyRequest, launch, SimulateRequest])
 def test_help_tells_every_exit_status(flight_verb):
     assert set(EXIT_STATUSES) == {
-        *(each.name.lower() for each in FlightOutcome), 'flown', 'failed'
+        *(each.name.lower() for each in FlightOutcome), 'flown', 'landed', 'failed'
     }  # fmt: skip
     _, told = flight_verb.__doc__.split('Exit status ')
     # Nodes die in a graph only
