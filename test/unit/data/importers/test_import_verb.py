@@ -155,7 +155,7 @@ def test_a_flights_results_folder_is_its_bag(lta, tmp_path):
     assert lta('import', once, '--out', again)[0] == 0
     bags = [read_bag(folder / 'bag') for folder in (once, again)]
     assert len(set(map(str, (list(bag.iterate_messages()) for bag in bags)))) == 1
-    assert bags[1].provenance['original_source'] == 'trace.txt'
+    assert bags[1].provenance['source'] == 'trace.txt'
 
 
 def test_ctrl_c_leaves_nothing(lta, tmp_path, monkeypatch):
