@@ -1,8 +1,8 @@
 """
 Convert a bag of version 1, which had standard messages on four topics, to those of lta_msgs.
 
-All other messages are copied byte for byte. Messages of version 1 have fewer digits than those of
-today: nine in the energy balance.
+All other messages are copied byte for byte, and the vehicle file gets one feedback resistor.
+Messages of version 1 have fewer digits than those of today: nine in the energy balance.
 """
 
 from collections import Counter
@@ -18,6 +18,7 @@ from lta_bridge.bag.storage import StorageFault
 from lta_bridge.bag.version_1 import find_old_topics
 from lta_bridge.bag.writer import BagWriter
 from lta_config.errors import BadInput
+from lta_config.files import parse_yaml
 from lta_config.message_files import read_field_units
 from lta_config.topics import load_topic_table
 from lta_config.version import VERSION
@@ -26,6 +27,7 @@ from lta_data.importers.readers.rosbags_bag import list_raw_topics
 from lta_report.formatting import format_count
 import numpy as np
 from numpy.typing import NDArray
+import yaml
 
 UPGRADER: Final = 'upgraded_by'  # key of the provenance
 # The duties. An import has these as well, for commands that are forces or places
@@ -115,7 +117,8 @@ def write_upgraded_bag(bag: Bag, old: Mapping[str, str], out: Path) -> BagUpgrad
     """Write the new bag; see `upgrade_bag`. `old`: the topics to convert."""
     table, types = load_topic_table(), load_jazzy_types()
     converted, copied = Counter(dict.fromkeys(old, 0)), 0
-    with BagWriter(out, bag.provenance | {UPGRADER: f'lta {VERSION}'}) as writer:
+    provenance = convert_vehicles(bag.provenance) | {UPGRADER: f'lta {VERSION}'}
+    with BagWriter(out, provenance) as writer:
         for topic, raw in list_raw_topics(bag).items():
             definition = (
                 generate_definition(table[old[topic]].type) if topic in old else raw.definition
@@ -135,6 +138,21 @@ def write_upgraded_bag(bag: Bag, old: Mapping[str, str], out: Path) -> BagUpgrad
             converted[topic] += topic in old
             copied += topic not in old
     return BagUpgrade(out, {name: converted[name] for name in old}, copied, list(bag.losses))
+
+
+def convert_vehicles(provenance: Mapping[str, str]) -> dict[str, str]:
+    """Return a provenance with the first of the resistors that version 1 let a scene choose."""
+    converted = dict(provenance)
+    for key in provenance:
+        # Of one robot, or with its name before it
+        if key.rpartition('/')[2] == 'vehicle_file':
+            content = parse_yaml(provenance[key], f"The bag's {key}")
+            with suppress(KeyError, TypeError):  # a vehicle without diodes
+                feedback = content['sensors']['diodes']['feedback']
+                if isinstance(feedback['value'], list):
+                    feedback['value'] = feedback['value'][0]
+                    converted[key] = yaml.safe_dump(content, sort_keys=False)
+    return converted
 
 
 def convert_block(image: Any, types: Mapping[str, Any]) -> object:  # noqa: ANN401

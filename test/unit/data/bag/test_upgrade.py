@@ -11,6 +11,7 @@ from lta_bridge.bag import BagWriter
 from lta_bridge.bag.schemas import load_jazzy_types
 from lta_bridge.playback.recording import open_recording
 from lta_config.errors import BadInput
+from lta_config.files import find_file
 from lta_config.topics import load_topic_table
 from lta_data.bag import open_flight, read_bag, summarize_bag
 from lta_data.importers.readers.rosbags_bag import list_raw_topics
@@ -18,6 +19,7 @@ from lta_data.importers.upgrade import upgrade_bag
 import numpy as np
 import pytest
 from rosbags.highlevel import AnyReader
+import yaml
 
 from ...report_flight import header, make  # noqa: TID252 - `test` is Python's own
 
@@ -209,6 +211,19 @@ def test_clouds_without_a_frequency_have_two_beacons_of_three_diodes(tmp_path):
     assert [axis.y for axis in peaks.axis] == [1.0, 6.0, 11.0]
     assert [beacon.snr.tolist() for beacon in peaks.beacon] == [[4, 9, 14], [19, 24, 29]]
     assert all(np.isnan(beacon.frequency).all() for beacon in peaks.beacon)
+
+
+@pytest.mark.parametrize('key', ['vehicle_file', 'lta1/vehicle_file'])
+def test_the_vehicle_gets_one_resistor(tmp_path, key):
+    """Version 1 listed three, which a vehicle file of today refuses."""
+    today = find_file('vehicle', 'gtmab').read_text()
+    old = today.replace('feedback: {value: 100,', 'feedback: {value: [100, 10, 2],')
+    assert old != today
+    joints = make(JOINTS, header=header(0.0), name=['left'], effort=np.array([0.05]))
+    bag = write(tmp_path / 'old', 'motors', JOINTS, joints, **{key: old})
+    upgrade_bag(bag, tmp_path / 'new')
+    text = read_bag(tmp_path / 'new').provenance[key]
+    assert yaml.safe_load(text) == yaml.safe_load(today)
 
 
 def test_an_import_keeps_commands_and_topics_of_others(tmp_path):
