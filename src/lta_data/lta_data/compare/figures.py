@@ -205,9 +205,12 @@ def render_comparison_scene(
         )
     ]
     (place_a, turn_a), (place_b, turn_b) = poses['a'], poses['b']
+    apart = np.linalg.norm(place_b - place_a, axis=1)
+    turned = np.degrees(wrap_angle(turn_b.yaw - turn_a.yaw))
     columns = {
-        'apart': to_json_numbers(np.linalg.norm(place_b - place_a, axis=1)),
-        'turned': to_json_numbers(np.degrees(wrap_angle(turn_b.yaw - turn_a.yaw))),
+        'apart': to_json_numbers(apart),
+        # Unknown where one of them is hidden
+        'turned': to_json_numbers(np.where(np.isfinite(apart), turned, np.nan)),
     }
     room = scene.scenario if pose.startswith(MAP_POSE) else None
     scene_set = SceneSet(time, flights, columns)

@@ -146,8 +146,16 @@ def build_report(comparison: ComparisonResult) -> Report:
         introduction=f'{describe_comparison(comparison)} {COMPARED_COLOURS}',
         tiles=build_tiles(comparison),
         blocks=[
-            Grid([*build_path_picture(comparison), build_ranking(comparison)]),
-            Grid([build_panel(each, time) for each in select_panel_channels(comparison.channels)]),
+            build_ranking(comparison),
+            Grid(
+                [
+                    *build_path_picture(comparison),
+                    *(
+                        build_panel(each, time)
+                        for each in select_panel_channels(comparison.channels)
+                    ),
+                ]
+            ),
             build_channel_table(comparison),
             build_alignment_table(comparison),
         ],
