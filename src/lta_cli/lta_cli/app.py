@@ -120,6 +120,7 @@ BAG_VERBS: Final = VerbGroup(
         'info': call('bag_info'),
         'check': call('bag_check'),
         'plot': call('bag_plot'),
+        'upgrade': call('bag_upgrade'),
         'export': call('bag_export'),
     },
 )

@@ -13,6 +13,7 @@ import struct
 from typing import final, NamedTuple
 
 from lta_bridge.bag.mcap_file import PROVENANCE
+from lta_bridge.bag.version_1 import refuse_old_bag
 from lta_bridge.log_time_assigner import read_stamp
 from lta_bridge.provenance import extract_robot_origin
 from lta_config.errors import BadInput, unknown_name_error
@@ -133,6 +134,7 @@ class RobotBagRecording:
         self.path = path
         self._files = files
         channels, provenance = read_topic_types(files)
+        refuse_old_bag(path, channels, provenance)
         robots = sorted({parts[0] for parts in split_topic_names(channels, table)})
         self.robot = choose_robot(path, robot or (own if own in robots else ''), robots)
         self.provenance = extract_robot_origin(provenance, self.robot)

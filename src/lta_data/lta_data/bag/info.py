@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import final
 
+from lta_bridge.bag.version_1 import describe_old_topics
 from lta_data.bag.reader import Bag, read_bag
 from lta_data.bag.recorded_flight import list_robots
 from lta_report.formatting import format_count
@@ -85,6 +86,7 @@ def summarize_bag(path: Path | str) -> BagInfo:
     """Return the summary of a bag; raise BadInput if there is no recording at `path`."""
     bag = read_bag(path)
     seconds = bag.duration
+    old = describe_old_topics(bag.path, bag.types, bag.provenance)
     topics = [
         TopicInfo(
             topic.name,
@@ -108,7 +110,7 @@ def summarize_bag(path: Path | str) -> BagInfo:
         provenance=bag.provenance,
         complete=bag.is_complete,
         losses=list(bag.losses),
-        remarks=describe_irregularities(bag),
+        remarks=describe_irregularities(bag) + ([old] if old else []),
     )
 
 

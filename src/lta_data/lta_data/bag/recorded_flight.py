@@ -17,6 +17,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Any, Final, final, NamedTuple
 
+from lta_bridge.bag.version_1 import refuse_old_bag
 from lta_bridge.provenance import extract_robot_origin
 from lta_config.errors import BadInput, unknown_name_error
 from lta_data.bag.bag_folder import find_bag, find_newest_bag
@@ -82,6 +83,7 @@ class RecordedFlight:
     """
 
     def __init__(self, bag: Bag, robot: str) -> None:
+        refuse_old_bag(bag.path, bag.types, bag.provenance)
         self.bag = bag
         self.robot = robot
         self.provenance = extract_robot_origin(bag.provenance, robot)

@@ -12,6 +12,7 @@ from lta_data.compare.channel_roles import (
     select_panel_channels,
 )
 from lta_data.compare.comparison import ComparisonResult
+from lta_data.compare.figures import READOUT, render_comparison_scene
 from lta_data.compare.sentences import (
     BASIS,
     comparison_to_dict,
@@ -27,6 +28,7 @@ from lta_data.compare.sentences import (
     format_verdict,
     MISSING_DASH,
 )
+from lta_report.flight_scene import render_time_bar
 from lta_report.formatting import Tile
 from lta_report.report import Grid, Picture, Report, TextTable
 import numpy as np
@@ -34,7 +36,7 @@ import numpy as np
 RANKING_ROWS: Final = 20  # channels in the ranking
 DASH: Final = '-'
 HEADS: Final = (
-    'channel', 'diverges at', 'bias', 'RMS', 'NRMSE', 'maximum', 'at', 'lag',
+    'channel', 'diverges at', 'bias', 'RMS', '95 % of RMS', 'NRMSE', 'maximum', 'at', 'lag',
 )  # fmt: skip
 LEGEND: Final = (
     "Times are on A's clock. NRMSE is the RMS difference divided by the standard deviation of A "
@@ -48,7 +50,7 @@ def build_ranking(comparison: ComparisonResult) -> TextTable:
     more = f' (first {RANKING_ROWS} of {count})' if count > RANKING_ROWS else ''
     rows = []
     for each in comparison.channels[:RANKING_ROWS]:
-        parts, bias, rms, nrmse, *_ = format_ranking_row(each)
+        parts, bias, rms, _, nrmse, *_ = format_ranking_row(each)
         rows.append([each.name, parts, bias, rms, nrmse])
     heads = ('channel', 'diverges at', 'bias', 'RMS', 'NRMSE')
     heading = f'Channels, the largest and earliest divergence first{more}'
@@ -60,12 +62,16 @@ def format_ranking_row(each: ChannelComparison) -> list[str]:
     """Return the cells of one channel in the ranking."""
     measures, when = each.measures, each.parting
     if measures is None:
-        return ['no common data', *[DASH] * 6]
+        return ['no common data', *[DASH] * 7]
     parts = each.verdict if when.at is None else f'{when.at:.2f} s'
+    low, high = (
+        format_quantity(value, each.unit) for value in (measures.rms_low, measures.rms_high)
+    )
     return [
         parts,
         format_quantity(measures.bias, each.unit),
         format_quantity(measures.rms, each.unit),
+        f'{low.split(" ")[0]} to {high.split(" ")[0]}',
         DASH if measures.nrmse is None else f'{measures.nrmse:.2g}',
         format_quantity(measures.greatest, each.unit),
         f'{measures.greatest_at:.2f} s',
@@ -132,6 +138,7 @@ ABOVE: Final = "Both paths from above, in A's frame. Open circle: start. Filled 
 def build_report(comparison: ComparisonResult) -> Report:
     """Return the report of a comparison."""
     time = find_total_span(comparison)
+    scene, track = render_comparison_scene(comparison, time)
     return Report(
         command='compare',
         subject=f'A {shorten_path(comparison.a.path)} · B {shorten_path(comparison.b.path)}',
@@ -139,8 +146,16 @@ def build_report(comparison: ComparisonResult) -> Report:
         introduction=f'{describe_comparison(comparison)} {COMPARED_COLOURS}',
         tiles=build_tiles(comparison),
         blocks=[
-            Grid([*build_path_picture(comparison), build_ranking(comparison)]),
-            Grid([build_panel(each, time) for each in select_panel_channels(comparison.channels)]),
+            build_ranking(comparison),
+            Grid(
+                [
+                    *build_path_picture(comparison),
+                    *(
+                        build_panel(each, time)
+                        for each in select_panel_channels(comparison.channels)
+                    ),
+                ]
+            ),
             build_channel_table(comparison),
             build_alignment_table(comparison),
         ],
@@ -148,6 +163,9 @@ def build_report(comparison: ComparisonResult) -> Report:
         facts=describe_sources(comparison),
         commands=suggest_commands(comparison),
         closing=list_alignment_lines(comparison),
+        scene=scene,
+        time_bar=render_time_bar(READOUT, 'flights') if scene else '',
+        track=track,
     )
 
 
@@ -269,6 +287,6 @@ def suggest_commands(comparison: ComparisonResult) -> dict[str, str]:
         'Compare in a script: exit status 1 if they differ': format_lta_command(
             'compare', a, b, '--same'
         ),
-        'See A fly': format_lta_command('report', a),
+        'Look at A': format_lta_command('report', a),
         'Look for gaps and other faults': format_lta_command('bag check', a, b),
     }

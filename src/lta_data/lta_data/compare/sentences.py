@@ -211,7 +211,8 @@ JSON_UNITS = {
     'offset': 's', 'sigma': 's', 'lead': 's', 'drift': '1', 'drift_sigma': '1', 'middle': 's',
     'span': 's', 'yaw': 'rad', 'x': 'm', 'y': 'm', 'z': 'm', 'before': 'm', 'after': 'm',
     'periods': 's', 'at': 's', 'first': 's', 'greatest_at': 's', 'lag': 's', 'start': 'ns',
-    'nrmse': '1', 'outside': '1', 'score': '1', 'bias, rms, greatest, spread, band': 'unit',
+    'nrmse': '1', 'outside': '1', 'score': '1',
+    'bias, rms, rms_low, rms_high, greatest, spread, band': 'unit',
 }  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""Differences: bias, RMS and partings against hand values."""
+"""Differences: bias, RMS, intervals and partings against hand values and scipy."""
 
 from dataclasses import replace
 
@@ -10,6 +10,7 @@ from lta_data.compare.divergence import (
     measure_difference,
     noise_band,
     noise_deviation,
+    rms_interval,
 )
 from lta_data.compare.frame_alignment import fit_frame_transform
 from lta_data.compare.sampling import (
@@ -22,6 +23,7 @@ from lta_data.even_grid import SampledSignal
 from lta_data.flight import Channel
 import numpy as np
 import pytest
+from scipy import signal
 
 T = np.arange(0.0, 20.0, 0.01)
 CHANCE = np.random.default_rng(0)
@@ -70,6 +72,18 @@ def test_bias_rms_and_nrmse_by_hand():
     assert found.spread == 1.0
     assert found.nrmse == pytest.approx(np.sqrt(3.0))
     assert measure_difference(pair_of(0 * a, a, np.arange(4.0))).nrmse is None
+
+
+@pytest.mark.parametrize('pole', [0.0, 0.9])
+def test_the_interval_of_the_rms_covers_the_truth_as_often_as_it_says(pole):
+    chance = np.random.default_rng(7)
+    truth = 1.0 / np.sqrt(1.0 - pole**2)
+    hits = 0
+    for _ in range(150):
+        series = signal.lfilter([1.0], [1.0, -pole], chance.normal(size=2200))[200:]
+        low, high = rms_interval(series)
+        hits += low <= truth <= high
+    assert 0.87 <= hits / 150 <= 0.99
 
 
 def test_noise_is_that_on_a_smooth_signal_and_outliers_do_not_count():
@@ -150,6 +164,7 @@ def test_a_channel_beside_itself_is_identical(values, angular):
     found = compared(channel(values, angular), channel(values, angular))
     assert found.verdict == 'identical'
     assert (found.measures.rms, found.measures.bias, found.measures.greatest) == (0.0, 0.0, 0.0)
+    assert (found.measures.rms_low, found.measures.rms_high) == (0.0, 0.0)
     assert (found.parting.at, found.parting.first, found.score) == (None, None, 0.0)
 
 
@@ -173,6 +188,7 @@ def test_shifting_both_in_time_changes_no_figure(first, second, tenths):
     a, b = channel(first[:size]), channel(second[:size])
     here, there = compared(a, b), compared(a, b, 0.125 * tenths)
     assert there.measures.rms == pytest.approx(here.measures.rms)
+    assert there.measures.rms_high == pytest.approx(here.measures.rms_high)
     assert there.verdict == here.verdict
     if here.parting.at is not None:
         assert there.parting.at - 0.125 * tenths == pytest.approx(here.parting.at, abs=1e-6)

@@ -65,7 +65,7 @@ class McapLog(BagTableLog):
         # Prefixed where a mapping reads the messages anew; else the flight is the same
         prefix = '' if mapping is None else 'original_'
         self.facts = {f'{prefix}{key}': text for key, text in self._bag.provenance.items()}
-        self.raw: Mapping[str, RawTopic] = _list_raw_topics(self._bag)
+        self.raw: Mapping[str, RawTopic] = list_raw_topics(self._bag)
         self._total = max(1, sum(topic.count for topic in self._bag.topics.values()))
         self._tables = build_tables(
             list_mapping_tables(mapping), self.raw, self._iterate_decodable()
@@ -100,7 +100,7 @@ class McapLog(BagTableLog):
             ) from None
 
 
-def _list_raw_topics(bag: Bag) -> dict[str, RawTopic]:
+def list_raw_topics(bag: Bag) -> dict[str, RawTopic]:
     """Return the topics with their definitions, whatever their encoding."""
     topics: dict[str, RawTopic] = {}
     for part in bag.parts:
