@@ -13,7 +13,7 @@ from lta_model.vehicle import load_vehicle
 from lta_report.report import Report
 from lta_report.request import argument, option, ReportRequest, ROBOT, StudyRun, VEHICLE_NAME
 
-WRENCH: Any = option(
+WRENCH_OPTION: Any = option(
     'The vehicle is commanded by force and moment instead of duties.', default=False
 )
 ROOM: Any = option(
@@ -38,7 +38,7 @@ class LabPlanRequest(ReportRequest, command='tests plan', folder='tests-plan'):
     """
 
     vehicle: str = VEHICLE_NAME
-    wrench: bool = WRENCH
+    wrench: bool = WRENCH_OPTION
     room: float = ROOM
 
     def run(self, run: StudyRun) -> Report:
@@ -110,7 +110,7 @@ class SeparatingTestRequest(ReportRequest, command='tests between', folder='test
     first: str = argument('Effect, such as linear_drag.surge.')
     second: str = argument('Another effect.')
     vehicle: str = option('Vehicle name or file.', complete='vehicle')
-    wrench: bool = WRENCH
+    wrench: bool = WRENCH_OPTION
     room: float = ROOM
 
     def run(self, run: StudyRun) -> Report:

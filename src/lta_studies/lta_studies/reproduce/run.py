@@ -54,7 +54,7 @@ STUDIES: Final[dict[str, RowStudy]] = {
 
 
 # Packages on whose code the rows rest, and the folder of their own files
-CODE: Final = (
+ROW_PACKAGES: Final = (
     'lta_config', 'lta_control', 'lta_energy', 'lta_flight', 'lta_model', 'lta_sim', 'lta_studies',
     'lta_vehicle', 'lta_vlc', 'lta_windtunnel',
 )  # fmt: skip
@@ -160,7 +160,7 @@ def load_row(name: str, draws: int | None) -> PaperRow:
 def hash_sources() -> str:
     """Return a hash of all code and files that the rows rest on, but for the rows' own files."""
     paths = [path for kind in ('*.yaml', '*.json') for path in share_folder().rglob(kind)]
-    for package in CODE:
+    for package in ROW_PACKAGES:
         spec = find_spec(package)
         assert spec is not None
         assert spec.origin is not None
