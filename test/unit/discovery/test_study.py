@@ -117,7 +117,7 @@ def test_what_cannot_be_told_apart_is_in_the_headline(gtmab: Known, clean: Fligh
     study = make_study(gtmab, clean.flight, [PresentElement(names, 'effect', 1.0, 41.0)])
     one = draw_conclusion(study)
     assert one.headline.endswith('linear drag (surge) 0.0300 N s/m or quadratic drag (surge).')
-    assert f'lta tests between {DRAG} quadratic_drag.surge finds' in one.advice
+    assert f'lta tests between {DRAG} quadratic_drag.surge with the same --vehicle' in one.advice
 
 
 @pytest.mark.parametrize(

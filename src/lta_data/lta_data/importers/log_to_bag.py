@@ -76,7 +76,11 @@ def write_log_bag(
     converters = [converter for converter, one in pairs if one is not None]
     converted = [one for _, one in pairs if one is not None]
     counts: Counter[str] = Counter()
-    with BagWriter(bag, provenance | log.facts) as writer:
+    # What the source says of itself is kept beside what this import says
+    facts = {
+        f'original_{key}' if key in provenance else key: text for key, text in log.facts.items()
+    }
+    with BagWriter(bag, provenance | facts) as writer:
         names = _announce_topics(writer, log, converters, chosen)
         for _, topic, log_time, data in _iterate_ordered(log, names, converted, reached):
             writer.write(topic, data, log_time)

@@ -1,7 +1,7 @@
 """
 Convert a bag of version 1, which had standard messages on four topics, to those of lta_msgs.
 
-All other messages are copied byte for byte, and the vehicle file gets one feedback resistor.
+The data of all other messages are copied byte for byte, and the vehicle file gets one feedback resistor.
 Messages of version 1 have fewer digits than those of today: nine in the energy balance.
 """
 
@@ -92,12 +92,12 @@ def upgrade_bag(source: Path, out: Path) -> BagUpgrade:
     fresh = not out.exists()
     try:
         return write_upgraded_bag(bag, old, out)
-    except StorageFault as fault:
-        raise BadInput(str(fault)) from None
-    except (BadInput, KeyboardInterrupt):
+    except (BadInput, StorageFault, KeyboardInterrupt) as reason:
         # Nothing half is left, but a folder of the user is never deleted
         if fresh:
             shutil.rmtree(out, ignore_errors=True)
+        if isinstance(reason, StorageFault):
+            raise BadInput(str(reason)) from None
         raise
 
 

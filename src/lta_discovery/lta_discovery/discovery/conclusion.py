@@ -96,7 +96,7 @@ def draw_conclusion(study: Discovery) -> Conclusion:
     if is_better and doubt:
         advice += (
             ' These flights do not show which of the alternatives is right; lta tests between '
-            f'{doubt[0]} {doubt[1]} finds a test that does.'
+            f'{doubt[0]} {doubt[1]} with the same --vehicle looks for a test that does.'
         )
     return Conclusion(
         'named+unexplained' if rest else 'named',

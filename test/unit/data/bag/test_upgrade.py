@@ -14,7 +14,7 @@ from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_config.topics import load_topic_table
 from lta_data.bag import open_flight, read_bag, summarize_bag
-from lta_data.importers.readers.rosbags_bag import list_raw_topics
+from lta_data.importers.readers.rosbags_bag import list_raw_topics, open_mcap_log
 from lta_data.importers.upgrade import upgrade_bag
 import numpy as np
 import pytest
@@ -234,3 +234,8 @@ def test_an_import_keeps_commands_and_topics_of_others(tmp_path):
     assert open_flight(bag)['motors']['effort.left'].tolist() == [0.05]
     with pytest.raises(BadInput, match='needs no upgrade'):
         upgrade_bag(bag, tmp_path / 'new')
+
+
+def test_a_copy_of_a_bag_of_version_1_is_refused_with_the_advice_to_upgrade():
+    with pytest.raises(BadInput, match='convert it with: lta bag upgrade'):
+        open_mcap_log(OLD, None)

@@ -155,7 +155,14 @@ def test_a_flights_results_folder_is_its_bag(lta, tmp_path):
     assert lta('import', once, '--out', again)[0] == 0
     bags = [read_bag(folder / 'bag') for folder in (once, again)]
     assert len(set(map(str, (list(bag.iterate_messages()) for bag in bags)))) == 1
-    assert bags[1].provenance['source'] == 'trace.txt'
+    assert bags[1].provenance['original_source'] == 'trace.txt'
+    # The vehicle that the command names, beside that of the bag
+    assert lta('import', once, '--out', tmp_path / 'own', '--vehicle', 'beavis')[0] == 0
+    own = read_bag(tmp_path / 'own' / 'bag').provenance
+    assert own['vehicle'] == 'beavis'
+    assert lta('import', tmp_path / 'own', '--vehicle', 'gtmab', '--out', tmp_path / 'two')[0] == 0
+    both = read_bag(tmp_path / 'two' / 'bag').provenance
+    assert (both['vehicle'], both['original_vehicle']) == ('gtmab', 'beavis')
 
 
 def test_ctrl_c_leaves_nothing(lta, tmp_path, monkeypatch):

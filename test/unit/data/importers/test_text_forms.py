@@ -117,6 +117,15 @@ def test_three_decimals_behind_a_comma_are_no_thousands(tmp_path):
     np.testing.assert_allclose(table['x'], 1.0 + 1e-3 * np.arange(1, 60))
 
 
+def test_whole_numbers_of_a_list_are_no_thousands(tmp_path):
+    path = tmp_path / 'log.csv'
+    rows = ''.join(f'0.{k};[120,200,300,150];5\n' for k in range(1, 60))
+    path.write_text('t;pwm;n\n' + rows)
+    (table,) = read_text_file(path)[0].values()
+    lists = [table[name] for name in table if name not in ('t', 'n')]
+    np.testing.assert_array_equal(np.column_stack(lists)[0], [120, 200, 300, 150])
+
+
 def test_binary_data_are_no_text():
     assert detect_encoding(bytes(range(256)) * 8) == ''
 

@@ -146,9 +146,10 @@ def clean_text(data: bytes, text: TextFormat, names: Sequence[str]) -> tuple[byt
     if _is_torn(data, mark):
         data = data[: data.rfind(b'\n') + 1]
         notes.append('The last line is cut off and skipped.')
-    data = _join_thousands(data, text, delimiter)
     if text.lists:
         data = LIST.sub(lambda cell: mark.join(cell[1].replace(b',', b' ').split()), data)
+    # After lists, whose commas are no marks between thousands
+    data = _join_thousands(data, text, delimiter)
     if text.decimal == delimiter:
         data = QUOTED_DECIMAL.sub(rb'\1.\2', data)
     elif text.decimal != '.':

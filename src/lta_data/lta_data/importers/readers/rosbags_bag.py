@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, final
 
 from lta_bridge.bag.schemas import load_jazzy_types
+from lta_bridge.bag.version_1 import refuse_old_bag
 from lta_config.errors import BadInput
 from lta_config.limits import limit_memory
 from lta_config.schema.import_file import ImportMapping as MappingFile
@@ -61,10 +62,15 @@ class McapLog(BagTableLog):
 
     def __init__(self, path: Path, mapping: MappingFile | None) -> None:
         self._bag = read_bag(path)
+        if mapping is None and self._bag.provenance:
+            # A copy would look like an import, which no upgrade reads; foreign bags say nothing
+            refuse_old_bag(path, self._bag.types, self._bag.provenance)
         self.notes: list[str] = []
         # Prefixed where a mapping reads the messages anew; else the flight is the same
         prefix = '' if mapping is None else 'original_'
         self.facts = {f'{prefix}{key}': text for key, text in self._bag.provenance.items()}
+        if self._bag.losses:
+            self.facts['losses'] = '\n'.join(self._bag.losses)
         self.raw: Mapping[str, RawTopic] = list_raw_topics(self._bag)
         self._total = max(1, sum(topic.count for topic in self._bag.topics.values()))
         self._tables = build_tables(
