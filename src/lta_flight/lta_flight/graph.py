@@ -7,9 +7,9 @@ from pathlib import Path
 from lta_flight.flight import DomainLock, is_refusal, remove_unflown_bags
 from lta_flight.stall_watchdog import StallMonitor
 from lta_flight.viewers import find_viewers, report_live_views, require_free_live_ports
-from lta_graph.child_process import OnLine, ProcessExit
+from lta_graph.child_process import ProcessExit
 from lta_graph.launch_plan import LaunchPlan
-from lta_graph.launcher import Launcher
+from lta_graph.launcher import Launcher, OnLine
 from lta_graph.ros.listener import DiagnosticsListener
 
 GRAPH_POLL_PERIOD = 0.1  # wall seconds between polls of the processes and the diagnostics

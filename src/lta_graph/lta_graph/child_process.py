@@ -1,4 +1,4 @@
-"""Start one process of a launcher, read its output, signal and reap it."""
+"""Start, signal and reap one process of a launcher."""
 
 from collections import deque
 from collections.abc import Callable, Mapping
@@ -6,23 +6,17 @@ from contextlib import suppress
 import ctypes
 from dataclasses import dataclass
 import os
-from queue import SimpleQueue
 import signal
 import subprocess
 import threading
-import time
-from typing import final, IO
+from typing import final
 
 from lta_config.errors import BadInput
 from lta_graph.ament import find_executable, OUR_PREFIX
 from lta_graph.launch_plan import LaunchProcess
 
 KEPT_LINES = 20  # last lines of each stream, for error messages
-LONGEST_OUTPUT_LINE = 65536  # bytes; a longer line is cut
-# s after an exit to read what is left: a surviving grandchild may hold the pipe open
-LAST_LINES_TIME = 0.5
 PR_SET_PDEATHSIG = 1  # linux/prctl.h
-OnLine = Callable[[str, str], None]
 # Several nodes with one thread per core each would slow each other down
 THREAD_VARIABLES = ('OPENBLAS_NUM_THREADS', 'OMP_NUM_THREADS', 'MKL_NUM_THREADS')
 _LIBC = ctypes.CDLL(None)  # loaded here, because loading is unsafe between fork and exec
@@ -78,54 +72,20 @@ class ChildProcess:
         self.name = name
         self.pid = popen.pid
         self.popen = popen
+        self.kept = {
+            'stdout': deque[str](maxlen=KEPT_LINES),
+            'stderr': deque[str](maxlen=KEPT_LINES),
+        }
         self._lock = threading.Lock()
-        self._exited = threading.Event()
-        self._watcher = threading.Thread()
-
-    def watch(
-        self, on_line: OnLine, stopping: threading.Event, exits: 'SimpleQueue[ProcessExit]'
-    ) -> None:
-        """
-        Read its output and wait for its end, in threads.
-
-        `on_line`: called with its name and each line. `stopping`: set when the launcher stops its
-        processes. `exits`: gets its exit once it is reaped.
-        """
-        outputs, readers = [], []
-        for pipe in (self.popen.stdout, self.popen.stderr):
-            assert pipe is not None
-            lines = deque[str](maxlen=KEPT_LINES)
-            outputs.append(lines)
-            words = (pipe, lines, on_line)
-            readers.append(threading.Thread(target=self._read_lines, args=words, daemon=True))
-
-        def wait_for_end() -> None:
-            # WNOWAIT leaves a zombie, so the process id cannot be reused before `reap`
-            os.waitid(os.P_PID, self.pid, os.WEXITED | os.WNOWAIT)
-            # Before reaping: a stop that begins meanwhile is not the cause of this exit
-            stopped = stopping.is_set()
-            self._exited.set()
-            self._reap()
-            deadline = time.monotonic() + LAST_LINES_TIME
-            for reader in readers:
-                reader.join(max(0.0, deadline - time.monotonic()))
-            stdout, stderr = map(tuple, outputs)
-            exits.put(self._build_exit(stdout, stderr, stopped))
-
-        self._watcher = threading.Thread(target=wait_for_end, daemon=True)
-        for thread in (*readers, self._watcher):
-            thread.start()
-
-    def _read_lines(self, pipe: IO[bytes], last_lines: deque[str], on_line: OnLine) -> None:
-        with pipe:
-            while line := pipe.readline(LONGEST_OUTPUT_LINE):
-                text = line.decode(errors='replace').rstrip('\r\n')
-                last_lines.append(text)
-                on_line(self.name, text)
 
     def has_exited(self) -> bool:
-        """Return whether the process has ended."""
-        return self._exited.is_set()
+        """Return whether the process has ended, without reaping it."""
+        with self._lock:
+            if self.popen.returncode is not None:
+                return True
+            # WNOWAIT leaves a zombie, so the process id cannot be reused before `reap`.
+            info = os.waitid(os.P_PID, self.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT)
+            return info is not None
 
     def send_signal(self, number: int) -> None:
         """Send a signal to the whole process group."""
@@ -134,16 +94,12 @@ class ChildProcess:
                 with suppress(ProcessLookupError):
                     os.killpg(self.pid, number)
 
-    def _reap(self) -> None:
-        """Kill the remaining group members of the ended process and collect its status."""
+    def reap(self) -> None:
+        """Kill the remaining group members of an ended process and collect its status."""
         # Before `wait` frees the process id, which is also that of the group
         self.send_signal(signal.SIGKILL)
         with self._lock:
             self.popen.wait()
-
-    def join(self, timeout: float) -> None:
-        """Wait until its exit is known, for at most `timeout` [s]."""
-        self._watcher.join(timeout)
 
     def has_group_members(self) -> bool:
         """Return whether the group of a reaped process still has members."""
@@ -154,14 +110,18 @@ class ChildProcess:
             return False
         return True
 
-    def _build_exit(
-        self, stdout: tuple[str, ...], stderr: tuple[str, ...], stopped: bool
-    ) -> ProcessExit:
-        """Return the exit record of the reaped process."""
+    def build_exit_record(self, stopped: bool) -> ProcessExit:
+        """Return the exit record of a reaped process."""
         status = int(self.popen.returncode)
-        ends_run = self.process.on_exit_shutdown
-        success = status == 0 and ends_run and self.process.planned
-        return ProcessExit(self.name, status, stdout, stderr, ends_run, success, stopped)
+        return ProcessExit(
+            name=self.name,
+            status=status,
+            stdout=tuple(self.kept['stdout']),
+            stderr=tuple(self.kept['stderr']),
+            ends_run=self.process.on_exit_shutdown,
+            success=status == 0 and self.process.on_exit_shutdown and self.process.planned,
+            stopped=stopped,
+        )
 
 
 def build_node_environment() -> dict[str, str]:
@@ -187,6 +147,8 @@ def spawn_process(
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             env=variables,
+            # Unbuffered, because `ProcessWatch` reads the file descriptors directly
+            bufsize=0,
             # Keeps the terminal's Ctrl-C from reaching the node directly
             start_new_session=True,
             preexec_fn=_bind_to_parent(os.getpid(), process.package.startswith(OUR_PREFIX)),

@@ -20,7 +20,7 @@ def test_ctrl_c_tears_no_queue_apart():
         raise Empty
 
     launcher = Launcher(LaunchPlan(()), lambda name, line: None)
-    launcher._exits = SimpleNamespace(get=get)
+    launcher._watch = SimpleNamespace(events=SimpleNamespace(get=get), fault=None)
     # A shell that put the tests into the background has Ctrl-C ignored.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:

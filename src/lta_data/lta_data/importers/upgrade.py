@@ -1,8 +1,8 @@
 """
 Convert a bag of version 1, which had standard messages on four topics, to those of lta_msgs.
 
-The data of all other messages are copied byte for byte, and the vehicle file gets one feedback resistor.
-Messages of version 1 have fewer digits than those of today: nine in the energy balance.
+The data of all other messages are copied byte for byte, and the vehicle file gets one feedback
+resistor. Messages of version 1 have fewer digits than those of today: nine in the energy balance.
 """
 
 from collections import Counter
