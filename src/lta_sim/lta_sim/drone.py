@@ -163,6 +163,8 @@ class SimulatedDrone:
         self._refused = False
         self._fed = True
         self._finished: float | None = None
+        self._is_commanded = settings.commanded
+        self._has_flown = False
 
     @property
     def duties(self) -> list[float]:
@@ -230,19 +232,27 @@ class SimulatedDrone:
             )
 
     @property
-    def _is_landed(self) -> bool:
-        """Whether it stands on the ground at the end of a flight that nothing else has ended."""
+    def _stands(self) -> bool:
+        """Whether it is on the ground."""
         floor = self.world.vehicle.hull_height_on_floor
+        return bool(self.world.state[2] < floor + STANDING_HEIGHT)
+
+    @property
+    def _is_landed(self) -> bool:
+        """Whether commands have ended its flight on the ground."""
         return (
             self._finished is not None
+            and self._is_commanded
+            and self._has_flown
             and self.world.outcome is FlightOutcome.FLYING
             and not any(self._duties)
-            and bool(self.world.state[2] < floor + STANDING_HEIGHT)
+            and self._stands
         )
 
     def report_flight(self, pacer: Pacer) -> dict[str, str]:
         """Report and return the state of the flight, which a pacer has kept to the wall clock."""
         world = self.world
+        self._has_flown |= not self._stands
         wall = (self._finished or time.monotonic()) - pacer.began if pacer.began else 0.0
         # Simulated seconds per wall second
         pace = world.elapsed / wall if wall else 0.0

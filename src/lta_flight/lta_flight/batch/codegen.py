@@ -72,7 +72,7 @@ def build_source(
     names : sequence of str
         Effects of the kernel, in registry order.
     constants : TupleLayout
-        Of `constants_and_tally.FlightConstants`.
+        Of `batch_flight.FlightConstants`.
     diodes, lamps : int
         Number of diodes and of lamps.
     target : CompileTarget

@@ -139,7 +139,8 @@ def run_nodes(starts: Sequence[NodeStart], words: Sequence[str], teardown: ExitS
     Raises
     ------
     Exception
-        What the first node raised whose end ends the run, once all are closed.
+        Why the first node has rejected its input, or the crash of a node that is alone, once all
+        are closed.
 
     """
     held: list[int] = []
@@ -177,7 +178,7 @@ class NodeGroup:
     status : int
         1 once a node has ended the run unplanned, or the status with which it has exited.
     error : Exception or None
-        What the first node has raised whose end ends the run.
+        Why the first node has rejected its input, or the crash of a node that is alone.
 
     """
 
@@ -251,12 +252,15 @@ class NodeGroup:
         # The sentence of bad input is all that a process of one node says
         if is_crash or start.name:
             # Before `close`, which may take a landing; the recorder stores it
-            node.health.report('state', HealthLevel.ERROR, why, **{ENDS_RUN: start.ends_run})
+            shared = {ENDS_RUN: start.ends_run} if start.name else {}
+            node.health.report('state', HealthLevel.ERROR, why, **shared)
             node.publish_health()
-        if start.ends_run:
-            self._keep_error(error)
-        elif is_crash:
+        if start.name and is_crash:
+            # At once: the others may take longer to close than the process has
             traceback.print_exception(error)
+            self.status = 1 if start.ends_run else self.status
+        elif start.ends_run:
+            self.error = self.error or error
         if start.name and not start.ends_run:
             sys.stderr.write(f'{start.name} ended ({why}); the others continue.\n')
         elif start.name and is_crash:
@@ -265,21 +269,17 @@ class NodeGroup:
         if start.ends_run and not self._stopping:
             self.stop()
 
-    def _keep_error(self, error: Exception) -> None:
-        """Keep the first error for the end of the run; report any other now."""
-        if self.error is None:
-            self.error = error
-        else:
-            traceback.print_exception(error)
-
     def _close(self, node: GraphNode) -> None:
         """Close a node, which gets no further messages."""
         del self._running[node]
         self._executor.remove_node(node)
         try:
             node.close()
-        except Exception as error:
-            self._keep_error(error)
+        except BadInput as error:
+            self.error = self.error or error
+        except Exception:
+            traceback.print_exc()
+            self.status = 1
 
     def close_all(self) -> None:
         """Close the nodes that remain after a failed start."""

@@ -21,7 +21,6 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Vector = tuple[float, float, float]
-# rad
 
 
 @final
