@@ -31,13 +31,15 @@ def near(tmp_path):
     return path
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ('vehicle', 'command', 'finds_peaks'),
     [
+        # In real time: beside other tests, and while kernels compile, it may fly past the lamp
         ('gtmab', 'motors', False),
         # Faults in flight (test_fault_kinds.py) fly by setpoints too, and peaks come through the
         # board in test_light_emulated.py.
-        pytest.param('multirotor', 'setpoint', True, marks=pytest.mark.long),
+        ('multirotor', 'setpoint', True),
     ],
     ids=['motors-samples', 'setpoint-peaks'],
 )
