@@ -204,7 +204,7 @@ def score_readings(readings: Sequence[BearingReading], bounds: Sequence[float]) 
 
 
 def score_bearings(case: Case, options: Namespace) -> Row:
-    """Score a kind; wrong if the fit is worse than the mean, or its interval claims too much."""
+    """Score a kind; a fit worse than the mean, or an interval that is too narrow, is wrong."""
     kind = KINDS[case.kind]
     bench, readings = simulate_readings(kind, options.poses, options.seed + case.number)
     bounds = [

@@ -35,7 +35,7 @@ def near(tmp_path):
 @pytest.mark.parametrize(
     ('vehicle', 'command', 'finds_peaks'),
     [
-        # In real time: beside other tests, and while kernels compile, it may fly past the lamp
+        # In real time: beside other tests on two cores it once flew past the lamp
         ('gtmab', 'motors', False),
         # Faults in flight (test_fault_kinds.py) fly by setpoints too, and peaks come through the
         # board in test_light_emulated.py.

@@ -143,7 +143,7 @@ def study_forecasts(
     study = ForecastStudy(
         name, titles, tuple(judge_vehicle(vehicle, usable.flights, tell)), usable.warnings
     )
-    if not study.scores:
+    if find_main_score(study.scores) is None:
         raise BadInput(
             'No usable part of the flights is long enough to forecast from its past and to judge '
             'the forecast; record some seconds more without a gap.'

@@ -294,7 +294,7 @@ def draw_lamp(figure: Figure, name: str, lamp: LampScene) -> None:
 
 
 def build_light_contour(scenario: Scenario, height: float) -> Contour:
-    """Return the direct light of all lamps at some height, with a shade per factor of two."""
+    """Return contours of the lamps' direct light at a height, a factor of two apart."""
     length, width, _ = scenario.room.size.vector
     x, y = (
         np.linspace(-side / 2, side / 2, min(round(side / CELL), MOST_CELLS_PER_SIDE) + 1)

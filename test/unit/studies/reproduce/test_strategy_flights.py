@@ -66,7 +66,7 @@ def test_the_share_of_draws_in_an_order():
 
 
 def test_the_pilot_keeps_its_track_straight():
-    """The 3-4-5 triangle; and the bounds: no more than the top, and slowly only where it must."""
+    """In a 3-4-5 triangle, and at the bounds of the airspeed: 0.5 and 1 m/s."""
     assert solve_wind_triangle(0.0, 0.3, 0.5, 1.0) == pytest.approx((0.4, -0.3))
     assert solve_wind_triangle(-0.4, 0.0, 0.5, 1.0) == pytest.approx((1.0, 0.0))
     assert solve_wind_triangle(0.0, -0.6, 0.5, 1.0) == pytest.approx((0.8, 0.6))

@@ -148,11 +148,12 @@ class McapScanner:
                 self._add_record(opcode, at, end)
                 self._readable = end
             except DamagedRecord as error:
-                if opcode == Opcode.CHUNK and stop == self._size < end:
-                    self._add_cut_chunk(at)
+                is_cut = opcode == Opcode.CHUNK and stop == self._size < end
+                is_read = is_cut and self._add_cut_chunk(at)
                 # The length of a damaged chunk may be right; that of others misleads
                 end = end if opcode == Opcode.CHUNK and end <= stop else stop
-                self._note_loss(at, end, opcode, str(error))
+                if not is_read:
+                    self._note_loss(at, end, opcode, str(error))
             at = end
 
     def _add_record(self, opcode: int, at: int, end: int) -> None:
@@ -175,8 +176,8 @@ class McapScanner:
         elif not (opcode in UNREAD or opcode >= PRIVATE or self._ended):
             raise DamagedRecord
 
-    def _add_cut_chunk(self, at: int) -> None:
-        """Add the messages in what is left of a chunk without its end."""
+    def _add_cut_chunk(self, at: int) -> bool:
+        """Add the messages of a chunk without its end; return whether any is left."""
         with suppress(DamagedRecord):
             body = self._read(at + RECORD.size, min(self._size - at, 2 * CHUNK_BYTES))
             if records := unpack_cut_chunk(body):
@@ -185,6 +186,8 @@ class McapScanner:
                     f'The chunk at byte {at} is cut off; the messages before the cut are read, '
                     'and no checksum covers them.'
                 )
+                return True
+        return False
 
     def _add_chunk(self, chunk: IntactChunk, *, is_cut: bool = False) -> None:
         """Add a chunk, its messages and the channels announced in it."""
