@@ -23,6 +23,7 @@ from functools import cache
 import inspect
 import math
 from pathlib import Path
+from threading import Lock
 from types import FunctionType, ModuleType
 from typing import Any, final, NamedTuple, TypeGuard
 
@@ -30,6 +31,7 @@ from lta_config.errors import BadInput
 
 TUPLE_PREFIX = 'core'  # prefix of the named tuples
 REPLACE_METHOD = '_replace'
+PARSING = Lock()  # Python 3.11 fails with SystemError if two threads parse (cpython issue 106905)
 
 
 @cache
@@ -40,9 +42,11 @@ def _read_definitions(path: Path, changed_ns: int, size: int) -> dict[str, ast.F
     Time and size are only keys: an edited file is read again.
     """
     del changed_ns, size
+    with PARSING:
+        tree = ast.parse(path.read_bytes())
     return {
         node.name: _strip_annotations(node)
-        for node in ast.parse(path.read_bytes()).body
+        for node in tree.body
         if isinstance(node, ast.FunctionDef)
     }
 
