@@ -42,6 +42,7 @@ class LinearizationPoint(NamedTuple):
 
     base: BuiltVehicle
     steps: tuple[VehicleStep, ...]
+    column_count: int  # K, of the parameters, with and without a step
     strengths: Array  # of wrenches (`FlightSystem.with_terms`), shape (J,)
 
     @classmethod
@@ -72,7 +73,7 @@ class LinearizationPoint(NamedTuple):
                 for each in (present, one.apply_to(nominal, step))
             )  # fmt: skip
             steps.append(VehicleStep(k, one, before, after, step))
-        return cls(base, tuple(steps), strengths)
+        return cls(base, tuple(steps), len(parameters), strengths)
 
 
 @final
@@ -92,8 +93,7 @@ class LinearizationInputs(NamedTuple):
     # Of the point itself
     rows: ReplayRows
     ready: BodyInputs
-    moving: tuple[int, ...]  # columns of the parameters that change the motion
-    turns: ParameterSteps  # of these
+    turns: ParameterSteps  # of all parameters
     turned: tuple[SensorStep, ...]  # of the parameters that change only the readings
 
 
@@ -123,14 +123,13 @@ def prepare_linearization(replay: FlightReplay, point: LinearizationPoint) -> Li
         faced.append(len(inputs) - 1)
         return len(sets) - 1
 
-    moving, turned = list[int](), list[SensorStep]()
-    pairs = list[tuple[int, int, float]]()
+    turned = list[SensorStep]()
+    pairs = [(0, 0, 1.0)] * point.column_count
     for one in point.steps:
         # Parameters of readings do not change the motion, and need no simulation.
         if one.parameter.reaches != 'reading' or replay.delays_commands(one.parameter):
-            moving.append(one.column)
             before, after = (add_set(one.parameter, each) for each in (one.before, one.after))
-            pairs.append((before, after, one.step))
+            pairs[one.column] = (before, after, one.step)
         else:
             is_same = one.before is point.base
             rows = sets[0] if is_same else replay.adapt_rows(*one.before)
@@ -149,4 +148,4 @@ def prepare_linearization(replay: FlightReplay, point: LinearizationPoint) -> Li
         table[:, 1].astype(np.int64),
         table[:, 2].copy(),
     )
-    return LinearizationInputs(sets[0], inputs[0], tuple(moving), turns, tuple(turned))
+    return LinearizationInputs(sets[0], inputs[0], turns, tuple(turned))

@@ -42,11 +42,16 @@ class BodyInputs:
 
     def average_periods(self) -> tuple[Array, Array, Array]:
         """Return the means over each grid period."""
-        first, second, third = (
-            part.reshape(-1, STEPS_PER_PERIOD, part.shape[1]).mean(axis=1)
-            for part in (self.commands, self.memory, self.wrench)
-        )
+        first, second, third = map(_average_steps, (self.commands, self.memory, self.wrench))
         return first, second, third
+
+
+def _average_steps(values: Array) -> Array:
+    """Return the means of values by step over each grid period; faster than `mean`."""
+    total = values[::STEPS_PER_PERIOD].copy()
+    for k in range(1, STEPS_PER_PERIOD):
+        total += values[k::STEPS_PER_PERIOD]
+    return total / STEPS_PER_PERIOD
 
 
 @final
@@ -61,7 +66,7 @@ class ParameterSteps(NamedTuple):
     commands: Array
     memory: Array
     wrench: Array
-    # The two sets of each parameter, shape (K,)
+    # The two sets of each parameter, the same where it does not change the motion, shape (K,)
     before: NDArray[np.int64]
     after: NDArray[np.int64]
     steps: Array  # their difference, shape (K,)

@@ -288,8 +288,8 @@ class FlightSystem:
             np.zeros((n, STATE_WIDTH, STATE_WIDTH)),
             np.zeros((n, STATE_WIDTH, AXIS_COUNT)),
         )
-        moved_count = len(self._own_parameters)
-        moved, defect = np.zeros((n, STATE_WIDTH, moved_count)), np.zeros((n, STATE_WIDTH))
+        moved = np.zeros((n, STATE_WIDTH, len(self._own_parameters)))
+        defect = np.zeros((n, STATE_WIDTH))
         # Differences of whole periods: what turns or shifts all motion leaves no trace, which
         # rates in the middle of a period would leave
         for k, nudge in enumerate(np.diag(NUDGE)):
@@ -301,7 +301,7 @@ class FlightSystem:
             ends = replay.integrate_pieces(about.rows, about.ready, near, latent)[:, -1]
             step[:-1, :, k] = _change_between(end, ends) / NUDGE[k]
         push[:-1] = b @ inverse
-        moved[:-1, :, list(about.moving)] = b @ answers
+        np.matmul(b, answers, out=moved[:-1])
         # The wrench is part of the state, and counts from 0
         defect[:-1] = _change_between(motion[1:], end) - _apply(push, self._wrench)[:-1]
         return states, step, push, moved, defect
