@@ -9,6 +9,7 @@ from lta_model.light.reflected_light import LAMP_ROWS, scratch_size, UNIFORM_ROW
 from lta_model.light.view import LightView
 from lta_model.mass_properties import half_axes
 from lta_model.scenario import load_scenario
+from lta_model.rigid_body import height_and_tilt
 from lta_model.sensors import imu, pressure, range
 from lta_model.vehicle import load_vehicle
 from lta_sim import compiled_sensors as counted
@@ -66,7 +67,7 @@ def test_the_range_finder_is_the_same(height):
     state = (0.0, 0.0, height, 0.02, -0.03, 0.1, 0.9943, 0, 0, 0, 0, 0, 0)
     settings = range.RangeSettings()
     own = range.RangeErrors(ERRORS.range_offset)
-    outlook = range.height_and_tilt(state, SENSORS.range_place)
+    outlook = height_and_tilt(state, SENSORS.range_place)
     deviate = draw_normals(SEED, counted.RANGE, STEP, 0)[0]
     told = range.measure_range(settings, own, *outlook, giving(deviate))
     expected = told if math.isfinite(told) else math.nan

@@ -228,7 +228,7 @@ def sense_and_control(
         step * schedule.period,
         sensor_specific_force(constants, state, rate, held),
         (state[10], state[11], state[12]),
-        state[2],
+        state,
         memory.distance,
         step % schedule.pressure == 0,
     )
