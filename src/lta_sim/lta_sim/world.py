@@ -277,7 +277,7 @@ class World:
         if 'pressure' in self._due:
             readings.pressure = pressure.measure_pressure(
                 self.pressure_settings, self._pressure,
-                float(self.state[2]) + self._imu_place[2], self.elapsed,
+                self._height_and_tilt(self._imu_place)[0], self.elapsed,
                 self._chance['pressure'], self._on_pressure,
             )  # fmt: skip
         return readings

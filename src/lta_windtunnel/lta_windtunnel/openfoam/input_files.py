@@ -43,9 +43,11 @@ class FoamTemplate(Template):
 def fill_settings(name: str, **values: Entry) -> str:
     """Return a file of config/openfoam with its names replaced by values."""
     text = (share_folder() / 'openfoam' / name).read_text(encoding='utf-8')
-    return FoamTemplate(text).substitute(
-        {key: _format_entry(value) for key, value in values.items()}
-    )
+    words = {}
+    for key, value in values.items():
+        lines = _format_block(value, '') if isinstance(value, Mapping) else [_format_entry(value)]
+        words[key] = '\n'.join(lines)
+    return FoamTemplate(text).substitute(words)
 
 
 def _format_entry(entry: Entry) -> str:
@@ -62,12 +64,15 @@ def _format_entry(entry: Entry) -> str:
     return f'({" ".join(_format_entry(each) for each in entry)})'
 
 
+def _format_block(entries: Mapping[str, Entry], indent: str) -> list[str]:
+    return [f'{indent}{{', *_format_entries(entries, indent + '    '), f'{indent}}}']
+
+
 def _format_entries(entries: Mapping[str, Entry], indent: str) -> list[str]:
     text = []
     for key, entry in entries.items():
         if isinstance(entry, Mapping):
-            inner = _format_entries(entry, indent + '    ')
-            text += [f'{indent}{key}', f'{indent}{{', *inner, f'{indent}}}']
+            text += [f'{indent}{key}', *_format_block(entry, indent)]
         else:
             text.append(f'{indent}{key} {_format_entry(entry)};')
     return text
