@@ -36,6 +36,7 @@ setup(
         ('share/lta_config', ['package.xml', 'topics.yaml']),
         ('share/lta_config/fastdds', sorted(map(str, Path('fastdds').glob('*.xml')))),
         ('share/lta_config/foxglove', ['foxglove/lta.json']),
+        ('share/lta_config/openfoam', sorted(map(str, Path('openfoam').glob('*')))),
         ('share/lta_config/plotjuggler', ['plotjuggler/lta.xml']),
         ('share/lta_config/rviz', ['rviz/lta.rviz']),
         ('share/lta_config/aero', sorted(map(str, Path('aero').glob('*.json')))),

@@ -8,7 +8,6 @@ import sys
 from doc_blocks import ROOT
 from followed_pages import steps, Written
 import pytest
-from waiting import PATIENCE
 
 STRATEGY = """
 from lta_control.strategies.protocol import NavigationStrategy, SteeringCommand
@@ -31,43 +30,6 @@ from lta_analysis.console import plain_console
 def greet(name: str = 'lamp') -> None:
     \"\"\"Say hello.\"\"\"
     plain_console().print(f'hello, {name}')
-"""
-LINK = """
-from queue import SimpleQueue
-
-from lta_bridge.crazyflie.link import Ping
-
-SCHEMES = {'string': r'[0-9]+m'}
-
-
-class StringLink:
-    def __init__(self, uri, blocks, clock):
-        self.uri, self.events, self.protocol = uri, SimpleQueue(), 12
-
-    def open(self, deadline):
-        self.events.put(Ping(0.1))
-
-    def close(self):
-        self.events.put(None)
-
-    def read_parameter(self, name):
-        return 7.0
-
-
-LINK = StringLink
-"""
-HELD = """
-from lta_bridge.crazyflie.connection_manager import ConnectionManager
-from lta_bridge.crazyflie.links import create_link
-from lta_bridge.crazyflie.log_table import LOG_BLOCKS
-from lta_config.schema.crazyflie_file import ExpectedParameter
-
-link = create_link('string://12m', LOG_BLOCKS, int)
-expected = ExpectedParameter(value=7, write=False, why='a test')
-manager = ConnectionManager(link, {'any.thing': expected})
-print(link.events.get(timeout=PATIENCE))
-assert manager.close(PATIENCE)
-print(link.events.get(timeout=PATIENCE), manager.attempts, link.uri)
 """
 SECOND = """
 from types import SimpleNamespace
@@ -178,14 +140,6 @@ def test_a_strategy(tmp_path):
         'print(find("straight"))',
     )
     assert "name='straight'" in said
-
-
-def test_a_link_that_the_connection_manager_opens_and_closes(tmp_path):
-    folder = with_copy(tmp_path, 'lta_bridge') / 'crazyflie'
-    (folder / 'string_link.py').write_text(LINK)
-    with_line(folder / 'links.py', "    'cflib_link',", "    'string_link',")
-    said = python(tmp_path, '-c', HELD.replace('PATIENCE', str(PATIENCE)))
-    assert said == 'Ping(round_trip=0.1)\nNone 1 string://12m\n'
 
 
 def test_a_verb(tmp_path):

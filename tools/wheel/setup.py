@@ -43,7 +43,8 @@ sources |= {'lta_msgs': generated, 'tf2_msgs': generated}
 facts = [
     path.relative_to(ROOT / 'config')
     for path in sorted((ROOT / 'config').rglob('*'))
-    if path.suffix in ('.yaml', '.json', '.xml') and path.name not in NOT_INSTALLED
+    if (path.suffix in ('.yaml', '.json', '.xml') and path.name not in NOT_INSTALLED)
+    or path.parent.name == 'openfoam'
 ]
 folders = sorted({path.parent for path in facts})
 

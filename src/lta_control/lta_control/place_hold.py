@@ -9,14 +9,12 @@ without turning, until it has drifted too far.
 """
 
 import math
-from typing import NamedTuple, TYPE_CHECKING
+from typing import NamedTuple
 
 from lta_control.cascade import wrap_angle
 from lta_control.odometry.tracked_motion import LocatedMotion, Pair
 from lta_control.strategies.homing import LARGEST_TURN, limit_turn, stopping_speed
-
-if TYPE_CHECKING:
-    from lta_control.strategies.settings import StrategySettings
+from lta_control.strategies.settings import StrategySettings
 
 CHANGE_TIME = 3.0  # s in which the velocity is to change
 APPROACH_SPEED = (
@@ -59,7 +57,7 @@ def begin_hold(motion: LocatedMotion, goal: Pair) -> PlaceHold:
 
 
 def steer_to_place(
-    settings: 'StrategySettings', hold: PlaceHold, motion: LocatedMotion
+    settings: StrategySettings, hold: PlaceHold, motion: LocatedMotion
 ) -> tuple[float, PlaceHold]:
     """Return the forward airspeed [m/s], and the hold with the new heading."""
     own, wind = settings.homing, math.hypot(*motion.wind)

@@ -42,10 +42,10 @@ def to_travel_state(
     odom: Odometry, airspeed: TwistWithCovarianceStamped | None
 ) -> TravelState | None:
     """Return distance from the start over ground, and airspeed; None while they are unknown."""
-    if not has_estimate(odom.pose.covariance[0]):
+    # Its own speed over ground would take a head wind for slowness
+    if airspeed is None or not has_estimate(odom.pose.covariance[0]):
         return None
-    # Recordings of version 1.0 have the airspeed in `odom`
-    place, speed = odom.pose.pose.position, (airspeed or odom).twist.twist.linear
+    place, speed = odom.pose.pose.position, airspeed.twist.twist.linear
     return TravelState(math.hypot(place.x, place.y), math.hypot(speed.x, speed.y))
 
 

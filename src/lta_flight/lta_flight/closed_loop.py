@@ -42,8 +42,8 @@ from lta_sim.world import World
 from lta_vlc.bearing import Bearing, estimate_bearing
 from lta_vlc.demodulation import DemodulatedBlock, Peaks
 from lta_vlc.diodes import build_diode_array
-from lta_vlc.direction import Direction, DirectionFinder
-from lta_vlc.lamp import estimate_lamp_position, LampEstimate
+from lta_vlc.direction import DirectionFinder
+from lta_vlc.lamp import Direction, estimate_lamp_position, LampEstimate
 from lta_vlc.receiver import BeaconReceiver
 import numpy as np
 from numpy.typing import NDArray

@@ -236,7 +236,7 @@ def check_crazyflie_bridge(_: str, values: Values) -> None:
     """Reject settings and a URI that the bridge of a Crazyflie would reject."""
     settings = validate_settings(CrazyflieBridgeSettings, 'crazyflie_bridge', values)
     # Imported late: cflib takes a second
-    from lta_bridge.crazyflie.links import check_uri
+    from lta_bridge.crazyflie.cflib_link import check_uri
 
     check_uri(settings.uri)
 

@@ -19,10 +19,6 @@ DU/Dt at the hull centre, m_d the displaced mass. The vorticity of the air, whic
 hull, is left out.
 
 The term v_r x p_a is the Munk moment. `body` is laid out as `lta_model.state` says.
-
-Effects on rotors sum forces f_i along the axes n_i of the rotors, at their places r_i:
-
-    (F, N) = sum of (f_i n_i, r_i x f_i n_i)
 """
 
 from collections.abc import Callable, Sequence
@@ -61,6 +57,14 @@ def rotation_matrix(q: Quaternion) -> Matrix3:
         s * (y * z + x * w),
         1.0 - s * (x * x + y * y),
     )
+
+
+def height_and_tilt(state: Sequence[float], position: Vector) -> tuple[float, float]:
+    """Return the height [m] of a body position [m], and the cosine of the tilt."""
+    x, y, z, w = state[3:7]
+    # Third row of R: the vertical in the body frame; c is the cosine of the tilt
+    a, b, c = rotation_matrix((x, y, z, w))[6:]
+    return state[2] + (a * position[0] + b * position[1] + c * position[2]), c
 
 
 def to_map(r: Matrix3, v: Vector) -> Vector:
@@ -213,43 +217,3 @@ TAKEN: tuple[Callable[..., Any], ...] = (
     quaternion_rate,
     body_acceleration,
 )
-
-
-def rotor_height(motion: VehicleMotion, rotor: Values) -> float:
-    """Return how high above the floor of the map a rotor is. [m]"""
-    r = motion.rotation
-    return motion.position[2] + r[6] * rotor[0] + r[7] * rotor[1] + r[8] * rotor[2]
-
-
-def rotor_upright(motion: VehicleMotion, rotor: Values) -> float:
-    """Return the upward part of the axis of a rotor, 1 for one that lifts."""
-    r = motion.rotation
-    return r[6] * rotor[3] + r[7] * rotor[4] + r[8] * rotor[5]
-
-
-def add_rotor_force(total: Wrench, rotor: Values, force: float) -> Wrench:
-    """Return the sum with a force along the axis of a rotor added."""
-    if force == 0.0:
-        return total
-    # rotor[3:6] is the unit axis, rotor[0:3] the place
-    x, y, z = force * rotor[3], force * rotor[4], force * rotor[5]
-    return (
-        total[0] + x,
-        total[1] + y,
-        total[2] + z,
-        total[3] + rotor[1] * z - rotor[2] * y,
-        total[4] + rotor[2] * x - rotor[0] * z,
-        total[5] + rotor[0] * y - rotor[1] * x,
-    )
-
-
-def sum_rotor_forces(rotors: Values, forces: Values) -> Wrench:
-    """Return the wrench of eight forces along the axes of the rotors."""
-    total = add_rotor_force((0.0, 0.0, 0.0, 0.0, 0.0, 0.0), rotors[0:6], forces[0])
-    total = add_rotor_force(total, rotors[6:12], forces[1])
-    total = add_rotor_force(total, rotors[12:18], forces[2])
-    total = add_rotor_force(total, rotors[18:24], forces[3])
-    total = add_rotor_force(total, rotors[24:30], forces[4])
-    total = add_rotor_force(total, rotors[30:36], forces[5])
-    total = add_rotor_force(total, rotors[36:42], forces[6])
-    return add_rotor_force(total, rotors[42:48], forces[7])

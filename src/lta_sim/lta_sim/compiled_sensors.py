@@ -14,9 +14,10 @@ import math
 from typing import NamedTuple
 
 from lta_model.effects.air import stationary_memory
+from lta_model.rigid_body import height_and_tilt
 from lta_model.sensors.imu import read_axis
 from lta_model.sensors.pressure import air_pressure, read_pressure
-from lta_model.sensors.range import height_and_tilt, noise_deviation, read_range, slant_range
+from lta_model.sensors.range import noise_deviation, read_range, slant_range
 
 MASK_32 = 0xFFFFFFFF
 # Key parity and rotation constants of Threefry-2x32, from the paper
@@ -197,11 +198,11 @@ def simulate_pressure_reading(
     errors: SensorErrors,
     seed: int,
     step: int,
-    height: float,
+    state: tuple[float, ...],
     elapsed: float,
 ) -> float:
-    """Return the pressure reading at a height of the hull centre and a flight time. [Pa]"""
-    truth = air_pressure(sensors.floor, height + sensors.imu_place[2])
+    """Return the pressure reading at a state and a flight time; it is beside the IMU. [Pa]"""
+    truth = air_pressure(sensors.floor, height_and_tilt(state, sensors.imu_place)[0])
     noise = sensors.pressure_noise * draw_normals(seed, PRESSURE, step, 0)[0]
     return read_pressure(
         truth, errors.pressure_offset, errors.drift * elapsed, noise, sensors.resolution

@@ -17,6 +17,7 @@ from lta_model.effects import EFFECTS
 from lta_model.electrical.loads import navigation_power
 from lta_model.light.view import LightView, Pose
 from lta_model.measurement_chain import apply_chain, build_chains, Chain
+from lta_model.rigid_body import height_and_tilt
 from lta_model.scenario import Scenario
 from lta_model.sensors import imu, pressure, range
 from lta_model.state import pack_state, RIGID
@@ -276,7 +277,7 @@ class World:
         if 'pressure' in self._due:
             readings.pressure = pressure.measure_pressure(
                 self.pressure_settings, self._pressure,
-                float(self.state[2]) + self._imu_place[2], self.elapsed,
+                self._height_and_tilt(self._imu_place)[0], self.elapsed,
                 self._chance['pressure'], self._on_pressure,
             )  # fmt: skip
         return readings
@@ -300,9 +301,12 @@ class World:
         if 'ground_truth/odom' in self._due:
             readings.truth = self._tracker.report_motion(self._predict_state)
 
+    def _height_and_tilt(self, place: Vector) -> tuple[float, float]:
+        return height_and_tilt(self.state[:RIGID].tolist(), place)
+
     def _sense_range(self, stamp_ns: int) -> None:
         """Take a range reading."""
-        height, up = range.height_and_tilt(self.state[:RIGID].tolist(), self._range_place)
+        height, up = self._height_and_tilt(self._range_place)
         elapsed = (stamp_ns - self._start_ns) * 1e-9
         reading = range.measure_range(
             self.range_settings, self._range, height, up,

@@ -6,7 +6,6 @@ vehicle file.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 import math
 from typing import Any, Final, final, NamedTuple
 
@@ -15,50 +14,14 @@ from lta_vlc.bearing import Bearing, estimate_bearing
 from lta_vlc.demodulation import Peaks
 from lta_vlc.diodes import DiodeArray
 from lta_vlc.direction_fit import DirectionFit, fit_direction
-from lta_vlc.lamp import estimate_lamp_position, LampEstimate, LampPrior
+from lta_vlc.lamp import Direction, estimate_lamp_position, LampEstimate, LampPrior
 from lta_vlc.reading_model import DiodeFitInputs, DirectionPrior, FIT_SCRATCH
 import numpy as np
-from numpy.typing import NDArray
 
 # White noise whose quiet bins have the mean magnitude m moves an amplitude by this much of m: the
 # quiet bins are Rayleigh distributed.
 RAYLEIGH_SHARE: Final = math.sqrt(2.0 / math.pi)
 LEAST_DEVIATION: Final = 1e-3  # smallest standard deviation of a prior [rad, 1/m]
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class Direction:
-    """Direction to the lamp in the body frame."""
-
-    # Unit vector from the middle of the diodes
-    x: float
-    y: float
-    z: float
-    # Covariance of azimuth and elevation by noise, unequal gains, reflections and priors [rad2]
-    azimuth_variance: float
-    cross_variance: float
-    elevation_variance: float
-    # Reading of a nominal diode that faces the lamp, of its direct light alone [counts]
-    strength: float
-    strength_deviation: float
-    pedestal: float  # reading by diffuse light, the same for all diodes [counts]
-
-    @property
-    def azimuth(self) -> float:
-        """Counter-clockwise from forward. [rad]."""
-        return math.atan2(self.y, self.x)
-
-    @property
-    def elevation(self) -> float:
-        """Upwards from the plane of forward and left. [rad]."""
-        return math.atan2(self.z, math.sqrt(self.x * self.x + self.y * self.y))
-
-    @property
-    def covariance(self) -> NDArray[np.float64]:
-        """Of azimuth and elevation, shape (2, 2). [rad2]."""
-        cross = self.cross_variance
-        return np.array([[self.azimuth_variance, cross], [cross, self.elevation_variance]])
 
 
 @final

@@ -1,15 +1,50 @@
 """Estimate the lamp position in the body frame from one direction and a prior."""
 
+from dataclasses import dataclass
 import math
-from typing import final, NamedTuple, TYPE_CHECKING
+from typing import final, NamedTuple
 
 from lta_config.settings import setting, Settings
-
-if TYPE_CHECKING:
-    from lta_vlc.direction import Direction
+import numpy as np
+from numpy.typing import NDArray
 
 OFF_AXIS_COSINE = 0.8  # mean cosine at which a Lambertian beam leaves a lamp that is flown to
 OFF_AXIS_DEVIATION = 0.15  # relative, of a range by strength: the beam's angle is not known
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Direction:
+    """Direction to the lamp in the body frame."""
+
+    # Unit vector from the middle of the diodes
+    x: float
+    y: float
+    z: float
+    # Covariance of azimuth and elevation by noise, unequal gains, reflections and priors [rad2]
+    azimuth_variance: float
+    cross_variance: float
+    elevation_variance: float
+    # Reading of a nominal diode that faces the lamp, of its direct light alone [counts]
+    strength: float
+    strength_deviation: float
+    pedestal: float  # reading by diffuse light, the same for all diodes [counts]
+
+    @property
+    def azimuth(self) -> float:
+        """Counter-clockwise from forward. [rad]."""
+        return math.atan2(self.y, self.x)
+
+    @property
+    def elevation(self) -> float:
+        """Upwards from the plane of forward and left. [rad]."""
+        return math.atan2(self.z, math.sqrt(self.x * self.x + self.y * self.y))
+
+    @property
+    def covariance(self) -> NDArray[np.float64]:
+        """Of azimuth and elevation, shape (2, 2). [rad2]."""
+        cross = self.cross_variance
+        return np.array([[self.azimuth_variance, cross], [cross, self.elevation_variance]])
 
 
 @final
@@ -44,7 +79,7 @@ class LampEstimate(NamedTuple):
     zz: float
 
 
-def estimate_range(direction: 'Direction', prior: LampPrior) -> tuple[float, float]:
+def estimate_range(direction: Direction, prior: LampPrior) -> tuple[float, float]:
     """
     Return the distance to the lamp and its standard deviation. [m]
 
@@ -60,7 +95,7 @@ def estimate_range(direction: 'Direction', prior: LampPrior) -> tuple[float, flo
     return distance, distance * math.sqrt(OFF_AXIS_DEVIATION**2 + relative**2)
 
 
-def estimate_lamp_position(direction: 'Direction', prior: LampPrior) -> LampEstimate:
+def estimate_lamp_position(direction: Direction, prior: LampPrior) -> LampEstimate:
     """
     Return the lamp on the ray of its direction, uncertain mostly along that ray.
 

@@ -21,7 +21,6 @@ from lta_windtunnel.openfoam.case import (
     CaseRunner,
     find_openfoam_version,
     FoamCase,
-    FoamPrograms,
     Progress,
 )
 from lta_windtunnel.openfoam.output_reader import MeshFacts, read_mesh
@@ -60,8 +59,7 @@ class ThreadedFlowSolver:
     def __init__(
         self, folder: Path, jobs: int, tell: Progress, retry_failed: bool = False
     ) -> None:
-        self._programs = FoamPrograms()
-        self._stages = CaseRunner(folder, self._programs, tell, retry_failed)
+        self._stages = CaseRunner(folder, tell, retry_failed)
         self._jobs = jobs
 
     def solver_version(self) -> str:
@@ -94,7 +92,7 @@ class ThreadedFlowSolver:
                         yield flow, error
             # Also for KeyboardInterrupt and a closed generator: leave no solver running
             except BaseException:
-                self._programs.stop()
+                self._stages.stop()
                 pool.shutdown(wait=False, cancel_futures=True)
                 raise
 

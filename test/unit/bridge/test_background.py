@@ -39,7 +39,6 @@ def stall(folder, monkeypatch, room):
     monkeypatch.setattr(storage.os, 'pwrite', disk.pwrite)
     writer.write('/a', bytes(1000), FIRST)
     writer.submit(bag.flush)
-    writer.wake_thread()
     assert disk.stalled.wait(PATIENCE)
     return writer, disk
 
@@ -69,7 +68,6 @@ def test_after_a_stall_recording_goes_on(tmp_path, monkeypatch):
     disk.let.set()
     caught_up = threading.Event()
     writer.submit(caught_up.set)
-    writer.wake_thread()
     assert caught_up.wait(PATIENCE)
     assert writer.write('/a', bytes(1000), 4)
     writer.close()
@@ -103,7 +101,6 @@ def test_busy_is_with_one_message_not_with_all_that_waited(monkeypatch):
     for seconds in (1, 1, 5, 1):
         writer.write('/a', b'', seconds)
     writer.submit(over.set)
-    writer.wake_thread()
     assert over.wait(PATIENCE)
     writer.close()
     assert sink.seen == [1, 1, 5, 1]
@@ -117,7 +114,6 @@ def test_a_fault_is_told_and_every_message_is_accounted_for(tmp_path, monkeypatc
         writer.write('/a', bytes(100), k)
     kept, told = threading.Event(), threading.Event()
     writer.submit(kept.set)
-    writer.wake_thread()
     assert kept.wait(PATIENCE)
 
     def broken(*_):
@@ -127,7 +123,6 @@ def test_a_fault_is_told_and_every_message_is_accounted_for(tmp_path, monkeypatc
     for k in range(50, 3000):
         writer.write('/a', bytes(1000), k)  # more than a chunk: it is written at once
     writer.submit(told.set)  # whoever waits for a step is answered
-    writer.wake_thread()
     assert told.wait(PATIENCE)
     with pytest.raises(StorageFault, match='stays readable'):
         writer.close()

@@ -4,14 +4,13 @@ import itertools
 import math
 
 from lta_control.strategies.homing import (
-    HomingSettings,
     reset_for_next_lamp,
     start,
     steer,
     watch,
 )
 from lta_control.strategies.protocol import LightMeasurement
-from lta_control.strategies.settings import StrategySettings
+from lta_control.strategies.settings import HomingSettings, StrategySettings
 import pytest
 
 # Lights at the height of the diodes, which it flies past

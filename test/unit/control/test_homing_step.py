@@ -7,7 +7,6 @@ from lta_control.strategies.homing import (
     build_filter_prior,
     coasting_distance,
     full_turn_time,
-    HomingSettings,
     HomingState,
     must_brake,
     reset_for_next_lamp,
@@ -26,7 +25,7 @@ from lta_control.strategies.lamp_ekf import (
     predict_fix,
 )
 from lta_control.strategies.protocol import LightMeasurement
-from lta_control.strategies.settings import StrategySettings
+from lta_control.strategies.settings import HomingSettings, StrategySettings
 import pytest
 
 QUICK = StrategySettings(homing=HomingSettings(hold=0.5, doubt=0.5, settling=5.0, brake=False))

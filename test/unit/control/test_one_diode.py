@@ -3,18 +3,21 @@
 import math
 
 from lta_control.strategies import dither, gradient
-from lta_control.strategies.dither import DitherSettings, DitherState
+from lta_control.strategies.dither import DitherState
 from lta_control.strategies.gradient import (
     add_pair,
     EMPTY_SAMPLES,
-    GradientSettings,
     GradientState,
     NO_SAMPLE,
-    PAIRS,
     steepest_heading,
 )
 from lta_control.strategies.protocol import LightMeasurement
-from lta_control.strategies.settings import StrategySettings
+from lta_control.strategies.settings import (
+    DitherSettings,
+    GradientSettings,
+    MAP_SAMPLES,
+    StrategySettings,
+)
 import numpy as np
 import pytest
 
@@ -57,7 +60,7 @@ def test_des_scans_by_level_and_climbs_by_rate():
 
 def plane(a, b, c, places):
     pairs = [(float(x), float(y), float(a * x + b * y + c)) for x, y in places]
-    return (NO_SAMPLE,) * (PAIRS - len(pairs)) + tuple(pairs)
+    return (NO_SAMPLE,) * (MAP_SAMPLES - len(pairs)) + tuple(pairs)
 
 
 def test_the_paper_s_plane_without_a_constant_points_away_from_the_origin():
@@ -99,7 +102,7 @@ def test_the_plane_is_a_ridge_regression_of_the_newest_pairs():
     """numpy solves the normal equations of the newest 12 pairs; older ones must not count."""
     chance = np.random.default_rng(9)
     newest = chance.normal(0.0, 0.3, (12, 3)) + np.array((1.0, -2.0, 50.0))
-    older = ((9.0, 9.0, 900.0),) * (PAIRS - 12)
+    older = ((9.0, 9.0, 900.0),) * (MAP_SAMPLES - 12)
     pairs = older + tuple(map(tuple, newest.tolist()))
     for centred in (True, False):
         own = GradientSettings(ridge=0.05, centred=centred)
@@ -120,7 +123,7 @@ def test_a_cell_is_2_cm_wide_in_both_directions(place, more):
     pairs, added = add_pair(before, 1.0, (*place, 30.0), 0.02)
     assert added == more
     assert pairs[-1] == (*place, 30.0 if more else 20.0)
-    assert len(pairs) == PAIRS
+    assert len(pairs) == MAP_SAMPLES
     assert add_pair(before, 0.0, (0.001, 0.03, 30.0), 0.02)[1] == 1.0  # without earlier pairs
 
 
@@ -147,7 +150,7 @@ def test_dga_reckons_its_place_along_the_commanded_heading():
     assert memory.y == pytest.approx(2.0 + 0.1 * math.sin(0.5))
     assert memory.pairs[-1] == (memory.x, memory.y, 1.0)
     assert (memory.filled, memory.speed) == (4.0, FLOWN.speed)
-    assert ascended(ascending(filled=float(PAIRS)))[1].filled == PAIRS
+    assert ascended(ascending(filled=float(MAP_SAMPLES)))[1].filled == MAP_SAMPLES
 
 
 def test_dga_takes_its_first_pairs_on_an_arc():

@@ -5,11 +5,10 @@ import math
 from lta_control.strategies import find_navigation_strategy
 from lta_control.strategies.bearing_angle import (
     BEARING_ANGLE_STRATEGY,
-    BearingAngleSettings,
     mean_bearing,
 )
 from lta_control.strategies.protocol import LightMeasurement, SteeringCommand
-from lta_control.strategies.settings import StrategySettings
+from lta_control.strategies.settings import BearingAngleSettings, StrategySettings
 import pytest
 
 SETTINGS = StrategySettings(speed=0.4, search_rate=0.2)

@@ -2,7 +2,7 @@
 
 import math
 
-from lta_control.strategies.wind_triangle import solve_wind_triangle
+from lta_control.strategies.homing import solve_wind_triangle
 import pytest
 
 EAST = (7.0, 0.0)

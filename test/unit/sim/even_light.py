@@ -8,15 +8,18 @@ import numpy as np
 
 def illuminance(field, points, normals):
     """Return the light of a scene on planes, shape (..., 3) each."""
-    echo = [
-        field.room.diffuse_illuminance(lamp.flux) if field.room else 0.0 for lamp in field.lamps
-    ]
+    echo = [spread_evenly(lamp.flux, field.room) if field.room else 0.0 for lamp in field.lamps]
     lamps = zip(field.lamps, echo, strict=True)
     modulated = np.stack(
         [direct_illuminance(lamp, points, normals) + more for lamp, more in lamps]
     )
     even = np.ones(modulated.shape[1:])
     return PlaneIlluminance(modulated, field.ambient.steady * even, field.ambient.mains * even)
+
+
+def spread_evenly(flux, room):
+    """Return the light of all bounces in a room: a geometric series."""
+    return flux * room.mean_albedo / (room.surface_area * (1.0 - room.mean_albedo))
 
 
 def synthesise(array, field, light, start, sample_rate, samples, generator, state=None):

@@ -7,7 +7,7 @@ from lta_model.effects import initial_memory
 from lta_model.effects.motors import BATTERY_COMPENSATION, BATTERY_SAG, THRUST_POLYNOMIAL
 from lta_model.state import pack_state, SURROUNDINGS, VOLTAGE
 from lta_model.vehicle import load_vehicle
-from lta_sim.kernels.kernel import advance, rotor_thrusts
+from lta_sim.kernels.kernel import advance, evaluate_model
 import numpy as np
 import pytest
 
@@ -139,7 +139,7 @@ def thrust_of(vehicle, duty, volts):
     model, command = vehicle.build_model(), vehicle.pack_command((duty,) * 4)
     start = pack_state((0.0, 0.0, 2.0), memory=initial_memory())
     late = advance(start, model, command, around(volts), 2.5e-3, 200)
-    return rotor_thrusts(late, model, command, around(volts))[0]
+    return evaluate_model(late, model, command, around(volts)).thrusts[0]
 
 
 class TestOfAVehicle:

@@ -8,6 +8,7 @@ from lta_flight.batch.batch_flight import build_sensors
 from lta_model.light.reflected_light import LAMP_ROWS, scratch_size, UNIFORM_ROW
 from lta_model.light.view import LightView
 from lta_model.mass_properties import half_axes
+from lta_model.rigid_body import height_and_tilt
 from lta_model.scenario import load_scenario
 from lta_model.sensors import imu, pressure, range
 from lta_model.vehicle import load_vehicle
@@ -66,7 +67,7 @@ def test_the_range_finder_is_the_same(height):
     state = (0.0, 0.0, height, 0.02, -0.03, 0.1, 0.9943, 0, 0, 0, 0, 0, 0)
     settings = range.RangeSettings()
     own = range.RangeErrors(ERRORS.range_offset)
-    outlook = range.height_and_tilt(state, SENSORS.range_place)
+    outlook = height_and_tilt(state, SENSORS.range_place)
     deviate = draw_normals(SEED, counted.RANGE, STEP, 0)[0]
     told = range.measure_range(settings, own, *outlook, giving(deviate))
     expected = told if math.isfinite(told) else math.nan
@@ -78,11 +79,14 @@ def test_the_range_finder_is_the_same(height):
 def test_the_barometer_is_the_same():
     own = pressure.PressureErrors(ERRORS.pressure_offset, ERRORS.drift)
     deviate = draw_normals(SEED, counted.PRESSURE, STEP, 0)[0]
-    height = 0.7 + SENSORS.imu_place[2]
+    # Rolled by 90 degrees to the right: the left side, y, points up
+    state = (0.0, 0.0, 0.7, math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5), 0, 0, 0, 0, 0, 0)
+    place = (0.1, 0.2, -0.3)
     expected = pressure.measure_pressure(
-        pressure.PressureSettings(floor=101325.0), own, height, 3.0, giving(deviate)
+        pressure.PressureSettings(floor=101325.0), own, 0.7 + 0.2, 3.0, giving(deviate)
     )
-    assert counted.simulate_pressure_reading(SENSORS, ERRORS, SEED, STEP, 0.7, 3.0) == expected
+    sensors = SENSORS._replace(imu_place=place)
+    assert counted.simulate_pressure_reading(sensors, ERRORS, SEED, STEP, state, 3.0) == expected
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@
 
 import math
 
-from lta_model.light.field import Ambient, LightField, PlaneIlluminance, Room, uniform_albedo
+from lta_model.light.field import Albedo, Ambient, LightField, PlaneIlluminance, Room
 from lta_model.light.lamp import BeaconLamp, SquareWave
 from lta_model.sensors.photodiode import PhotodiodeArray
 from lta_vlc.bearing import estimate_bearing
@@ -203,7 +203,7 @@ def pose(distance: float, yaw: float):
     return array.transform_to_map(np.array([7.0 - distance, 0.0, 1.0 + array.depth]), turn)
 
 
-@pytest.mark.parametrize('room', [None, Room((10.0, 8.0, 3.0), uniform_albedo(0.5))])
+@pytest.mark.parametrize('room', [None, Room((10.0, 8.0, 3.0), Albedo(0.5, 0.5, 0.5))])
 @pytest.mark.parametrize('yaw', [0.0, 0.4, 2.0, -3.0])
 def test_lamp_is_heard_and_found_at_seven_metres(room, yaw):
     lamp = scene().first_lamp

@@ -2,7 +2,6 @@
 
 import math
 
-from lta_model.light.field import Room, uniform_albedo
 from lta_model.light.lamp import BeaconLamp, direct_illuminance, SquareWave
 from lta_model.sensors.photodiode import PhotodiodeArray, voltage_sensitivity
 import numpy as np
@@ -83,20 +82,6 @@ def test_disc_is_exact_on_its_axis():
     rings = radiance * (0.03 / distance) ** 2 / distance**2 * 2.0 * math.pi * radius
     lux = rings.sum() * 0.015 / 20_000
     assert direct_illuminance(LAMP, at(0.03), TO_LAMP) == pytest.approx(lux, rel=1e-7)
-
-
-def test_echo_of_the_shared_room_by_hand():
-    # 268 m^2 of surface: 10 000 x 0.5 / (268 x 0.5).
-    assert Room((10.0, 8.0, 3.0), uniform_albedo(0.5)).diffuse_illuminance(
-        10_000.0
-    ) == pytest.approx(37.3134, abs=1e-4)
-
-
-def test_echo_is_the_sum_of_all_bounces():
-    room, bounced = Room((10.0, 8.0, 3.0), uniform_albedo(0.7)), 0.0
-    for bounce in range(1, 200):
-        bounced += 10_000.0 * 0.7**bounce / 268.0
-    assert room.diffuse_illuminance(10_000.0) == pytest.approx(bounced, rel=1e-12)
 
 
 def test_many_points_are_as_one_by_one():

@@ -241,7 +241,7 @@ class TestMultirotor:
         around[VOLTAGE] = volts
         start = pack_state((0.0, 0.0, 1.0), memory=initial_memory())
         late = kernel.advance(start, model, command, around, 2.5e-3, 800)
-        lift = kernel.rotor_thrusts(late, model, command, around).sum()
+        lift = kernel.evaluate_model(late, model, command, around).thrusts.sum()
         assert lift == pytest.approx(0.027 * G, rel=1e-9)
 
     def test_its_motors_hover_between_two_rows_of_the_bench(self, vehicles):

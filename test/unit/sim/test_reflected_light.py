@@ -15,7 +15,6 @@ from lta_model.light.field import (
     LightField,
     OutdoorArea,
     Room,
-    uniform_albedo,
 )
 from lta_model.light.lamp import BeaconLamp, direct_illuminance, SquareWave
 from lta_model.light.readings import write_pose_readings
@@ -259,7 +258,7 @@ def test_energy_balances(albedo, place, axis):
 
 
 def test_even_walls_echo_as_sumpner_says():
-    room = Room(SIZE, uniform_albedo(0.5))
+    room = Room(SIZE, Albedo(0.5, 0.5, 0.5))
     echo = build_reflecting_beam(LAMP, LightField((LAMP,), DARK, room))
     assert echo.diffuse == pytest.approx(37.3134, abs=1e-4)
     assert echo.beyond == pytest.approx(37.3134 / 2.0, abs=1e-4)
@@ -267,7 +266,7 @@ def test_even_walls_echo_as_sumpner_says():
 
 def test_echo_of_a_ring_averages_to_the_rooms():
     """Over places and directions in a bare room the once reflected light is rho Phi / A."""
-    room = Room(SIZE, uniform_albedo(0.5))
+    room = Room(SIZE, Albedo(0.5, 0.5, 0.5))
     field = LightField((LAMP,), DARK, room)
     centres, normals, areas, _ = patches(room, 1.0)
     axes = tuple(tuple(row) for row in np.eye(3).tolist() + (-np.eye(3)).tolist())

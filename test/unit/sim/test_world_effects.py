@@ -12,6 +12,7 @@ from lta_sim.readings import SensorReadings
 import numpy as np
 import pytest
 
+from .even_light import spread_evenly
 from .lamp_room import build, fly, HOVER
 from .test_measurement_effects import EFFECTS as MEASURING
 
@@ -206,7 +207,7 @@ def test_a_sagging_battery_weakens_the_rotors():
     volts = world._around.numbers[VOLTAGE]
     assert 3.9 < volts < 4.15
     around, model = world._around.numbers, world.vehicle.build_model()
-    thrusts = kernel.rotor_thrusts(world.state, model, world.command, around)
+    thrusts = kernel.evaluate_model(world.state, model, world.command, around).thrusts
     for thrust, duty in zip(thrusts, FLYING, strict=False):
         turning = duty * volts / 4.2
         assert thrust == pytest.approx(0.0915 * turning**2 + 0.0677 * turning, rel=1e-4)
@@ -250,7 +251,7 @@ def test_superheat_sees_the_lamp_whichever_way_the_hull_is_turned():
     ray = np.subtract(world.state[:3], lamp.position)
     squared = float(ray @ ray)
     leaving = float(ray @ lamp.axis) / math.sqrt(squared) / math.hypot(*lamp.axis)
-    lux = 10000.0 / math.pi * leaving / (squared + 0.015**2) + room.diffuse_illuminance(10000.0)
+    lux = 10000.0 / math.pi * leaving / (squared + 0.015**2) + spread_evenly(10000.0, room)
     expected = 0.5 * lux / lamp.efficacy + ambient.steady / ambient.efficacy
     assert around.numbers[IRRADIANCE] == pytest.approx(expected, rel=1e-12)
 

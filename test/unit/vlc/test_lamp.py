@@ -2,8 +2,7 @@
 
 import math
 
-from lta_vlc.direction import Direction
-from lta_vlc.lamp import estimate_lamp_position, estimate_range, LampPrior
+from lta_vlc.lamp import Direction, estimate_lamp_position, estimate_range, LampPrior
 import numpy as np
 import pytest
 

@@ -17,6 +17,11 @@ def exact_cycles(time: int, frequency: float, phase: float) -> float:
     return float(position - math.floor(position))
 
 
+def sample_wave(wave, times):
+    """Return the wave, 0 or 1."""
+    return (wave.phase_in_cycles(times) < wave.duty).astype(float)
+
+
 @pytest.mark.parametrize('frequency', [150.0, 149.9973, 100.0 / 3.0, 4999.0])
 @pytest.mark.parametrize('hours', [0, 1, 1000])
 def test_phase_is_exact_after_any_time(frequency, hours):
@@ -35,12 +40,12 @@ def test_phase_stays_below_one():
 def test_values_of_a_quarter_wave():
     wave = SquareWave(10.0, duty=0.25, phase=0.0)
     times = np.array([0, 24_999_999, 25_000_000, 99_999_999, 100_000_000], dtype=np.int64)
-    assert wave.sample_wave(times).tolist() == [1.0, 1.0, 0.0, 0.0, 1.0]
+    assert sample_wave(wave, times).tolist() == [1.0, 1.0, 0.0, 0.0, 1.0]
 
 
 def test_phase_shifts_the_wave_ahead():
     wave = SquareWave(10.0, duty=0.5, phase=0.5)
-    assert wave.sample_wave(np.array([0, 49_999_999, 50_000_000])).tolist() == [0.0, 0.0, 1.0]
+    assert sample_wave(wave, np.array([0, 49_999_999, 50_000_000])).tolist() == [0.0, 0.0, 1.0]
 
 
 def test_lagged_wave_is_its_filtered_fourier_series():
@@ -62,7 +67,7 @@ def test_lagged_wave_is_its_filtered_fourier_series():
 def test_fast_lag_follows_and_slow_lag_averages():
     wave = SquareWave(150.0, duty=0.3)
     times = np.arange(1_000, 20_000_000, 99_991, dtype=np.int64)
-    assert wave.sample_filtered(times, 1e-9) == pytest.approx(wave.sample_wave(times), abs=1e-9)
+    assert wave.sample_filtered(times, 1e-9) == pytest.approx(sample_wave(wave, times), abs=1e-9)
     # A triangle of 0.3 x 0.7 / (f tau) from end to end around the duty.
     slow = wave.sample_filtered(times, 10.0)
     assert np.abs(slow - 0.3).max() < 0.3 * 0.7 / 1500.0
@@ -87,5 +92,5 @@ def test_what_is_no_wave_is_refused(wave, sentence):
 
 def test_by_default_a_wave_is_on_for_the_first_half_of_each_cycle():
     times = np.array([0, 49_999_999, 50_000_000, 99_999_999])
-    assert SquareWave(10.0).sample_wave(times).tolist() == [1.0, 1.0, 0.0, 0.0]
+    assert sample_wave(SquareWave(10.0), times).tolist() == [1.0, 1.0, 0.0, 0.0]
     assert phase_in_cycles(times, 10.0)[:3] == pytest.approx([0.0, 0.5, 0.5], abs=1e-7)

@@ -8,7 +8,6 @@ from lta_windtunnel.analytic import drag_force
 from lta_windtunnel.shape import (
     build_hull_surface,
     ellipse_profile,
-    find_crossing_triangles,
     mylar_profile,
     read_stl,
     revolve_profile,
@@ -16,7 +15,6 @@ from lta_windtunnel.shape import (
 from lta_windtunnel.tunnel_model import build_box_surface, load_tunnel_model, winding_number
 import numpy as np
 import pytest
-import trimesh
 
 AIR = (1.2, 1.5e-5)
 BALLOON = revolve_profile(mylar_profile(), 0.5, 2 * 0.59907 * 0.5)
@@ -28,10 +26,6 @@ def test_a_mylar_balloon_is_paulsens():
     assert BALLOON.volume == pytest.approx(2.7458 * 0.125, rel=2e-3)
     assert BALLOON.area == pytest.approx(np.pi**2 * 0.25, rel=2e-3)
     assert BALLOON.is_watertight
-
-
-def test_a_surface_of_revolution_does_not_cross_itself():
-    assert find_crossing_triangles(revolve_profile(mylar_profile(13), 0.5, 0.6).triangles) is None
 
 
 def test_a_flatter_balloon_holds_as_much_less():
@@ -94,27 +88,6 @@ def test_an_open_surface_is_refused_with_its_edges(tmp_path):
     mesh.update_faces(np.arange(len(mesh.faces)) > 0)
     with pytest.raises(BadInput, match='3 edges do not join'):
         read_stl(kept(mesh, tmp_path), 'm')
-
-
-def test_a_surface_through_itself_is_refused_with_its_place(tmp_path):
-    both = trimesh.util.concatenate(
-        [
-            build_box_surface((0, 0, 0), (0.2, 0.2, 0.2)),
-            build_box_surface((0.13, 0.02, 0.03), (0.1, 0.1, 0.1)),
-        ]
-    )
-    with pytest.raises(BadInput, match='intersects itself near'):
-        read_stl(kept(both, tmp_path), 'm')
-
-
-def test_parts_apart_do_not_cross():
-    both = trimesh.util.concatenate(
-        [
-            build_box_surface((0, 0, 0), (0.2, 0.2, 0.2)),
-            build_box_surface((0.3, 0.02, 0.03), (0.1, 0.1, 0.1)),
-        ]
-    )
-    assert find_crossing_triangles(both.triangles) is None
 
 
 def test_rubbish_is_no_stl(tmp_path):

@@ -107,10 +107,6 @@ class BackgroundWriter:
         # append and popleft of a deque are atomic, so the queue needs no lock
         self._queue.append(step)
 
-    def wake_thread(self) -> None:
-        """Make the thread read the queue now."""
-        self._wake.set()
-
     def close(self) -> None:
         """
         Write the queued messages and finish the bag.

@@ -13,6 +13,7 @@ from functools import partial
 import logging
 import math
 from queue import Empty, SimpleQueue
+import re
 import threading
 import time
 from typing import Any, Final, final
@@ -61,6 +62,16 @@ CLOSING: Final = 3.0  # s; cflib needs two at most, but blocks forever if its dr
 DRIVERS = threading.Lock()
 
 
+def check_uri(uri: str) -> None:
+    """Raise `BadInput` for a URI that cflib does not understand."""
+    scheme, _, rest = uri.partition('://')
+    if scheme not in SCHEMES or not re.fullmatch(SCHEMES[scheme], rest):
+        raise BadInput(
+            f"'{uri}' is not a valid Crazyflie URI; give one such as radio://0/80/2M/E7E7E7E7E7, "
+            'usb://0 or udp://127.0.0.1:19850.'
+        )
+
+
 def _register_drivers() -> None:
     """Register cflib's link drivers once; safe to call from any thread."""
     with DRIVERS:
@@ -106,11 +117,12 @@ class CflibLink:
     Raises
     ------
     BadInput
-        If cflib is not installed.
+        If the URI is invalid, or cflib is not installed.
 
     """
 
     def __init__(self, uri: str, blocks: Sequence[LogBlock], clock: Callable[[], int]) -> None:
+        check_uri(uri)
         if not CFLIB:
             raise BadInput(
                 'The connection to a Crazyflie needs the Python package cflib, which is not '
@@ -326,6 +338,3 @@ class CflibLink:
         except Exception as error:  # drivers raise various types, and cflib's lock stays taken
             self._drone = None
             self._on_link_lost('', f'{type(error).__name__}: {error}')
-
-
-LINK: Final = CflibLink

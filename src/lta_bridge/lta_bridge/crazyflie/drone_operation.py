@@ -12,10 +12,10 @@ from typing import Final, final
 
 from lta_bridge.crazyflie.bridge_core import BridgeCore, StampedReading, TICK_RATE
 from lta_bridge.crazyflie.buoyancy import BuoyancyMonitor
+from lta_bridge.crazyflie.cflib_link import CflibLink
 from lta_bridge.crazyflie.connection_manager import CONNECTING, ConnectionManager
 from lta_bridge.crazyflie.drone_lock import DroneLock, is_port_closed
 from lta_bridge.crazyflie.link import LinkLost, MalformedPacket, Ping
-from lta_bridge.crazyflie.links import create_link
 from lta_bridge.crazyflie.log_table import LOG_BLOCKS
 from lta_bridge.crazyflie.safety import (
     DELIBERATE,
@@ -85,7 +85,7 @@ class DroneOperation:
         self._settings, self._vehicle = settings, vehicle
         self._clock, self._is_active, self._run_tick = clock, is_active, run_tick
         self._serve = serve
-        self._link = create_link(settings.uri, LOG_BLOCKS, clock)
+        self._link = CflibLink(settings.uri, LOG_BLOCKS, clock)
         file = self._file = find_crazyflie(settings.vehicle, vehicle.file.name, settings.crazyflie)
         command = settings.command or file.command
         self.bridge = BridgeCore(

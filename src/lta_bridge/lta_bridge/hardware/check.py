@@ -7,11 +7,10 @@ import math
 import time
 from typing import Any, final
 
-from lta_bridge.crazyflie.cflib_link import CFLIB, scan_crazyflies
+from lta_bridge.crazyflie.cflib_link import CFLIB, CflibLink, scan_crazyflies
 from lta_bridge.crazyflie.connection_manager import CONNECT_TIME
 from lta_bridge.crazyflie.drone_lock import DroneLock
 from lta_bridge.crazyflie.link import LinkFailed
-from lta_bridge.crazyflie.links import create_link
 from lta_bridge.crazyflie.log_table import LOG_BLOCKS
 from lta_bridge.devices import (
     BOARD,
@@ -155,7 +154,7 @@ def _check_drone(
 ) -> tuple[DroneMeasurement | None, list[HardwareCheck]]:
     vehicle = load_vehicle(request.vehicle)
     file = find_crazyflie(request.vehicle, vehicle.file.name)
-    link = create_link(uri, LOG_BLOCKS, time.time_ns)
+    link = CflibLink(uri, LOG_BLOCKS, time.time_ns)
     tell(f'connecting to {uri}', 0.0)
     # Without the lock two programs would take each other's packets.
     with closing(DroneLock(uri)), closing(link):

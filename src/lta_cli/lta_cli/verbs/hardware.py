@@ -7,10 +7,10 @@ import time
 from typing import Any, final
 
 from lta_analysis.console import print_lines
+from lta_bridge.crazyflie.cflib_link import CflibLink
 from lta_bridge.crazyflie.connection_manager import CONNECT_TIME
 from lta_bridge.crazyflie.drone_lock import DroneLock
 from lta_bridge.crazyflie.link import CrazyflieLink, LinkFailed
-from lta_bridge.crazyflie.links import create_link
 from lta_bridge.crazyflie.log_table import LOG_BLOCKS
 from lta_bridge.devices import format_udev_rules, RULES_FILE
 from lta_bridge.hardware.check import (
@@ -134,7 +134,7 @@ class MotorBenchRequest(Action, command='hardware bench', json=True):
                 'uses it.'
             )
         # Not opened yet: the radio stays silent until the user has confirmed
-        link = create_link(self.uri, LOG_BLOCKS, time.time_ns)
+        link = CflibLink(self.uri, LOG_BLOCKS, time.time_ns)
         # Nobody else may command the drone meanwhile
         with closing(DroneLock(self.uri)):
             self.confirm(file.motors[self.motor], console)

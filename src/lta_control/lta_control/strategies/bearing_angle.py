@@ -7,28 +7,14 @@ turns, so that it sees the light from any start. The memory is the last commande
 """
 
 import math
-from typing import TYPE_CHECKING
 
-from lta_config.settings import setting, Settings
 from lta_control.strategies.protocol import (
     LightMeasurement,
     Memory,
     NavigationStrategy,
     SteeringCommand,
 )
-
-if TYPE_CHECKING:
-    from lta_control.strategies.settings import StrategySettings
-
-
-class BearingAngleSettings(Settings):
-    """Settings of the bearing."""
-
-    mean: bool = setting(False)
-    """
-    Whether to head along the weighted mean of the photodiodes, as in the paper, instead of the
-    fitted bearing.
-    """
+from lta_control.strategies.settings import StrategySettings
 
 
 def start(heading: float) -> Memory:
@@ -37,7 +23,7 @@ def start(heading: float) -> Memory:
 
 
 def steer(
-    settings: 'StrategySettings', memory: Memory, sight: LightMeasurement
+    settings: StrategySettings, memory: Memory, sight: LightMeasurement
 ) -> tuple[SteeringCommand, Memory]:
     """Return the heading of the lamp at cruise speed, or a slow turn on the spot."""
     bearing = mean_bearing(sight.amplitudes) if settings.bag.mean else sight.bearing

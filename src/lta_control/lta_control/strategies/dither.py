@@ -21,31 +21,11 @@ see the effect of the other.
 """
 
 import math
-from typing import NamedTuple, TYPE_CHECKING
+from typing import NamedTuple
 
-from lta_config.settings import setting, Settings
 from lta_control.cascade import wrap_angle
 from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy, SteeringCommand
-
-if TYPE_CHECKING:
-    from lta_control.strategies.settings import StrategySettings
-
-
-class DitherSettings(Settings):
-    """Swing of the heading, and gains from the light to the turn rate."""
-
-    amplitude: float = setting(0.5 * math.pi, 'rad', 0.0, math.pi)
-    """Amplitude of the heading oscillation."""
-    rate: float = setting(0.3, 'rad/s', 0.01, 10.0)
-    """Angular frequency of the heading oscillation."""
-    scan: float = setting(0.3, 'rad/s', 0.0, 20.0)
-    """Turn rate per unit of log brightness that varies in phase with the heading oscillation."""
-    gradient: float = setting(0.0, 'rad', 0.0, 50.0)
-    """Turn angle per change of log brightness that is in phase with the heading oscillation."""
-    washout: float = setting(15.0, 's', 0.1, 600.0)
-    """Time constant of the running mean of the log brightness."""
-    floor: float = setting(5.0, 'counts', 0.01, 1e6)
-    """Brightness added before taking the logarithm, which keeps it finite in darkness."""
+from lta_control.strategies.settings import StrategySettings
 
 
 class DitherState(NamedTuple):
@@ -65,7 +45,7 @@ def start(heading: float) -> DitherState:
 
 
 def steer(
-    settings: 'StrategySettings', memory: DitherState, sight: LightMeasurement
+    settings: StrategySettings, memory: DitherState, sight: LightMeasurement
 ) -> tuple[SteeringCommand, DitherState]:
     """Return the swinging heading at cruise speed."""
     own, dt = settings.des, sight.interval

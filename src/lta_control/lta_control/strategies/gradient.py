@@ -21,42 +21,15 @@ it is within `go_within`.
 """
 
 import math
-from typing import NamedTuple, TYPE_CHECKING
+from typing import NamedTuple
 
-from lta_config.settings import setting, Settings
 from lta_control.cascade import wrap_angle
 from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy, SteeringCommand
+from lta_control.strategies.settings import GradientSettings, MAP_SAMPLES, StrategySettings
 
-if TYPE_CHECKING:
-    from lta_control.strategies.settings import StrategySettings
-
-PAIRS = 40
 NO_SAMPLE = (0.0, 0.0, 0.0)
-EMPTY_SAMPLES = (NO_SAMPLE,) * PAIRS
+EMPTY_SAMPLES = (NO_SAMPLE,) * MAP_SAMPLES
 Pair = tuple[float, float, float]
-
-
-class GradientSettings(Settings):
-    """Settings of the map, the plane fit and the delays."""
-
-    cell: float = setting(0.02, 'm', 1e-3, 10.0)
-    """Side length of a cell of the light map."""
-    least: float = setting(30.0, '1', 3.0, float(PAIRS))
-    """Number of brightness samples taken before the first plane is fitted to them."""
-    arc: float = setting(0.5, 'rad/s', -2.0, 2.0)
-    """Turn rate while the first brightness samples are taken."""
-    commanded_heading: bool = setting(False)
-    """Whether to dead-reckon by the commanded heading instead of that of the IMU."""
-    centred: bool = setting(True)
-    """Whether the fitted plane passes through the mean of the samples instead of the origin."""
-    ridge: float = setting(1e-3, 'm2', 1e-9, 10.0)
-    """Regularisation of the plane fit, added to the mean square of positions."""
-    computing: float = setting(1.0, 's', 0.0, 60.0)
-    """Delay from measuring the light to using the heading computed from it."""
-    stop_beyond: float = setting(1.2, 'rad', 0.0, 3.2)
-    """Heading error above which the drone stops to turn."""
-    go_within: float = setting(0.5, 'rad', 0.0, 3.2)
-    """Heading error below which a stopped drone flies on."""
 
 
 class GradientState(NamedTuple):
@@ -80,7 +53,7 @@ def start(heading: float) -> GradientState:
 
 
 def steer(
-    settings: 'StrategySettings', memory: GradientState, sight: LightMeasurement
+    settings: StrategySettings, memory: GradientState, sight: LightMeasurement
 ) -> tuple[SteeringCommand, GradientState]:
     """Return the heading of the latest plane, at cruise speed or stopped for a turn."""
     own, m, dt = settings.dga, memory, sight.interval
@@ -89,7 +62,7 @@ def steer(
     x = m.x + m.speed * math.cos(course) * dt
     y = m.y + m.speed * math.sin(course) * dt
     pairs, more = add_pair(m.pairs, m.filled, (x, y, sight.amplitudes[0]), own.cell)
-    count = min(m.filled + more, float(PAIRS))
+    count = min(m.filled + more, float(MAP_SAMPLES))
     target, coming, computed = m.target, m.next, m.computed + dt
     if count < own.least:
         target = coming = m.heading + own.arc * dt
@@ -121,17 +94,17 @@ def steepest_heading(
 ) -> float:
     """Return the heading up the plane through the latest pairs; the old one for a flat plane."""
     # The newest pairs are last; earlier entries are still empty
-    first = PAIRS - int(count)
+    first = MAP_SAMPLES - int(count)
     mean_x = mean_y = mean_j = 0.0
     if own.centred:
-        for k in range(first, PAIRS):
+        for k in range(first, MAP_SAMPLES):
             mean_x += pairs[k][0] / count
             mean_y += pairs[k][1] / count
             mean_j += pairs[k][2] / count
     # Normal equations of the plane, with the ridge on the diagonal
     xx = yy = own.ridge * count
     xy = xj = yj = 0.0
-    for k in range(first, PAIRS):
+    for k in range(first, MAP_SAMPLES):
         x, y, j = pairs[k][0] - mean_x, pairs[k][1] - mean_y, pairs[k][2] - mean_j
         xx, xy, yy = xx + x * x, xy + x * y, yy + y * y
         xj, yj = xj + x * j, yj + y * j

@@ -2,7 +2,7 @@ r"""
 Homing, LTA's own strategy: fly along the line to the lamp in any wind.
 
 `lamp_ekf` fuses bearings and strengths with dead reckoning into the lamp's position and the
-drone's drift. The course through the air follows from the wind triangle (`wind_triangle`): a
+drone's drift. The course through the air follows from the wind triangle (`solve_wind_triangle`): a
 drone in a cross wind stays on the line instead of a curve of pursuit, and in a head wind it flies
 faster. Inside `arrival` the drone has arrived. Without `brake` the ground speed falls near the
 lamp with the range by `approach` per second, and the drone holds its position against the wind at
@@ -28,9 +28,8 @@ drone stays by dead reckoning.
 """
 
 import math
-from typing import NamedTuple, TYPE_CHECKING
+from typing import NamedTuple
 
-from lta_config.settings import setting, Settings
 from lta_control.cascade import wrap_angle
 from lta_control.strategies.lamp_ekf import (
     bearing_deviation,
@@ -44,10 +43,7 @@ from lta_control.strategies.lamp_ekf import (
     update_fix,
 )
 from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy, SteeringCommand
-from lta_control.strategies.wind_triangle import solve_wind_triangle
-
-if TYPE_CHECKING:
-    from lta_control.strategies.settings import StrategySettings
+from lta_control.strategies.settings import HomingSettings, StrategySettings
 
 # m/s; least forward airspeed on the way, even where the wind alone would suffice
 LEAST_AIRSPEED = 0.1
@@ -60,70 +56,8 @@ CLOSE_RANGE = 3.0  # m from the lamp, where the hull may hide a part of it
 HIDDEN_TIME = 40.0  # s without light after which a close lamp is searched
 GLANCE = 0.1  # rad; error of a bearing where the hull may hide a part of the lamp
 ARRIVAL_HYSTERESIS = 2.0  # of the arrival range: hysteresis, so that wind does not undo an arrival
-
-
-class HomingSettings(Settings):
-    """Prior knowledge of lamp, wind and drone, and the time limits of homing."""
-
-    top_speed: float = setting(0.7, 'm/s', 0.05, 20.0)
-    """Highest commanded airspeed."""
-    brightness: float = setting(2100.0, 'counts', 1.0, 1e9)
-    """
-    Expected brightness of the lamp at 1 m, with a resistor of 100 kohm in the photodiode
-    amplifiers.
-    """
-    unsure: float = setting(0.5, '1', 0.01, 5.0)
-    """Uncertainty of the expected lamp brightness: standard deviation of its logarithm."""
-    bearing_noise: float = setting(0.03, 'rad', 1e-4, 1.0)
-    """Standard deviation added to the one reported with each bearing."""
-    strength_noise: float = setting(0.15, '1', 0.01, 5.0)
-    """Noise of a measured lamp brightness: standard deviation of its logarithm."""
-    wind: float = setting(0.4, 'm/s', 0.0, 10.0)
-    """Standard deviation of the wind drift assumed at the start."""
-    gusts: float = setting(0.03, 'm/s', 0.0, 5.0)
-    """Expected random change of the wind drift in one second."""
-    settling: float = setting(6.0, 's', 0.1, 60.0)
-    """
-    Time for the airspeed estimate to settle after take-off; until then, larger changes of the
-    drift are expected (see unsettled).
-    """
-    unsettled: float = setting(0.6, 'm/s', 0.0, 5.0)
-    """Expected random change of the wind drift in one second, just after take-off."""
-    gate: float = setting(4.0, '1', 1.0, 20.0)
-    """Number of standard deviations beyond which a light measurement is rejected as an outlier."""
-    echo: float = setting(0.25, '1', 0.0, 1.0)
-    """
-    Smallest plausible ratio of measured to expected brightness: weaker light counts as a
-    reflection, and light above the inverse ratio as too bright for the lamp.
-    """
-    trusted: float = setting(0.5, 'rad', 0.01, 3.2)
-    """Standard deviation above which a bearing is ignored."""
-    doubt: float = setting(1.5, 's', 0.1, 60.0)
-    """Time for which a light in another place must be seen before it is accepted as the lamp."""
-    hold: float = setting(8.0, 's', 0.0, 600.0)
-    """Longest time to fly by dead reckoning without light."""
-    certain: float = setting(0.8, 'rad', 0.05, 3.2)
-    """Largest standard deviation of the bearing with which dead reckoning is allowed."""
-    arrival: float = setting(0.8, 'm', 0.1, 100.0)
-    """Horizontal distance to the lamp that counts as arrival."""
-    approach: float = setting(0.5, '1/s', 0.05, 5.0)
-    """Without brake: ground speed per metre of remaining distance, near the lamp."""
-    brake: bool = setting(True)
-    """Whether to brake ahead of the lamp and stay there, instead of flying past it."""
-    deceleration: float = setting(0.12, 'm/s2', 0.001, 10.0)
-    """With brake: deceleration by thrust against the motion and drag that is planned with."""
-    turn_rate: float = setting(0.48, 'rad/s', 0.01, 6.0)
-    """With brake: mean rate of a turn about, the time to begin and end it included."""
-    coasting: float = setting(5.0, 'm', 0.01, 1000.0)
-    """
-    With brake: distance through the air in which drag alone divides the airspeed by e; mass, with
-    the air that moves along, by quadratic drag.
-    """
-    shade: float = setting(0.85, '1', 0.0, 1.0)
-    """
-    With brake: smallest ratio of measured to expected brightness near the lamp; below it the hull
-    hides a part of it.
-    """
+MOST_ACROSS = 0.95  # largest share of the airspeed used against a cross wind
+STEERAGE = 0.1  # m/s; below this airspeed a heading is meaningless
 
 
 class HomingState(NamedTuple):
@@ -165,15 +99,13 @@ def reset_for_next_lamp(memory: HomingState) -> HomingState:
     )
 
 
-def watch(
-    settings: 'StrategySettings', memory: HomingState, sight: LightMeasurement
-) -> HomingState:
+def watch(settings: StrategySettings, memory: HomingState, sight: LightMeasurement) -> HomingState:
     """Return the memory after a sight during the climb, so that the wind estimate starts early."""
     return update_with_sight(settings, memory, sight)
 
 
 def steer(
-    settings: 'StrategySettings', memory: HomingState, sight: LightMeasurement
+    settings: StrategySettings, memory: HomingState, sight: LightMeasurement
 ) -> tuple[SteeringCommand, HomingState]:
     """Return the course through the air along the line to the lamp."""
     own = settings.homing
@@ -213,7 +145,7 @@ def build_filter_prior(own: HomingSettings, flight_time: float) -> LampFilterPri
 
 
 def update_with_sight(
-    settings: 'StrategySettings', m: HomingState, sight: LightMeasurement
+    settings: StrategySettings, m: HomingState, sight: LightMeasurement
 ) -> HomingState:
     """Return the memory after one more sight; an outlier is ignored."""
     own, dt = settings.homing, sight.interval
@@ -259,7 +191,7 @@ def update_with_sight(
 
 
 def steer_to_lamp(
-    settings: 'StrategySettings', m: HomingState, sight: LightMeasurement
+    settings: StrategySettings, m: HomingState, sight: LightMeasurement
 ) -> tuple[float, float]:
     """Return heading [rad] and airspeed [m/s] along the line to the lamp, or to hold there."""
     own, fix = settings.homing, m.fix
@@ -320,7 +252,7 @@ def ground_velocity(m: HomingState, sight: LightMeasurement) -> tuple[float, flo
     return cos * surge - sin * sway + m.fix.wind_x, sin * surge + cos * sway + m.fix.wind_y
 
 
-def must_brake(settings: 'StrategySettings', m: HomingState, sight: LightMeasurement) -> bool:
+def must_brake(settings: StrategySettings, m: HomingState, sight: LightMeasurement) -> bool:
     """Return whether the drone turns against its motion, which then lasts until it has stopped."""
     own, fix = settings.homing, m.fix
     x, y = ground_velocity(m, sight)
@@ -336,7 +268,7 @@ def must_brake(settings: 'StrategySettings', m: HomingState, sight: LightMeasure
 
 
 def brake_ahead(
-    settings: 'StrategySettings', m: HomingState, sight: LightMeasurement
+    settings: StrategySettings, m: HomingState, sight: LightMeasurement
 ) -> tuple[float, float]:
     """Return heading [rad] against the motion over ground, and airspeed along it [m/s]."""
     own, fix = settings.homing, m.fix
@@ -365,13 +297,13 @@ def limit_turn(goal: float, heading: float, last: float, most: float) -> float:
     return heading + math.copysign(most, before if abs(before) > 0.25 * most else turn)
 
 
-def full_turn_time(settings: 'StrategySettings') -> float:
+def full_turn_time(settings: StrategySettings) -> float:
     """Return the duration of a turn on the spot. [s]"""
     return 2.0 * math.pi / max(settings.search_rate, 1e-3)
 
 
 def steer_search(
-    settings: 'StrategySettings', m: HomingState, interval: float
+    settings: StrategySettings, m: HomingState, interval: float
 ) -> tuple[float, float]:
     """Return heading [rad] and airspeed [m/s] of a search: a turn, then widening circles."""
     turn = full_turn_time(settings)
@@ -384,6 +316,52 @@ def steer_search(
 def distance_to_lamp(memory: HomingState) -> float:
     """Return the horizontal distance to the lamp; NaN before the first light. [m]"""
     return math.hypot(memory.fix.x, memory.fix.y) if memory.has_fix else math.nan
+
+
+def solve_wind_triangle(
+    line: tuple[float, float],
+    wind: tuple[float, float],
+    over_ground: float,
+    top_speed: float,
+    least: float,
+) -> tuple[float, float]:
+    """
+    Return heading [rad] and airspeed [m/s] of the course that follows a line over the ground.
+
+    With the wind w along and across the line, wanted ground speed g and highest airspeed V,
+
+        a_across = -w_across,   a_along = min(g - w_along, sqrt(V^2 - a_across^2))
+
+    Where the cross wind exceeds V, the drone turns into it as far as some speed along the line
+    remains.
+
+    Parameters
+    ----------
+    line : tuple of float
+        Direction to fly, of any length above 0.
+    wind : tuple of float
+        Velocity of the air, in the same axes. [m/s]
+    over_ground : float
+        Wanted speed along the line. [m/s]
+    top_speed : float
+        Highest airspeed. [m/s]
+    least : float
+        Least airspeed along the line; negative where the drone may turn around to brake. [m/s]
+
+    """
+    away = math.hypot(line[0], line[1])
+    cos, sin = line[0] / away, line[1] / away
+    along, across = cos * wind[0] + sin * wind[1], cos * wind[1] - sin * wind[0]
+    # Cancel the cross wind first; the rest of the airspeed goes along the line.
+    left = min(max(-across, -MOST_ACROSS * top_speed), MOST_ACROSS * top_speed)
+    # `MOST_ACROSS` below 1 keeps this above zero
+    most = math.sqrt(top_speed * top_speed - left * left)
+    forward = min(max(over_ground - along, least), most)
+    speed = math.hypot(forward, left)
+    towards = math.atan2(line[1], line[0])
+    if speed < STEERAGE:
+        return towards, 0.0
+    return towards + math.atan2(left, forward), speed
 
 
 HOMING_STRATEGY = NavigationStrategy(

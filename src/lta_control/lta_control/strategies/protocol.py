@@ -3,12 +3,9 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 import math
-from typing import Any, final, NamedTuple, TYPE_CHECKING
+from typing import Any, final, NamedTuple
 
-from lta_config.settings import setting, Settings
-
-if TYPE_CHECKING:
-    from lta_control.strategies.settings import StrategySettings
+from lta_control.strategies.settings import StrategySettings
 
 Memory = tuple[Any, ...]  # numbers and tuples of numbers; the first is the last commanded heading
 
@@ -41,17 +38,8 @@ class SteeringCommand(NamedTuple):
     arrived: bool = False  # whether the strategy considers itself at the lamp
 
 
-class CruiseSettings(Settings):
-    """Settings of every strategy."""
-
-    speed: float = setting(0.5, 'm/s', 0.0, 3.0)
-    """Commanded forward airspeed."""
-    search_rate: float = setting(0.3, 'rad/s', 0.0, 2.0)
-    """Turn rate of the search when no lamp is seen."""
-
-
 def keep_memory(
-    settings: 'StrategySettings',
+    settings: StrategySettings,
     memory: Memory,
     sight: LightMeasurement,
 ) -> Memory:
@@ -81,10 +69,10 @@ class NavigationStrategy:
     name: str  # name in launch files
     start: Callable[[float], Memory]  # `start(heading) -> memory` before the first sight
     # `steer(settings, memory, sight) -> (course, memory)`
-    steer: Callable[['StrategySettings', Any, LightMeasurement], tuple[SteeringCommand, Memory]]
+    steer: Callable[[StrategySettings, Any, LightMeasurement], tuple[SteeringCommand, Memory]]
     # `watch(settings, memory, sight) -> memory` during the climb, before it may steer; keeps the
     # heading
-    watch: Callable[['StrategySettings', Any, LightMeasurement], Memory] = keep_memory
+    watch: Callable[[StrategySettings, Any, LightMeasurement], Memory] = keep_memory
     # `onward(memory) -> memory` when the drone has arrived and continues to another lamp. Required
     # for a route of several lamps.
     onward: Callable[[Any], Memory] = keep_lamp

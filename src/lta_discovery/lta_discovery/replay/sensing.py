@@ -16,7 +16,7 @@ from lta_discovery.model.quaternions import (
 from lta_model.effects.sensors import MARKER_OFFSET
 from lta_model.measurement_chain import apply_chain, Chain
 from lta_model.sensors.imu import imu_specific_force
-from lta_model.sensors.pressure import air_pressure, EXPONENT, LAPSE, SEA_TEMPERATURE
+from lta_model.sensors.pressure import air_pressure
 from lta_model.vehicle import Vehicle
 import numpy as np
 from numpy.typing import NDArray
@@ -236,7 +236,7 @@ def ideal_readings(begin: Array, middle: Array, end: Array, places: SensorPlaces
     distance = (begin[..., 2] + vertical @ np.array(places.range)) / vertical[..., 2]
     # The barometer is beside the IMU and moves with it as the vehicle tilts
     height = begin[..., 2] + vertical @ np.array(places.imu)
-    pressure = places.floor * (1.0 - LAPSE * height / SEA_TEMPERATURE) ** EXPONENT
+    pressure = air_pressure(places.floor, height)
     change = (end - begin) / GRID_PERIOD
     states, weights = [begin, middle, end], [1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0]
     rates = np.tensordot(weights, [one[..., 10:13] for one in states], axes=1)

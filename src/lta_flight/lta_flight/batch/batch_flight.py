@@ -10,7 +10,7 @@ from typing import Any, cast, final, NamedTuple
 from lta_config.compilation.flat import settings_to_tuples
 from lta_config.errors import BadInput
 from lta_config.topics import TopicTable
-from lta_control.allocation import NO_ROTORS, pad_to_slots, PerRotor
+from lta_control.allocation import pad_to_slots, PerRotor
 from lta_control.autopilot import build_drone_constants
 from lta_control.cascade import CascadeGains
 from lta_control.flight_step import DroneConstants
@@ -82,7 +82,6 @@ class FlightConstants(NamedTuple):
     # Index of the lamp of each stop, in order; only the first lamp without a route
     route: tuple[int, ...]
     mass_place: Vector  # position of the moving mass [m, body]
-    duties: PerRotor  # in an open loop
     reserve: ReserveRule  # action at the energy reserve
     # Gain of the photodiodes' resistor relative to one of 100 kohm [1]
     diode_scale: float
@@ -175,24 +174,19 @@ def build_model(vehicle: Vehicle, scenario: Scenario, policy: FlightStack) -> Ve
 
 
 def build_flight(
-    vehicle: Vehicle,
-    scenario: Scenario,
-    policy: FlightStack,
-    table: TopicTable,
-    duties: Sequence[float] = (),
+    vehicle: Vehicle, scenario: Scenario, policy: FlightStack, table: TopicTable
 ) -> BatchFlight:
     """
     Return a flight of a batch.
 
     `vehicle`, `scenario`, `policy`: the vehicle, its scene, and the settings of the drone.
-    `table`: periods and block shape. `duties`: constant duties of the rotors in an open loop.
+    `table`: periods and block shape.
     """
     model = build_model(vehicle, scenario, policy)
     craft = build_constants(vehicle, scenario, policy, table)
     place = model.effect_parameters.get('moving_mass', {})
     craft = craft._replace(
-        mass_place=(place.get('x', 0.0), place.get('y', 0.0), place.get('z', 0.0)),
-        duties=pad_to_slots(duties),
+        mass_place=(place.get('x', 0.0), place.get('y', 0.0), place.get('z', 0.0))
     )
     flight = flight_from_constants(model, craft, vehicle, policy.strategy)
     path = scenario.wind_file
@@ -269,7 +263,6 @@ def build_constants(
         lowest=pad_to_slots(-1.0 if reverses else 0.0 for reverses in vehicle.reversible),
         route=index_route(scenario),
         mass_place=(0.0, 0.0, 0.0),
-        duties=NO_ROTORS,
         reserve=policy.reserve.rule,
         diode_scale=vehicle.diodes.gain_scale,
     )

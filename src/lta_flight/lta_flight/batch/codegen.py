@@ -42,12 +42,11 @@ MERGED = {
 }
 
 
-def build_kernel(names: Sequence[str], diodes: int, *, closed: bool) -> FlightKernel:
+def build_kernel(names: Sequence[str], diodes: int) -> FlightKernel:
     """Return the kernel of some effects; its functions are those of `write_flight_source`."""
     return FlightKernel(
         dark=(0.0,) * diodes,
         begin=settings_to_tuples(begin_memory(cascade.CASCADE_LAW)),
-        closed=closed,
         turbulence='turbulence' in names,
         superheat='superheat' in names,
     )
@@ -61,8 +60,6 @@ def build_source(
     lamps: int,
     schedule: BatchSchedule,
     target: CompileTarget,
-    *,
-    closed: bool,
 ) -> str:
     """
     Return the source of a flight.
@@ -77,11 +74,9 @@ def build_source(
         Number of diodes and of lamps.
     target : CompileTarget
         `CPU` or `GPU`.
-    closed : bool
-        Whether the drone decides; otherwise it keeps the duties of its constants.
 
     """
-    kernel = build_kernel(names, diodes, closed=closed)
+    kernel = build_kernel(names, diodes)
     extract = SourceExtract(
         kernel=kernel, strategy=strategy, schedule=schedule, law=cascade.CASCADE_LAW
     )

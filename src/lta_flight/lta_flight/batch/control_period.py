@@ -57,7 +57,6 @@ class FlightKernel(NamedTuple):
 
     dark: Reading  # zero for each diode
     begin: DroneMemory  # initial memory of the drone
-    closed: bool  # whether the drone decides; otherwise it keeps the duties of its constants
     # Whether the model has these effects
     turbulence: bool
     superheat: bool
@@ -172,12 +171,11 @@ def simulate_period(
 ) -> FlightMemory:
     """Return the memory of a flight one control period later."""
     surroundings = compute_surroundings(kernel, schedule, constants, memory, inputs)
-    if kernel.closed:
-        memory = sense_and_control(
-            kernel, schedule, law, constants, memory, inputs, surroundings, work
-        )
-        if is_block_end(schedule, memory.step):
-            memory = navigate(kernel, schedule, strategy, constants, memory, inputs, work)
+    memory = sense_and_control(
+        kernel, schedule, law, constants, memory, inputs, surroundings, work
+    )
+    if is_block_end(schedule, memory.step):
+        memory = navigate(kernel, schedule, strategy, constants, memory, inputs, work)
     return advance_vehicle(kernel, schedule, constants, memory, inputs, surroundings)
 
 
@@ -230,7 +228,7 @@ def sense_and_control(
         step * schedule.period,
         sensor_specific_force(constants, state, rate, held),
         (state[10], state[11], state[12]),
-        state[2],
+        state,
         memory.distance,
         step % schedule.pressure == 0,
     )
@@ -318,7 +316,7 @@ def advance_vehicle(
     surroundings: State,
 ) -> FlightMemory:
     """Return the memory after the motion of the vehicle and its power supply."""
-    duties = memory.onboard.pilot.law.command.duties if kernel.closed else constants.duties
+    duties = memory.onboard.pilot.law.command.duties
     # Without power the motors stop
     if not memory.supply.flow.fed:
         duties = NO_ROTORS

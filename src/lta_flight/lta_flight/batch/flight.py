@@ -116,7 +116,7 @@ def read_sensors(
     elapsed: float,
     force: Vector,
     rates: Vector,
-    height: float,
+    state: State,
     distance: float,
     pressure_due: bool,
 ) -> SensorInputs:
@@ -125,9 +125,7 @@ def read_sensors(
     # NaN where no sample is due
     pressure = math.nan
     if pressure_due:
-        pressure = simulate_pressure_reading(
-            constants.sensors, errors, seed, step, height, elapsed
-        )
+        pressure = simulate_pressure_reading(constants.sensors, errors, seed, step, state, elapsed)
     return SensorInputs(turned, felt, distance, pressure, UNTRACKED, False)
 
 

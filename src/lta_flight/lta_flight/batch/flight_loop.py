@@ -62,13 +62,13 @@ def fly(
     )
     tally, end = initial_tally(constants), read_end(schedule, memory)
     # As in the loop, the light block in which the flight ends is completed
-    while tally.outcome == FLYING or is_block_open(kernel, schedule, tally, memory.step):
+    while tally.outcome == FLYING or is_block_open(schedule, tally, memory.step):
         before, flying = memory, tally.outcome == FLYING
         memory = simulate_period(kernel, schedule, strategy, law, constants, before, inputs, work)
         began = (before.step - schedule.light) * schedule.period
         # It counts if its middle is in the flight
         counts = flying or began + 0.5 * schedule.block_time <= end[0]
-        if kernel.closed and is_block_end(schedule, before.step) and counts:
+        if is_block_end(schedule, before.step) and counts:
             tally = update_light_tally(
                 constants, tally, memory.middle, memory.seen, memory.bearing,
                 memory.setpoint.speed, began,
@@ -93,8 +93,6 @@ def read_end(schedule: BatchSchedule, memory: FlightMemory) -> FlightEnd:
     return memory.step * schedule.period, memory.supply.flow.charge, x, y, z, stopped
 
 
-def is_block_open(
-    kernel: FlightKernel, schedule: BatchSchedule, tally: FlightTally, step: int
-) -> bool:
+def is_block_open(schedule: BatchSchedule, tally: FlightTally, step: int) -> bool:
     """Return whether the light block of a flight that has ended is still in progress."""
-    return kernel.closed and tally.outcome != RAN_AWAY and (step - 1) % schedule.light > 0
+    return tally.outcome != RAN_AWAY and (step - 1) % schedule.light > 0

@@ -1,4 +1,4 @@
-"""Fly a batch of closed or open loops on all CPU cores or on a GPU."""
+"""Fly a batch of flights on all CPU cores or on a GPU."""
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -35,12 +35,11 @@ def _compile_kernel(
     diodes: int,
     lamps: int,
     device: Device,
-    closed: bool,
 ) -> ModuleType:
     """Return the compiled flight for some effects."""
     target = GPU if device == 'gpu' else CPU
     schedule = build_schedule(load_topic_table())
-    source = build_source(names, strategy, layout, diodes, lamps, schedule, target, closed=closed)
+    source = build_source(names, strategy, layout, diodes, lamps, schedule, target)
     return load_kernel(source)
 
 
@@ -49,7 +48,6 @@ def fly_many(
     seeds: Sequence[int],
     device: Device = 'cpu-batch',
     *,
-    closed: bool = True,
     which: NDArray[np.intp] | None = None,
     on: NDArray[np.uint8] | None = None,
 ) -> Array:
@@ -62,8 +60,6 @@ def fly_many(
         Random seed of each flight; the lower 32 bits are used.
     device : str
         'cpu-batch' for the CPU cores, 'gpu' for a GPU.
-    closed : bool
-        Whether the drone decides; otherwise it keeps its duties.
     which : ndarray of int, optional
         Index into `flights` for each seed; by default one after the other.
     on : ndarray of uint8, optional
@@ -107,7 +103,6 @@ def fly_many(
             len(first.craft.listening.planes),
             len(first.craft.listening.lamps),
             device,
-            closed,
         )
         models = [flights[k].model for k in alike.tolist()]
         fixed = np.array([[*m.parameters[parameters], *m.body, *m.inverse] for m in models])

@@ -162,11 +162,6 @@ class Albedo(NamedTuple):
     ceiling: float
 
 
-def uniform_albedo(albedo: float) -> Albedo:
-    """Return the same albedo for all surfaces. [1]"""
-    return Albedo(albedo, albedo, albedo)
-
-
 @final
 @dataclass(frozen=True, slots=True)
 class Room:
@@ -201,11 +196,6 @@ class Room:
         flat, upright = length * width, 2.0 * height * (length + width)
         floor, walls, ceiling = self.albedo
         return (flat * (floor + ceiling) + upright * walls) / self.surface_area
-
-    def diffuse_illuminance(self, flux: float) -> float:
-        """Return the illuminance by light between the surfaces, by a flux on them in lm. [lx]"""
-        # Sum of the geometric series of reflections
-        return flux * self.mean_albedo / (self.surface_area * (1.0 - self.mean_albedo))
 
 
 Array = NDArray[np.float64]

@@ -100,10 +100,6 @@ class SquareWave:
         """Return the position in the period, in [0, 1), at times in ns, shape (n,)."""
         return phase_in_cycles(times, self.frequency, self.phase)
 
-    def sample_wave(self, times: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Return the wave, 0 or 1, at times in ns, shape (n,)."""
-        return (self.phase_in_cycles(times) < self.duty).astype(np.float64)
-
     def sample_filtered(
         self, times: NDArray[np.int64], time_constant: float
     ) -> NDArray[np.float64]:

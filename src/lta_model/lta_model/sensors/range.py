@@ -6,16 +6,13 @@ a = 2.5 mm and c = ln(0.2 / 0.0025) / 1.5 m; limits and accuracy from ST's manua
 for the 27 degree cone, so that a tilted sensor reads height / cos(tilt).
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 import math
 from typing import final
 
 from lta_model.measurement_chain import apply_chain, Chain, round_to_step
-from lta_model.rigid_body import rotation_matrix
 from numpy.random import Generator
 
-Vector = tuple[float, float, float]
 RANGE_RESOLUTION = 1e-3  # m; the sensor counts millimetres
 NOISE_KNEE = 2.5  # m; where the noise has doubled
 NOISE_GROWTH = math.log(0.2 / 0.0025) / 1.5  # 1/m; 0.2 m more of noise at 4 m
@@ -49,14 +46,6 @@ def draw_errors(settings: RangeSettings, rng: Generator) -> RangeErrors:
 def noise_deviation(noise: float, distance: float) -> float:
     """Return the standard deviation of a reading at a distance; twice `noise` at 2.5 m. [m]"""
     return noise * (1.0 + math.exp(NOISE_GROWTH * (distance - NOISE_KNEE)))
-
-
-def height_and_tilt(state: Sequence[float], position: Vector) -> tuple[float, float]:
-    """Return the height [m] of the sensor at a body position, and the cosine of its tilt."""
-    x, y, z, w = state[3:7]
-    # Third row of R: the vertical in the body frame; c is the cosine of the tilt
-    a, b, c = rotation_matrix((x, y, z, w))[6:]
-    return state[2] + (a * position[0] + b * position[1] + c * position[2]), c
 
 
 def slant_range(height: float, up: float, maximum: float) -> float:

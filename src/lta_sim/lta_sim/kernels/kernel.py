@@ -125,13 +125,6 @@ def evaluate_model(
     return ModelSnapshot(wrenches, vehicle.thrusts, vehicle.wind)
 
 
-def rotor_thrusts(
-    state: ArrayLike, model: VehicleModel, command: ArrayLike, surroundings: ArrayLike = CALM_AIR
-) -> State:
-    """Return the thrust of each rotor: `evaluate_model(...).thrusts`. [N]"""
-    return evaluate_model(state, model, command, surroundings).thrusts
-
-
 def effect_wrenches(
     state: ArrayLike, model: VehicleModel, command: ArrayLike, surroundings: ArrayLike = CALM_AIR
 ) -> Mapping[str, State]:

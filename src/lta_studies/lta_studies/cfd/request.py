@@ -24,7 +24,6 @@ from lta_windtunnel.openfoam.case import (
     cache_folder,
     CaseRunner,
     FoamCase,
-    FoamPrograms,
     ProgramStep,
     require_openfoam,
 )
@@ -180,7 +179,7 @@ def slice_flows(
     model: TunnelModel, sweep: TunnelSweep, flows: list[TunnelFlow], folder: Path
 ) -> list[FlowSlice]:
     """Return slices through the most informative flows."""
-    stages = CaseRunner(folder, FoamPrograms(), lambda *_: None)
+    stages = CaseRunner(folder, lambda *_: None)
     slices: list[FlowSlice] = []
     # False sorts before True: the flows of SHOWN come first, in their order
     for flow in sorted(flows, key=lambda each: each.about not in SLICED_FLOWS):
@@ -276,7 +275,7 @@ def open_solver(
     folder, side_by_side = resolve_cache_folder(cache), options.workers or count_cores()
     # The limit is an option in GB; memory is counted in bytes.
     check_memory(flows, side_by_side, 1e9 * limit if limit else machine_memory())
-    bar.skip_solved(CaseRunner(folder, FoamPrograms(), tell))
+    bar.skip_solved(CaseRunner(folder, tell))
     return ThreadedFlowSolver(folder, side_by_side, tell, retry)
 
 

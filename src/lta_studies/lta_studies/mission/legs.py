@@ -199,7 +199,7 @@ def generate_leg_source(
         Schedule of a batch flight.
 
     """
-    kernel = build_kernel(names, diodes, closed=True)
+    kernel = build_kernel(names, diodes)
     extract = SourceExtract(
         kernel=kernel,
         strategy=HOMING_STRATEGY,

@@ -9,12 +9,12 @@ from typing import Final, final
 from lta_control.attitude import yaw_from_quaternion
 from lta_control.cascade import CascadeGains
 from lta_control.strategies.protocol import (
-    CruiseSettings,
     LightMeasurement,
     Memory,
     NavigationStrategy,
     SteeringCommand,
 )
+from lta_control.strategies.settings import CruiseSettings
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_spec import build_loop
 from lta_flight.loop_view import LoopView

@@ -37,7 +37,7 @@ from lta_control.flight_step import (
 from lta_control.laws.cascade import CascadeLawMemory, compute_demand, deliver_demand
 from lta_model.effects import initial_memory
 from lta_model.model import STEP_NS, VehicleModel
-from lta_model.sensors import range
+from lta_model.rigid_body import height_and_tilt
 from lta_model.sensors.imu import specific_force_at
 from lta_model.sensors.pressure import air_pressure, PressureSettings
 from lta_model.state import pack_state
@@ -103,14 +103,14 @@ class LoopCut:
         # The accelerometer needs the linear and angular acceleration of the state.
         rate = kernel.state_derivative(state, model or self._model, orders).tolist()
         imu, below = sensors.imu_position.vector, sensors.range_position.vector
-        height, up = range.height_and_tilt(numbers, (below[0], below[1], below[2]))
+        height, up = height_and_tilt(numbers, (below[0], below[1], below[2]))
         place = (imu[0], imu[1], imu[2])
         return SensorInputs(
             (numbers[10], numbers[11], numbers[12]),
             specific_force_at(numbers, rate, place, STANDARD_GRAVITY),
             # The range sensor measures along the tilted body axis.
             height / up,
-            air_pressure(self._floor, numbers[2] + imu[2]),
+            air_pressure(self._floor, height_and_tilt(numbers, place)[0]),
         )
 
     def advance_vehicle(

@@ -28,14 +28,17 @@ DEBIAN_FOLDER: Final = '/usr/share/openfoam'
 OPENFOAM_PROGRAMS: Final = (
     'blockMesh', 'snappyHexMesh', 'topoSet', 'checkMesh', 'simpleFoam', 'pimpleFoam',
 )  # fmt: skip
-NO_OPENFOAM: Final = (
-    'OpenFOAM is not installed; install it with "sudo apt-get install --no-install-recommends '
-    'openfoam" (450 MB), or use --fidelity analytic, which does not need it.'
-)
 TIME_LINE: Final = re.compile(r'^Time = [-+.\deE]+s?$')
 RESIDUAL: Final = re.compile(r'Solving for p, Initial residual = ([-+.\deE]+|nan|-nan)')
+EXECUTION: Final = re.compile(r'ExecutionTime = ([\d.]+) s')
 FATAL: Final = 'FOAM FATAL'
 LOG_TAIL: Final = 40  # lines of a log that are searched for the reason
+FORMAT: Final = 'lta-1'  # cache format; cases of another format are solved again
+DONE_PREFIX: Final = 'done.'
+FAILURE: Final = 'failure'  # file with the reason why a case failed
+SHORT_STEP: Final = 20  # iterations that a step without any counts as in estimates of the time
+UNKNOWN_CELLS: Final = 50_000  # cells of a mesh of unknown size in estimates of the time
+Progress = Callable[['FoamCase', 'ProgramStep', float, float], None]  # share of step, residual
 
 
 @final
@@ -59,7 +62,11 @@ def has_openfoam() -> bool:
 def require_openfoam() -> None:
     """Raise `BadInput` if OpenFOAM is not installed."""
     if not has_openfoam():
-        raise BadInput(NO_OPENFOAM)
+        raise BadInput(
+            'OpenFOAM is not installed; install it with "sudo apt-get install '
+            '--no-install-recommends openfoam" (450 MB), or use --fidelity analytic, which does '
+            'not need it.'
+        )
 
 
 def program_environment() -> Mapping[str, str]:
@@ -80,113 +87,33 @@ def find_openfoam_version() -> str:
     return f'OpenFOAM {match[1]}' if match else 'OpenFOAM'
 
 
-@final
-class FoamPrograms:
-    """Run programs, and keep track of them so that all can be stopped."""
-
-    def __init__(self) -> None:
-        self._running: set[subprocess.Popen[str]] = set()
-        self._stopped = False
-
-    def stop(self) -> None:
-        """Stop the running programs and start no more."""
-        self._stopped = True
-        # A copy, because other threads remove finished processes
-        for process in list(self._running):
-            process.terminate()
-
-    def run(
-        self, command: Sequence[str], folder: Path, log: Path, tell: Callable[[float], None]
-    ) -> None:
-        """
-        Run a program in the folder of a case and wait for it.
-
-        `tell` is called with the residual of the pressure at each iteration or time step.
-
-        Raises
-        ------
-        CaseFailed
-            If it fails or was stopped.
-
-        """
-        if self._stopped:
-            raise CaseFailed(
-                'The computation was stopped before it began; start it again to resume.'
-            )
-        residual = float('nan')
-        # Popen does not update PWD, which OpenFOAM may use as the working directory
-        where = {**program_environment(), 'PWD': str(folder)}
-        with log.open('w', encoding='utf-8') as out:
-            process = subprocess.Popen(
-                list(command), cwd=folder, env=where, stdout=subprocess.PIPE,
-                # Own session: Ctrl-C reaches Python only, which stops the programs
-                stderr=subprocess.STDOUT, text=True, errors='replace', start_new_session=True,
-            )  # fmt: skip
-            self._running.add(process)
-            with process:  # leaves no pipe open and waits, whatever happens
-                assert process.stdout is not None
-                for line in process.stdout:
-                    out.write(line)
-                    if (match := RESIDUAL.search(line)) is not None:
-                        residual = float(match[1])
-                    elif TIME_LINE.match(line.strip()):
-                        tell(residual)
-            self._running.discard(process)
-        if process.returncode != 0:
-            raise self._build_failure(command[0], process.returncode, log)
-
-    def _build_failure(self, program: str, code: int, log: Path) -> CaseFailed:
-        if self._stopped:
-            return CaseFailed('The computation was stopped; start it again to resume.')
-        lines = log.read_text(encoding='utf-8').splitlines()
-        # The first fatal error is the cause; the end of the log shows signals
-        fatal = next((k for k, line in enumerate(lines) if FATAL in line), len(lines))
-        tail = lines[fatal : fatal + LOG_TAIL] + lines[-LOG_TAIL:]
-        return CaseFailed(explain_failure(program, code, tail), is_float_error(code, tail))
-
-
-def is_float_error(code: int, tail: Sequence[str]) -> bool:
-    """Return whether a program ended with a floating point error; parameters as below."""
-    # 8 is SIGFPE; a shell reports it as 128 + 8.
-    return code in (-8, 136) or any('sigFpe::' in line for line in tail)
-
-
-def explain_failure(program: str, code: int, tail: Sequence[str]) -> str:
+def explain_failure(program: str, code: int, tail: Sequence[str]) -> CaseFailed:
     """
-    Return in one sentence why a program failed.
+    Return why a program failed.
 
     `code` is its exit status, negative for a signal; `tail` holds the log lines from a fatal error
     on, and the last ones.
     """
     text = '\n'.join(tail)
     if 'No space left' in text:
-        return (
+        return CaseFailed(
             f'{program} failed because the disk is full; free disk space or choose another '
             'folder with --cache, then start again.'
         )
-    if is_float_error(code, tail):
-        return f'{program} diverged (floating point error); check that the shape is valid.'
-    # 9 is SIGKILL, which the kernel sends when memory runs out.
+    # 8 is SIGFPE, 9 SIGKILL, which the kernel sends when memory runs out; a shell adds 128
+    if code in (-8, 136) or any('sigFpe::' in line for line in tail):
+        return CaseFailed(
+            f'{program} diverged (floating point error); check that the shape is valid.',
+            diverged=True,
+        )
     if 'bad_alloc' in text or code in (-9, 137):
-        return (
+        return CaseFailed(
             f'{program} was killed or ran out of memory; use --workers 1 or a coarser '
             'fidelity, and start again to resume.'
         )
-    if code < 0 and FATAL not in text:
-        return f'{program} was killed by signal {-code}; start again to resume.'
-    fallback = next((line.strip() for line in tail if FATAL in line), tail[-1] if tail else '')
-    after = text.partition(FATAL)[2].splitlines()[1:]
-    reason = next((line.strip() for line in after if line.strip()), fallback)
-    return f'{program} failed with exit status {code}: {reason[:200]}'
-
-
-FORMAT: Final = 'lta-1'  # cache format; cases of another format are solved again
-DONE_PREFIX: Final = 'done.'
-FAILURE: Final = 'failure'  # file with the reason why a case failed
-EXECUTION: Final = re.compile(r'ExecutionTime = ([\d.]+) s')
-SHORT_STEP: Final = 20  # iterations that a step without any counts as in estimates of the time
-UNKNOWN_CELLS: Final = 50_000  # cells of a mesh of unknown size in estimates of the time
-Progress = Callable[['FoamCase', 'ProgramStep', float, float], None]  # share of step, residual
+    fatal = text.partition(FATAL)[2].splitlines()[1:] or list(tail[-1:])
+    reason = next((line.strip() for line in fatal if line.strip()), 'it says no reason')
+    return CaseFailed(f'{program} failed with exit status {code}: {reason[:200]}')
 
 
 @final
@@ -235,15 +162,6 @@ class FoamCase:
         return rounds * float(self.cells or UNKNOWN_CELLS)
 
 
-def _encode(content: str | bytes) -> bytes:
-    return content if isinstance(content, bytes) else content.encode()
-
-
-def cache_folder() -> Path:
-    """Return the default folder of solved cases."""
-    return find_cache_folder('cfd')
-
-
 @final
 class CaseRunner:
     """
@@ -253,11 +171,17 @@ class CaseRunner:
     whether to repeat cases that diverged in an earlier run.
     """
 
-    def __init__(
-        self, folder: Path, programs: FoamPrograms, tell: Progress, retry_failed: bool = False
-    ) -> None:
-        self._folder, self._programs, self._tell = folder, programs, tell
-        self._retry_failed = retry_failed
+    def __init__(self, folder: Path, tell: Progress, retry_failed: bool = False) -> None:
+        self._folder, self._tell, self._retry_failed = folder, tell, retry_failed
+        self._running: set[subprocess.Popen[str]] = set()
+        self._stopped = False
+
+    def stop(self) -> None:
+        """Stop the running programs and start no more."""
+        self._stopped = True
+        # A copy, because other threads remove finished processes
+        for process in list(self._running):
+            process.terminate()
 
     def case_folder(self, case: FoamCase) -> Path:
         """Return the folder of a case."""
@@ -265,8 +189,10 @@ class CaseRunner:
 
     def is_done(self, case: FoamCase) -> bool:
         """Return whether a case has been solved."""
-        place = self.case_folder(case)
-        return all((place / f'{DONE_PREFIX}{step.name}').is_file() for step in case.steps)
+        return all(self._find_marker(case, step).is_file() for step in case.steps)
+
+    def _find_marker(self, case: FoamCase, step: ProgramStep) -> Path:
+        return self.case_folder(case) / f'{DONE_PREFIX}{step.name}'
 
     def solve(self, case: FoamCase) -> Path:
         """
@@ -306,19 +232,6 @@ class CaseRunner:
             raise CaseFailed(failure.read_text(encoding='utf-8'))
         if case.mesh is None and place.exists() and not self.is_done(case):
             shutil.rmtree(place)  # a mesh is changed in place: restart a half-finished one
-        self._prepare(case, place)
-        try:
-            for step in case.steps:
-                if not (place / f'{DONE_PREFIX}{step.name}').is_file():
-                    self._run_step(case, step, place)
-        except CaseFailed as error:
-            if error.diverged:
-                words = f'{error} It failed in an earlier run; --retry-failed repeats it.'
-                failure.write_text(words, encoding='utf-8')
-            raise
-        return place
-
-    def _prepare(self, case: FoamCase, place: Path) -> None:
         # A resumed case keeps its files, which a step may have replaced
         _write(place, {p: c for p, c in case.files.items() if not (place / p).exists()})
         _write(place, {'name': f'{case.name}\n'})
@@ -327,27 +240,72 @@ class CaseRunner:
         if case.mesh is not None and not link.is_symlink():
             link.parent.mkdir(parents=True, exist_ok=True)
             link.symlink_to(self.case_folder(case.mesh) / 'constant' / 'polyMesh')
+        try:
+            for step in case.steps:
+                if not self._find_marker(case, step).is_file():
+                    self._run_step(case, step, place)
+        except CaseFailed as error:
+            if error.diverged:
+                words = f'{error} It failed in an earlier run; --retry-failed repeats it.'
+                failure.write_text(words, encoding='utf-8')
+            raise
+        return place
 
     def _run_step(self, case: FoamCase, step: ProgramStep, place: Path) -> None:
+        """Run the program of a step and wait for it, telling the residual of the pressure."""
+        if self._stopped:
+            raise CaseFailed('The computation was stopped; start it again to resume.')
         _write(place, step.files)
         for old in (place / 'postProcessing').glob(f'*/{step.begin}'):
             shutil.rmtree(old)  # output of a stopped step
-        begun = time.monotonic()
-        rounds = 0
-
-        def tell(residual: float) -> None:
-            # Counts iterations, not time: time steps of a transient vary
-            nonlocal rounds
-            rounds += 1
-            self._tell(case, step, min(rounds / max(step.rounds, 1), 1.0), residual)
-
-        self._programs.run(step.command, place, place / f'log.{step.name}', tell)
+        begun, rounds, residual = time.monotonic(), 0, float('nan')
+        log = place / f'log.{step.name}'
+        with log.open('w', encoding='utf-8') as out:
+            process = subprocess.Popen(
+                list(step.command), cwd=place, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                # Popen does not update PWD, which OpenFOAM may use as the working directory
+                env={**program_environment(), 'PWD': str(place)},
+                # Own session: Ctrl-C reaches Python only, which stops the programs
+                text=True, errors='replace', start_new_session=True,
+            )  # fmt: skip
+            self._running.add(process)
+            with process:  # leaves no pipe open and waits, whatever happens
+                assert process.stdout is not None
+                for line in process.stdout:
+                    out.write(line)
+                    if (match := RESIDUAL.search(line)) is not None:
+                        residual = float(match[1])
+                    elif TIME_LINE.match(line.strip()):
+                        # Counts iterations, not time: time steps of a transient vary
+                        rounds += 1
+                        share = min(rounds / max(step.rounds, 1), 1.0)
+                        self._tell(case, step, share, residual)
+            self._running.discard(process)
+        if process.returncode != 0:
+            if self._stopped:
+                raise CaseFailed('The computation was stopped; start it again to resume.')
+            lines = log.read_text(encoding='utf-8').splitlines()
+            # The first fatal error is the cause; the end of the log shows signals
+            fatal = next((k for k, line in enumerate(lines) if FATAL in line), len(lines))
+            tail = lines[fatal : fatal + LOG_TAIL] + lines[-LOG_TAIL:]
+            raise explain_failure(step.command[0], process.returncode, tail)
         _write(place, {f'{DONE_PREFIX}{step.name}': f'{time.monotonic() - begun:.1f}\n'})
         self._tell(case, step, 1.0, float('nan'))
 
     def processor_time(self, case: FoamCase) -> float:
         """Return the processor time of a solved case, as reported by its programs. [s]"""
-        return sum(_read_seconds(self.case_folder(case), step.name) for step in case.steps)
+        return sum(self._read_seconds(case, step) for step in case.steps)
+
+    def _read_seconds(self, case: FoamCase, step: ProgramStep) -> float:
+        log = self.case_folder(case) / f'log.{step.name}'
+        if times := EXECUTION.findall(log.read_text(encoding='utf-8', errors='replace')):
+            return float(times[-1])
+        # The program does not print its time: use the wall time in the marker file
+        return float(self._find_marker(case, step).read_text(encoding='utf-8'))
+
+
+def _encode(content: str | bytes) -> bytes:
+    return content if isinstance(content, bytes) else content.encode()
 
 
 def _write(place: Path, files: Mapping[str, str | bytes]) -> None:
@@ -356,9 +314,6 @@ def _write(place: Path, files: Mapping[str, str | bytes]) -> None:
         (place / path).write_bytes(_encode(content))
 
 
-def _read_seconds(place: Path, step: str) -> float:
-    log = (place / f'log.{step}').read_text(encoding='utf-8', errors='replace')
-    if times := EXECUTION.findall(log):
-        return float(times[-1])
-    # The program does not print its time: use the wall time in the marker file
-    return float((place / f'{DONE_PREFIX}{step}').read_text(encoding='utf-8'))
+def cache_folder() -> Path:
+    """Return the default folder of solved cases."""
+    return find_cache_folder('cfd')

@@ -1,15 +1,17 @@
 """
-Write OpenFOAM's input files: settings proven on round bodies, and the fields of the folder 0.
+Write OpenFOAM's input files: the settings of config/openfoam, and the fields of the folder 0.
 
-Steady: SIMPLEC with a bounded second-order scheme. Transient: implicit large-eddy simulation, with
-only the dissipation of the LUST scheme; where that predicts the drag crisis too early
-(`tunnel.MAX_LAMINAR_REYNOLDS`), detached eddies (Spalart's DDES). The inflow has no eddies, so the
-boundary layer on the hull is laminar until it separates.
+The settings are proven on round bodies. The inflow of a transient has no eddies, so the boundary
+layer on the hull is laminar until it separates; where that predicts the drag crisis too early
+(`tunnel.MAX_LAMINAR_REYNOLDS`), detached eddies are modelled.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
 import math
-from typing import Final
+from string import Template
+from typing import Final, final
+
+from lta_config.files import share_folder
 
 Entry = str | bool | int | float | Sequence['Entry'] | Mapping[str, 'Entry']
 
@@ -21,27 +23,6 @@ HEADER: Final = """FoamFile
     object      {name};
 }}
 """
-TURBULENT: Final = ('k', 'omega', 'ReThetat', 'gammaInt')  # fields that a model transports
-EDDY_VISCOSITY: Final = ('nuTilda',)
-LIMITED_GRADIENTS: Final = ('k', 'omega', 'nuTilda')  # gradients
-LINEAR_STRESS: Final = {'div((nuEff*dev2(T(grad(U)))))': 'Gauss linear'}
-MULTIGRID: Final[Mapping[str, Entry]] = {'solver': 'GAMG', 'smoother': 'GaussSeidel'}
-SWEEPS: Final[Mapping[str, Entry]] = {
-    'solver': 'smoothSolver', 'smoother': 'symGaussSeidel', 'tolerance': 1e-10,
-}  # fmt: skip
-PISO: Final[Mapping[str, Entry]] = {
-    'nOuterCorrectors': 1,
-    'nCorrectors': 2,
-    'nNonOrthogonalCorrectors': 0,
-}
-NO_REFERENCE: Final[Mapping[str, Entry]] = {'pRefCell': 0, 'pRefValue': 0}
-COMMON_SCHEMES: Final[Mapping[str, Entry]] = {
-    'interpolationSchemes': {'default': 'linear'},
-    # Limits the non-orthogonal correction, for stability on distorted cells
-    'laplacianSchemes': {'default': 'Gauss linear limited corrected 0.5'},
-    'snGradSchemes': {'default': 'limited corrected 0.5'},
-    'wallDist': {'method': 'meshWave'},
-}
 EVERY_STEP: Final[Mapping[str, Entry]] = {
     'log': False,
     'writeControl': 'timeStep',
@@ -50,6 +31,23 @@ EVERY_STEP: Final[Mapping[str, Entry]] = {
 AT_END: Final[Mapping[str, Entry]] = {
     'type': 'surfaces', 'libs': ['sampling'], 'writeControl': 'writeTime', 'surfaceFormat': 'raw',
 }  # fmt: skip
+
+
+@final
+class FoamTemplate(Template):
+    """A file of OpenFOAM with names such as @model, as `$model` is a macro there."""
+
+    delimiter = '@'
+
+
+def fill_settings(name: str, **values: Entry) -> str:
+    """Return a file of config/openfoam with its names replaced by values."""
+    text = (share_folder() / 'openfoam' / name).read_text(encoding='utf-8')
+    words = {}
+    for key, value in values.items():
+        lines = _format_block(value, '') if isinstance(value, Mapping) else [_format_entry(value)]
+        words[key] = '\n'.join(lines)
+    return FoamTemplate(text).substitute(words)
 
 
 def _format_entry(entry: Entry) -> str:
@@ -66,12 +64,15 @@ def _format_entry(entry: Entry) -> str:
     return f'({" ".join(_format_entry(each) for each in entry)})'
 
 
+def _format_block(entries: Mapping[str, Entry], indent: str) -> list[str]:
+    return [f'{indent}{{', *_format_entries(entries, indent + '    '), f'{indent}}}']
+
+
 def _format_entries(entries: Mapping[str, Entry], indent: str) -> list[str]:
     text = []
     for key, entry in entries.items():
         if isinstance(entry, Mapping):
-            inner = _format_entries(entry, indent + '    ')
-            text += [f'{indent}{key}', f'{indent}{{', *inner, f'{indent}}}']
+            text += [f'{indent}{key}', *_format_block(entry, indent)]
         else:
             text.append(f'{indent}{key} {_format_entry(entry)};')
     return text
@@ -106,86 +107,28 @@ def format_steady_settings(
 
     `relaxation` holds the factors of the velocity and of the turbulence. [1]
     """
-    carried = EDDY_VISCOSITY if model == 'SpalartAllmaras' else TURBULENT
-    pattern = f'|{"|".join(carried)})"'
-    limited = 'cellLimited Gauss linear 1'
-    pressure: dict[str, Entry] = {**MULTIGRID, 'tolerance': 1e-8, 'relTol': 0.05}
-    return format_files({
-        'constant/turbulenceProperties': {
-            'simulationType': 'RAS',
-            'RAS': {'RASModel': model, 'turbulence': True, 'printCoeffs': False},
-        },
-        'system/fvSchemes': {
-            'ddtSchemes': {'default': 'steadyState'},
-            'gradSchemes': {
-                'default': 'Gauss linear', 'grad(U)': limited,
-                **{f'grad({each})': limited for each in carried if each in LIMITED_GRADIENTS},
-            },
-            'divSchemes': {
-                'default': 'none',
-                # Second order for the velocity; turbulence first order, which stays positive
-                'div(phi,U)': 'bounded Gauss linearUpwindV grad(U)',
-                **{f'div(phi,{each})': 'bounded Gauss upwind' for each in carried},
-                **LINEAR_STRESS,
-            },
-            **COMMON_SCHEMES,
-        },
-        'system/fvSolution': {
-            'solvers': {
-                'p': pressure,
-                'pFinal': {**pressure, 'tolerance': 1e-7, 'relTol': 0.01},
-                'Phi': pressure,
-                f'"(U{pattern}': {**SWEEPS, 'relTol': 0.1},
-                'UFinal': {**SWEEPS, 'relTol': 0.01},
-            },
-            # 'consistent' selects SIMPLEC, which needs no relaxation of the pressure
-            'SIMPLE': {'consistent': 'yes', 'nNonOrthogonalCorrectors': 0, **NO_REFERENCE},
-            'PIMPLE': PISO,
-            'relaxationFactors': {
-                'fields': {'p': 1.0},
-                'equations': {'U': relaxation[0], f'"({pattern[1:]}': relaxation[1]},
-            },
-        },
-    })  # fmt: skip
+    velocity, turbulence = relaxation
+    return {
+        'constant/turbulenceProperties': fill_settings('steady.turbulenceProperties', model=model),
+        'system/fvSchemes': fill_settings('steady.fvSchemes'),
+        'system/fvSolution': fill_settings(
+            'steady.fvSolution', velocity=velocity, turbulence=turbulence
+        ),
+    }
 
 
 def format_transient_settings(modelled: bool) -> dict[str, str]:
     """
     Return eddy model, schemes and solvers of pimpleFoam.
 
-    `modelled`: whether DDES models the eddies smaller than the cells. At large time steps the
-    undamped convection matrix does not converge with Gauss-Seidel sweeps, so the velocity uses a
-    Krylov solver.
+    `modelled`: whether DDES models the eddies smaller than the cells.
     """
-    eddies: dict[str, Entry] = {'simulationType': 'laminar'}
-    if modelled:
-        eddies = {'simulationType': 'LES', 'LES': {
-            'LESModel': 'SpalartAllmarasDDES', 'turbulence': True, 'printCoeffs': False,
-            'delta': 'maxDeltaxyz', 'maxDeltaxyzCoeffs': {},
-        }}  # fmt: skip
-    return format_files({
-        'constant/turbulenceProperties': eddies,
-        'system/fvSchemes': {
-            'ddtSchemes': {'default': 'backward'},
-            'gradSchemes': {'default': 'Gauss linear'},
-            'divSchemes': {
-                'default': 'none', 'div(phi,nuTilda)': 'Gauss limitedLinear 1',
-                'div(phi,U)': 'Gauss LUST grad(U)', **LINEAR_STRESS,
-            },
-            **COMMON_SCHEMES,
-        },
-        'system/fvSolution': {
-            'solvers': {
-                'p': {**MULTIGRID, 'tolerance': 1e-8, 'relTol': 0.05},
-                'pFinal': {**MULTIGRID, 'tolerance': 1e-7, 'relTol': 0.01},
-                '"(U|nuTilda)Final"': {
-                    'solver': 'PBiCGStab', 'preconditioner': 'DILU', 'tolerance': 1e-10,
-                    'relTol': 0.01,
-                },
-            },
-            'PIMPLE': {**PISO, **NO_REFERENCE},
-        },
-    })  # fmt: skip
+    model = 'eddies' if modelled else 'laminar'
+    return {
+        'constant/turbulenceProperties': fill_settings(f'{model}.turbulenceProperties'),
+        'system/fvSchemes': fill_settings('transient.fvSchemes'),
+        'system/fvSolution': fill_settings('transient.fvSolution'),
+    }
 
 
 def format_control(
@@ -311,7 +254,7 @@ FLOW_FIELDS: Final[Mapping[str, tuple[str, str, Mapping[str, Entry]]]] = {
 }  # fmt: skip
 STEADY_FIELDS: Final = ('U', 'p', 'k', 'omega', 'nut')
 TRANSITION: Final = (*STEADY_FIELDS, 'ReThetat', 'gammaInt')
-DETACHED: Final = ('U', 'p', 'nut', *EDDY_VISCOSITY)
+DETACHED: Final = ('U', 'p', 'nut', 'nuTilda')
 
 
 def _open_boundary(name: str) -> Mapping[str, Entry]:
@@ -320,7 +263,7 @@ def _open_boundary(name: str) -> Mapping[str, Entry]:
 
 
 def _inflow_value(name: str) -> str:
-    return CLEAN_INFLOW if name in EDDY_VISCOSITY else '$internalField'
+    return CLEAN_INFLOW if name == 'nuTilda' else '$internalField'
 
 
 def _format_field(

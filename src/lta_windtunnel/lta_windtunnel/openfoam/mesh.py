@@ -12,6 +12,7 @@ from typing import Final, final
 from lta_windtunnel.openfoam.case import FoamCase, ProgramStep
 from lta_windtunnel.openfoam.input_files import (
     Entry,
+    fill_settings,
     format_control,
     format_files,
     format_steady_settings,
@@ -24,15 +25,6 @@ import trimesh
 Array = NDArray[np.float64]
 Region = tuple[Mapping[str, Entry], int]  # shape and level
 BASE_CUBE: Final = 0.25  # of the hull's length
-LAYER_ANGLE: Final = 130.0  # deg: layers go around the edges of boxes
-MAX_CELLS: Final = 3_000_000  # of a mesh; snappyHexMesh stops refining there
-QUALITY: Final[Mapping[str, Entry]] = {
-    'maxNonOrtho': 65, 'maxBoundarySkewness': 20, 'maxInternalSkewness': 4, 'maxConcave': 80,
-    'minVol': 1e-16, 'minTetQuality': 1e-15, 'minArea': -1, 'minTwist': 0.02,
-    'minDeterminant': 0.001, 'minFaceWeight': 0.05, 'minVolRatio': 0.01,
-    'minTriangleTwist': -1, 'nSmoothScale': 4, 'errorReduction': 0.75,
-    'relaxed': {'maxNonOrtho': 75},
-}  # fmt: skip
 # Vertex numbers of each face of a block, in blockMesh's order: outward normals
 BLOCK_FACES: Final = {
     'x-': [0, 4, 7, 3], 'x+': [1, 2, 6, 5], 'y-': [0, 1, 5, 4], 'y+': [3, 7, 6, 2],
@@ -99,12 +91,10 @@ def build_mesh_case(
         files[f'constant/triSurface/{each}.stl'] = data
     cube = BASE_CUBE * size
     files |= format_files({
-        'system/blockMeshDict': _build_block(size * box[0], size * box[1], cube, patches),
-        'system/snappyHexMeshDict': _build_refinement(
-            {each: fine.hull if each == HULL_PATCH else fine.parts for each in surfaces},
-            size, fine, regions, [each * size for each in inside],
-        ),
+        'system/blockMeshDict': _build_block(size * box[0], size * box[1], cube, patches)
     })  # fmt: skip
+    levels = {each: fine.hull if each == HULL_PATCH else fine.parts for each in surfaces}
+    files['system/snappyHexMeshDict'] = _format_refinement(levels, size, fine, regions, inside)
     files |= format_control('snappyHexMesh', 0, 1, {})
     # snappyHexMesh requires schemes and solvers even though no flow is solved
     settings = format_steady_settings('kOmegaSST')
@@ -144,15 +134,17 @@ def _build_block(
     }
 
 
-def _build_refinement(
-    levels: Mapping[str, int], size: float, fine: MeshFineness, regions: Mapping[str, Region],
+def _format_refinement(
+    levels: Mapping[str, int],
+    size: float,
+    fine: MeshFineness,
+    regions: Mapping[str, Region],
     inside: Sequence[float],
-) -> dict[str, Entry]:  # fmt: skip
+) -> str:
     """Return snappyHexMeshDict for the level of each surface and a point in the air. [m]"""
     geometry: dict[str, Entry] = {
         f'{name}.stl': {'type': 'triSurfaceMesh', 'name': name} for name in levels
     }
-    geometry |= {name: shape for name, (shape, _) in regions.items()}
     around: dict[str, Entry] = {
         # The distance is ignored in mode 'inside', but required
         name: {'mode': 'inside', 'levels': [[1e15, level]]}
@@ -171,33 +163,16 @@ def _build_refinement(
         for name, level in levels.items()
         if name != HULL_PATCH
     }
-    return {
-        'castellatedMesh': True, 'snap': True, 'addLayers': True,
-        'geometry': geometry,
-        'castellatedMeshControls': {
-            'maxLocalCells': MAX_CELLS, 'maxGlobalCells': MAX_CELLS, 'minRefinementCells': 10,
-            'nCellsBetweenLevels': 3, 'features': [], 'resolveFeatureAngle': 30,
-            'allowFreeStandingZoneFaces': True, 'locationInMesh': list(inside),
-            'refinementSurfaces': {
-                name: {'level': [level, level], 'patchInfo': {'type': 'wall'}}
-                for name, level in levels.items()
-            },
-            'refinementRegions': around,
+    return fill_settings(
+        'mesh.snappyHexMeshDict',
+        geometry={**geometry, **{name: shape for name, (shape, _) in regions.items()}},
+        inside=[each * size for each in inside],
+        surfaces={
+            name: {'level': [level, level], 'patchInfo': {'type': 'wall'}}
+            for name, level in levels.items()
         },
-        'snapControls': {
-            'nSmoothPatch': 3, 'tolerance': 2.0, 'nSolveIter': 30, 'nRelaxIter': 5,
-            'nFeatureSnapIter': 10, 'implicitFeatureSnap': True, 'explicitFeatureSnap': False,
-            'multiRegionFeatureSnap': False,
-        },
-        'addLayersControls': {
-            'relativeSizes': True, 'layers': {HULL_PATCH: {'nSurfaceLayers': fine.layers}},
-            'expansionRatio': fine.expansion, 'finalLayerThickness': 0.35, 'minThickness': 0.02,
-            'nGrow': 0, 'featureAngle': LAYER_ANGLE, 'slipFeatureAngle': 30, 'nRelaxIter': 5,
-            'nSmoothSurfaceNormals': 1, 'nSmoothNormals': 3, 'nSmoothThickness': 10,
-            'maxFaceThicknessRatio': 0.5, 'maxThicknessToMedialRatio': 0.3,
-            'minMedialAxisAngle': 90, 'nBufferCellsNoExtrude': 0, 'nLayerIter': 50,
-            'nRelaxedIter': 20,
-        },
-        'meshQualityControls': QUALITY,
-        'writeFlags': [], 'mergeTolerance': 1e-6,
-    }  # fmt: skip
+        regions=around,
+        hull=HULL_PATCH,
+        layers=fine.layers,
+        expansion=fine.expansion,
+    )

@@ -15,7 +15,6 @@ from lta_bridge.crazyflie.cflib_link import CflibLink
 from lta_bridge.crazyflie.connection_manager import ConnectionManager, enforce_parameters
 from lta_bridge.crazyflie.duties_packet import find_rotor_indices
 from lta_bridge.crazyflie.link import LinkFailed, LinkLost, LogPacket, MalformedPacket
-from lta_bridge.crazyflie.links import create_link
 from lta_bridge.crazyflie.log_table import find_packet_fault, LOG_BLOCKS
 from lta_config.errors import BadInput
 from lta_config.files import find_file
@@ -425,7 +424,7 @@ def test_a_file_may_name_a_required_parameter_with_its_value(tmp_path):
     ],
 )
 def test_a_uri_that_cflib_knows_is_taken(uri):
-    create_link(uri, (), time.time_ns)
+    CflibLink(uri, (), time.time_ns)
 
 
 def test_every_shipped_file_is_wired_to_rotors_that_exist():

@@ -1,7 +1,7 @@
 """The step of a batch flight as plain Python, with a vehicle that does not move."""
 
 from lta_config.topics import load_topic_table
-from lta_control.allocation import NO_ROTORS
+from lta_control.allocation import NO_ROTORS, pad_to_slots
 from lta_control.flight_step import DroneMemory
 from lta_flight.batch.batch_flight import build_flight, build_schedule
 from lta_flight.batch.control_period import (
@@ -22,7 +22,6 @@ DUTIES = (0.1, 0.2, 0.0, 0.0)
 STILL = FlightKernel(
     dark=(0.0,) * 8,
     begin=DroneMemory(),
-    closed=False,
     turbulence=False,
     superheat=False,
     rates=lambda *_: (0.0,) * RIGID,
@@ -36,17 +35,19 @@ STILL = FlightKernel(
 @pytest.fixture(scope='module')
 def flight():
     stack = build_vehicle_scenario_stack(load_spec('gtmab', 'lamp_room', 'bag', 'gtmab'))
-    return build_flight(*stack, TABLE, DUTIES)
+    return build_flight(*stack, TABLE)
 
 
 def advanced(flight, fed):
-    """Return the command of an open loop after one period."""
+    """Return the command after one period with the duties of a pilot."""
     constants = flight.craft
     state = tuple(pack_state((0.0, 0.0, 1.0), 0.0)[:RIGID].tolist())
     store = resting_flow(0.8)._replace(fed=fed)
-    memory = begin_flight(
-        flight.strategy, DroneMemory(), state, (0.0,) * 11, STILL.dark, store, 1.0
-    )
+    onboard = DroneMemory()
+    law = onboard.pilot.law
+    law = law._replace(command=law.command._replace(duties=pad_to_slots(DUTIES)))
+    onboard = onboard._replace(pilot=onboard.pilot._replace(law=law))
+    memory = begin_flight(flight.strategy, onboard, state, (0.0,) * 11, STILL.dark, store, 1.0)
     inputs = FlightInputs(np.zeros(1), np.empty((0, 6)), draw_errors(constants.sensors, 1), 1, 0.0)
     after = advance_vehicle(
         STILL, build_schedule(TABLE), constants, memory, inputs, (0.0,) * ACTUATORS
@@ -55,7 +56,7 @@ def advanced(flight, fed):
     return after.command[: len(DUTIES)]
 
 
-def test_motors_of_an_open_loop_stop_without_power_and_run_again_with_it(flight):
+def test_motors_stop_without_power_and_run_again_with_it(flight):
     assert advanced(flight, fed=True) == DUTIES
     assert advanced(flight, fed=False) == (0.0,) * len(DUTIES)
     assert advanced(flight, fed=True) == DUTIES

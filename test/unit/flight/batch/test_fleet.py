@@ -16,19 +16,23 @@ from lta_flight.batch import flight
 from lta_flight.batch.batch_flight import build_flight
 from lta_flight.batch.flight_loop import FIGURES
 from lta_flight.batch.fly import fly_many
+from lta_flight.batch.targets import MODEL
 from lta_flight.flight_spec import build_loop, build_vehicle_scenario_stack, load_spec
 from lta_flight.loop_view import LoopView
 from lta_flight.report.results import compute_results
 from lta_flight.sweep.batch_workers import compute_figures
+from lta_model.effects import EFFECTS
 from lta_model.electrical.charger import resting_flow
-from lta_sim.readings import FlightOutcome
-from lta_sim.scene_model import vehicle_reach
+from lta_model.state import COMMAND, SURROUNDINGS
+from lta_sim.kernels import kernel
+from lta_sim.kernels.compose import KernelTarget, render_kernel_source
+from lta_sim.kernels.thread import ThreadAccess
+from lta_sim.simulated_vehicle import SIM_LAYOUT
 from lta_sim.termination import FLYING, REACHED, TIMEOUT
 import numpy as np
 import pytest
 
 TABLE = load_topic_table()
-DUTIES = (0.16, 0.14, 0.3, 0.25)
 needs_cuda = pytest.mark.skipif(
     find_spec('numba.cuda') is None, reason='this numba needs numba-cuda (requirements-gpu.txt)'
 )
@@ -40,25 +44,8 @@ def ingredients(*changes, scene='lamp_room'):
     )
 
 
-def made(*changes, duties=(), scene='lamp_room'):
-    return build_flight(
-        *build_vehicle_scenario_stack(ingredients(*changes, scene=scene)), TABLE, duties
-    )
-
-
-def opened(*changes, seed=1, scene='lamp_room'):
-    """Return the world after an open loop, and its path."""
-    return fly_open_loop(ingredients(*changes, scene=scene), seed)
-
-
-def fly_open_loop(spec, seed):
-    """Return the world after an open loop, and its path."""
-    world = build_loop(spec, seed).world
-    path = [world.state[:2].copy()]
-    while world.outcome is FlightOutcome.FLYING:
-        world.advance(DUTIES)
-        path.append(world.state[:2].copy())
-    return world, np.array(path)
+def made(*changes, scene='lamp_room'):
+    return build_flight(*build_vehicle_scenario_stack(ingredients(*changes, scene=scene)), TABLE)
 
 
 def figures(row):
@@ -86,45 +73,6 @@ BRIEF = (
     'estimator.rest_time=0.15',
     'scenario.start.charge=60 %',
 )
-NAMES = ('x', 'y', 'z', 'charge', 'path_length', 'end')
-
-
-def ending(world, path):
-    """Return what NAMES call of a world's flight."""
-    length = np.linalg.norm(np.diff(path, axis=0), axis=1).sum()
-    return [*world.state[:3], world.charge, length, world.elapsed]
-
-
-def test_an_open_loop_is_the_worlds_to_rounding(batches):
-    seconds = 20 if batches == 'compiled' else 2  # it has left the floor after 1.73 s
-    changes = ('scenario.start.heading_spread=0 deg', f'scenario.goal.time_limit={seconds} s')
-    world, path = opened(*changes)
-    (row,) = fly_many([made(*changes, duties=DUTIES)], [1], closed=False)
-    told = figures(row)
-    assert tuple(FlightOutcome)[int(told['outcome'])] is world.outcome
-    found = [told[name] for name in NAMES]
-    np.testing.assert_allclose(found, ending(world, path), rtol=1e-9, atol=1e-9)
-
-
-def test_faults_of_the_supply_are_the_worlds_to_rounding(batches):
-    """A batch once ignored the faults of its scene."""
-    seconds = 20 if batches == 'compiled' else 0.3
-    lit = ingredients(
-        'scenario.start.heading_spread=0 deg',
-        f'scenario.goal.time_limit={seconds} s',
-        'scenario.ambient.steady=20000 lx',
-    )
-    specs = [
-        replace(lit, contents=lit.contents | {'scenario': lit.contents['scenario'] | each})
-        for each in ({}, *({'faults': {name: '0.2 s'}} for name in ('panel_short', 'brown_out')))
-    ]
-    flights = [build_flight(*build_vehicle_scenario_stack(spec), TABLE, DUTIES) for spec in specs]
-    rows = fly_many(flights, [1, 1, 1], closed=False)
-    found = rows[:, [FIGURES.index(name) for name in NAMES]]
-    expected = np.array([ending(*fly_open_loop(spec, 1)) for spec in specs])
-    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9)
-    # A shorted panel charges nothing, and a supply that has failed drains nothing
-    assert len(set(expected[:, NAMES.index('charge')].tolist())) == 3
 
 
 def with_record(spec, path, turn):
@@ -138,82 +86,53 @@ def with_record(spec, path, turn):
     return replace(spec, contents={**spec.contents, 'scenario': {**scene, 'air': air}})
 
 
-def test_recorded_winds_are_the_worlds_to_rounding(batches, tmp_path):
-    """Two records and calm air in one batch, with a steady wind in one."""
-    seconds, least = (20, 0.1) if batches == 'compiled' else (2, 1e-4)
-    calm = ingredients(
-        'scenario.start.heading_spread=0 deg', f'scenario.goal.time_limit={seconds} s'
-    )
-    steady = calm.with_values({'scenario.air.wind': {'value': [0.1, 0, 0], 'unit': 'm/s'}})
-    specs = [
-        with_record(calm, tmp_path / 'a.csv', 0.8),
-        calm,
-        with_record(steady, tmp_path / 'b.csv', -2.0),
-    ]
-    flights = [build_flight(*build_vehicle_scenario_stack(spec), TABLE, DUTIES) for spec in specs]
-    which = np.array([2, 0, 1, 0])
-    rows = fly_many(flights, [1, 1, 1, 1], closed=False, which=which)
-    found = rows[:, [FIGURES.index(name) for name in NAMES]]
-    expected = np.array([ending(*fly_open_loop(spec, 1)) for spec in specs])[which]
-    np.testing.assert_allclose(found, expected, rtol=1e-8, atol=1e-8)
-    # The winds matter far more than rounding
-    assert abs(expected[1, :2] - expected[2, :2]).max() > least
-    assert abs(expected[0, :2] - expected[1, :2]).max() > least
-
-
 def test_flights_share_recorded_wind_until_its_file_changes(tmp_path):
     path = tmp_path / 'wind.csv'
 
     def tabulate(turn):
         spec = with_record(ingredients('scenario.goal.time_limit=2 s'), path, turn)
         os.utime(path, ns=(0, round(turn)))
-        return build_flight(*build_vehicle_scenario_stack(spec), TABLE, DUTIES).recorded
+        return build_flight(*build_vehicle_scenario_stack(spec), TABLE).recorded
 
     first = tabulate(1.0)
     assert tabulate(1.0) is first
     assert abs(tabulate(2.0) - first).max() > 0.01
 
 
-@pytest.mark.long
-def test_the_air_and_the_walls_of_a_scene_are_the_worlds():
-    """A gust drives one hull against a wall, to rounding; eddies stir others, by chance."""
-    still = 'scenario.start.heading_spread=0 deg'
-    calm = (
-        still,
-        'scenario.goal.time_limit=17 s',
-        'scenario.air.turbulence.intensity=0 m/s',
-        'scenario.room.size=[9, 3, 3] m',
-    )
-    stirred = (still, 'scenario.goal.time_limit=8 s', 'scenario.air.turbulence.intensity=0.2 m/s')
-    flights = [made(*each, duties=DUTIES, scene='gusty_hall') for each in (calm, stirred)]
-    which = np.array([0] + [1] * 400)
-    rows = fly_many(flights, range(len(which)), closed=False, which=which)
-    world, path = opened(*calm, scene='gusty_hall')
-    limit = 1.5 - vehicle_reach(world.vehicle)[0]
-    assert path[:, 1].max() > limit
-    found = [figures(rows[0])[name] for name in NAMES]
-    np.testing.assert_allclose(found, ending(world, path), rtol=1e-8, atol=1e-8)
-    few = np.array([ending(*opened(*stirred, seed=k, scene='gusty_hall')) for k in range(40)])
-    own = rows[1:, [FIGURES.index(name) for name in NAMES]]
-    for k in (0, 1, 2, 4):
-        deviation = own[:, k].std()
-        assert deviation > 0.01
-        assert abs(few[:, k].mean() - own[:, k].mean()) < 4 * deviation * math.sqrt(
-            1 / 40 + 1 / 400
-        )
-        assert abs(math.log(few[:, k].std() / deviation)) < 4 * math.sqrt(1 / 80 + 1 / 800)
-
-
-def test_each_flight_of_a_batch_is_what_it_is_alone(batches):
+def test_each_flight_of_a_batch_is_what_it_is_alone(batches, tmp_path):
+    """Two of them fly in recorded winds of their own."""
     brief = () if batches == 'compiled' else BRIEF
     changes = ((), ('vehicle.trim.heaviness=4 g',), ('scenario.start.charge=70 %',))
-    flights = [made(*brief, *each) for each in changes]
-    which, seeds = np.array([2, 0, 1, 0, 2]), [1, 1, 2, 3, 1]
+    specs = [ingredients(*brief, *each) for each in changes]
+    specs += [with_record(specs[0], tmp_path / f'{k}.csv', k) for k in (1, 2)]
+    flights = [build_flight(*build_vehicle_scenario_stack(spec), TABLE) for spec in specs]
+    which, seeds = np.array([4, 2, 0, 3, 1, 0, 2]), [1, 1, 1, 1, 2, 3, 1]
     together = fly_many(flights, seeds, which=which)
     alone = [fly_many([flights[w]], [s])[0] for w, s in zip(which, seeds, strict=True)]
     np.testing.assert_array_equal(together, alone)
-    np.testing.assert_array_equal(together[0], together[4])
-    assert len(np.unique(np.nan_to_num(together), axis=0)) == 4
+    np.testing.assert_array_equal(together[1], together[6])
+    assert len(np.unique(np.nan_to_num(together), axis=0)) == 6
+
+
+def test_the_model_of_a_batch_is_that_of_one_vehicle():
+    """Written for tuples, it has the rates and thrusts of the compiled kernel."""
+    model = made(scene='gusty_hall').model
+    effects = {
+        name: EFFECTS[name] for name in SIM_LAYOUT.effects if name in model.effect_parameters
+    }
+    written = {}
+    exec(render_kernel_source(effects, KernelTarget('', '', '', ThreadAccess(), MODEL)), written)
+    numbers, places = SIM_LAYOUT.find_effect_indices(effects)
+    fixed = [*model.parameters[numbers], *model.body, *model.inverse]
+    generator = np.random.default_rng(5)
+    for _ in range(20):
+        state, around = generator.normal(size=SIM_LAYOUT.size), generator.normal(size=SURROUNDINGS)
+        command = generator.uniform(-1.0, 1.0, COMMAND)
+        told = [state[places].tolist(), fixed, command.tolist(), around.tolist()]
+        rates = kernel.state_derivative(state, model, command, around)[places]
+        np.testing.assert_allclose(written['rates'](*map(tuple, told)), rates, rtol=1e-12)
+        thrusts = kernel.evaluate_model(state, model, command, around).thrusts
+        np.testing.assert_allclose(written['thrusts_of'](*map(tuple, told)), thrusts, rtol=1e-12)
 
 
 SLACK = 'scenario.outside.daylight.slack'

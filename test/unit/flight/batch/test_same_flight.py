@@ -6,7 +6,7 @@ loop in distribution only (`test_fleet.py`). Here each of its draws is one of th
 and each of its light blocks is sampled and demodulated: then seed by seed, both fly the same.
 """
 
-from dataclasses import astuple
+from dataclasses import astuple, replace
 import math
 from types import SimpleNamespace
 from typing import NamedTuple
@@ -113,7 +113,7 @@ def build_kernel(model, noise):
 
     dark, own, on = (0.0,) * 8, DroneMemory(), model.effect_parameters
     return FlightKernel(
-        dark, own, True, 'turbulence' in on, 'superheat' in on, rates, thrusts_of,
+        dark, own, 'turbulence' in on, 'superheat' in on, rates, thrusts_of,
         ahead, mean, normalised, lambda *_: begin, noise.read_diodes, lambda _: dark,
     )  # fmt: skip
 
@@ -166,12 +166,39 @@ def long(*case):
     return pytest.param(*case, marks=pytest.mark.long)
 
 
-def build_spec(strategy, scene):
+def build_spec(strategy, scene, folder=None):
     """Return a flight that begins soon."""
     changes = {'estimator.rest_time': 0.15, 'mission.altitude': 0.5}
     if scene == 'windy_field':  # in 8 m/s GT-MAB rises instead
         changes['scenario.air.profile.wind'] = '4 m/s'
-    return load_spec('gtmab', scene, strategy, 'gtmab').with_values(changes)
+    scene, _, added = scene.partition(' with ')
+    spec = load_spec('gtmab', scene, strategy, 'gtmab').with_values(changes)
+    return SCENES[added](spec, folder) if added else spec
+
+
+def add_recorded_wind(spec, folder):
+    time = np.arange(0.0, 70.0, 0.7)
+    wind = 0.2 * np.array([np.cos(0.8 * time), np.sin(0.8 * time), np.sin(2.4 * time)])
+    path = folder / 'wind.csv'
+    np.savetxt(path, np.vstack([time, wind]).T, delimiter=',', header='t,u,v,w', comments='')
+    return change_scenario(spec, lambda scene: {'air': {**scene['air'], 'recorded': str(path)}})
+
+
+def add_faults(spec, folder):
+    """Short the panel, and let the supply fail so late that the mission does not know yet."""
+    del folder
+    lit = spec.with_values({'scenario.ambient.steady': '1000 lx'})
+    return change_scenario(
+        lit, lambda scene: {'faults': {'panel_short': '2 s', 'brown_out': '4.9 s'}}
+    )
+
+
+def change_scenario(spec, change):
+    scene = spec.contents['scenario']
+    return replace(spec, contents={**spec.contents, 'scenario': {**scene, **change(scene)}})
+
+
+SCENES = {'a recorded wind': add_recorded_wind, 'faults': add_faults}
 
 
 @pytest.mark.parametrize(
@@ -181,15 +208,19 @@ def build_spec(strategy, scene):
         ('homing', 'warehouse'),  # a route along three lamps
         ('homing', 'windy_field'),  # held by a hand at first, in gusts
         ('homing', 'hall_door'),  # daylight and wind beyond a door
+        ('bag', 'lamp_room with a recorded wind'),
+        ('bag', 'lamp_room with faults'),  # of the supply
         long('bag', 'lamp_room'),
         long('des', 'lamp_room'),
         long('homing', 'sunny_field'),  # warm gas, and a charging panel
         long('homing', 'gusty_hall'),
     ],
 )
-def test_with_the_loops_noise_the_step_flies_the_loops_flight(strategy, scene, monkeypatch):
+def test_with_the_loops_noise_the_step_flies_the_loops_flight(
+    strategy, scene, monkeypatch, tmp_path
+):
     """Five seconds, of which the search takes more than half of one at least."""
-    spec = build_spec(strategy, scene)
+    spec = build_spec(strategy, scene, tmp_path)
     loop, flown = build_loop(spec, 3), iterate_memories(prepare(spec, 3, monkeypatch))
     state, charge = loop.world.state.tolist(), loop.world.charge
     for k, (_, memory) in enumerate(zip(loop.iterate_steps(), flown, strict=False)):
