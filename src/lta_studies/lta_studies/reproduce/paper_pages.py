@@ -79,8 +79,8 @@ measures.
 """
 DEFECTS_PAGE: Final = """# The paper's inconsistencies
 
-Where [the paper](paper.md) contradicts itself or physics, with the arithmetic, and what was done
-here. Written by `./lta reproduce --markdown docs`.
+Where [the paper](paper.md) contradicts itself or physics, with the arithmetic. The page of
+`./lta reproduce` adds what was done here about each.
 
 ## {heading}
 
@@ -112,7 +112,8 @@ def build_pages(rows: Sequence[PaperRow], stored_rows: StoredRows) -> dict[str, 
             ),
         ),
         'paper_inconsistencies.md': DEFECTS_PAGE.format(
-            heading=defects.heading, table=format_markdown_table(defects.heads, defects.rows)
+            heading=defects.heading,
+            table=format_markdown_table(defects.heads[:3], [row[:3] for row in defects.rows]),
         ),
     }
 
