@@ -15,9 +15,7 @@ from lta_emulation.crazyflie.firmware import Firmware
 from lta_emulation.crazyflie.server import CrazyflieServer
 from lta_emulation.crazyflie.simulated_body import SimulatedBody
 
-ALONE: Final = (
-    'the drone stops itself: by the LTA app in the firmware, or by the supervisor lock after 2 s'
-)
+ALONE: Final = 'the drone stops itself'
 WRAP_MS: Final = 2**24  # of the stamps of log packets
 AT_ONCE: Final = (0.2, 0.2)
 CUT_OFF: Final = (0.3, 2.1)  # the drone receives nothing: its own stop

@@ -263,7 +263,8 @@ def describe_misfit(
     if quantity.dimension != dimension:
         return f'is in {quantity.unit}, but must be in {dimension} or a compatible unit'
     if len(quantity.vector) != length:
-        return f'has {len(quantity.vector)} numbers, but needs {length}'
+        count = len(quantity.vector)
+        return f'has {count} number{"" if count == 1 else "s"}, but needs {length}'
     floor = -math.inf if above is None else above
     # Also false for NaN
     if all(low <= number <= high and number > floor for number in quantity.vector):

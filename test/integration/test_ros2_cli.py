@@ -185,7 +185,7 @@ def test_param(ros, flight):
     node = '/lta1/navigator'
     names = ros.run('param', 'list', node).split()
     assert {'altitude', 'strategy', 'use_sim_time'} <= set(names)
-    assert ros.run('param', 'get', node, 'strategy') == 'String value is: bag\n'
+    assert ros.run('param', 'get', node, 'strategy') == 'String value is: homing\n'
     before = float(ros.run('param', 'get', node, 'altitude').split()[-1])
     assert 'successful' in ros.run('param', 'set', node, 'altitude', before + 0.25)
     assert ros.run('param', 'get', node, 'altitude').split()[-1] == str(before + 0.25)

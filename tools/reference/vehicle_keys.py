@@ -5,10 +5,8 @@ import inspect
 import re
 from typing import Any, Final, get_args, get_origin, Literal, Union
 
-from lta_config.quantity import format_bounds as format_quantity_bounds
-from lta_config.quantity import Quantity, SI_UNITS
+from lta_config.quantity import Quantity
 from lta_config.schema.vehicle_file import VehicleFile
-from lta_config.settings import format_bounds
 from pydantic import BaseModel, WrapValidator
 
 HEAD: Final = """# Every key of a vehicle file
@@ -19,8 +17,8 @@ A number is `{value: 7, unit: g, source: "kitchen scale"}`, with a list as `valu
 are asked for. Any unit that converts to the one in brackets will do. An assumed number may also
 have a `range: [low, high]` and a `range_source`. `NAME` stands for a name of your own. Keys in
 **bold** must be there; the others have a default, or switch something on. `./lta vehicle new`
-writes a file from size, mass and motors, `./lta vehicle check` names what is wrong with one, and
-[the tutorial](tutorials/your_vehicle.md) shows how to change it.
+writes a file from size, mass and motors, `./lta vehicle check` names what is wrong with one, also
+a number out of bounds, and [the tutorial](tutorials/your_vehicle.md) shows how to change it.
 
 """
 Entry = tuple[str, Any]
@@ -40,7 +38,6 @@ def _iterate_sections(path: str, model: type[BaseModel]) -> Iterator[str]:
         alias = field.validation_alias
         key = 'schema' if alias is not None else name
         kind, inner, steps = _describe_type(field.annotation, field.metadata)
-        bounds = format_bounds(field) if kind == 'number' else ''
         label = f'**`{key}`**' if field.is_required() else f'`{key}`'
         text = comments.get(name, '')
         if key == 'effects':
@@ -54,8 +51,7 @@ def _iterate_sections(path: str, model: type[BaseModel]) -> Iterator[str]:
             kind = f'[block](#{place.lower().replace(".", "")})'
             if not path:  # others stand right above the section that says it
                 text = text or inspect.cleandoc(inner.__doc__ or '').splitlines()[0]
-        cell = ', '.join(filter(None, (kind, bounds)))
-        rows.append(f'- {label} ({cell}){f": {text}" if text else ""}\n')
+        rows.append(f'- {label} ({kind}){f": {text}" if text else ""}\n')
     about = inspect.cleandoc(model.__doc__ or '').split('\n\nAttributes\n')[0]
     title = f'## {path}\n{about}\n\n' if path else ''
     yield f'{title}{"".join(rows)}'
@@ -93,21 +89,11 @@ def _describe_type(
 
 
 def _describe_quantity(validator: WrapValidator) -> str:
-    """Return the unit, count and bounds of a quantity, which its validator encloses."""
+    """Return the unit and count of a quantity, which its validator encloses."""
     limits = inspect.getclosurevars(validator.func).nonlocals
-    unit = limits['dimension']
     # Charges are written in mA h
-    unit_label = 'mA h' if unit == 'C' else unit
-    low = limits['low'] if limits['above'] is None else None
-    file_unit = next(
-        word
-        for word, (kind, factor) in SI_UNITS.items()
-        if (kind == unit and factor == 1.0) or word == unit_label
-    )
-    bounds = format_quantity_bounds(low, limits['above'], limits['high'], file_unit)
-    bounds = bounds if bounds.strip() not in {'', file_unit} else ''
-    count = f'{limits["length"]} numbers' if limits['length'] > 1 else 'number'
-    return ', '.join(filter(None, (f'{count} [{unit_label}]', bounds)))
+    unit = 'mA h' if limits['dimension'] == 'C' else limits['dimension']
+    return f'{limits["length"]} numbers [{unit}]' if limits['length'] > 1 else f'number [{unit}]'
 
 
 def _read_comments(model: type[BaseModel]) -> dict[str, str]:

@@ -16,6 +16,7 @@ from rich.progress import (
 )
 
 LINE_PERIOD: Final = 60.0  # wall s between two lines without a terminal
+LEAST_SHARE: Final = 0.02  # done, below which the first steps (compiling, loading) tell no pace
 
 
 class ProgressBar:
@@ -117,8 +118,11 @@ class ProgressBar:
         text = f'{name}: {100.0 * share:.0f} %'
         # By the pace up to the last progress: a long step without one, such as a compilation, does
         # not make the rest longer. When that time is over, nothing is known.
-        pace = (share - self._before) / max(self._moved - self._begun, 1e-9)
-        left = (1.0 - share) / pace - (time.monotonic() - self._moved) if pace > 0.0 else 0.0
+        done = share - self._before
+        if done < LEAST_SHARE:
+            return text
+        pace = done / max(self._moved - self._begun, 1e-9)
+        left = (1.0 - share) / pace - (time.monotonic() - self._moved)
         return f'{text}, about {left / 60.0:.1f} min left' if left > 0.0 else text
 
     def wait_for(self, what: str) -> None:

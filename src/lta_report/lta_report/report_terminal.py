@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from textwrap import wrap
 from typing import Final
 
 from lta_report.report import (
@@ -144,11 +145,11 @@ def merge_groups(table: TextTable) -> TextTable:
 
 
 def split_heads(table: TextTable) -> list[str]:
-    """Return the heads, with one word per line where the cells are narrower than the head."""
+    """Return the heads, in lines that are as wide as the cells below; words stay whole."""
     cells = zip(*table.rows, strict=True) if table.rows else [()] * len(table.heads)
     widths = [max(map(len, each), default=0) for each in cells]
     return [
-        head if len(head) <= width else head.replace(' ', '\n')
+        '\n'.join(wrap(head, max(width, 1), break_long_words=False, break_on_hyphens=False))
         for head, width in zip(table.heads, widths, strict=True)
     ]
 

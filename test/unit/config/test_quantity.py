@@ -105,7 +105,7 @@ class Part(StrictModel):
         ({'mass': '-3 g'}, 'mass is -3 g, but must be above 0 and at most 5000 g.'),
         ({'mass': '5001 g'}, 'mass is 5001 g, but must be above 0 and at most 5000 g.'),
         ({'mass': '1 g'}, 'mass has no source; state where the value comes from, as in'),
-        ({'place': '1 m'}, 'place has 1 numbers, but needs 3.'),
+        ({'place': '1 m'}, 'place has 1 number, but needs 3.'),
         ({'place': {'value': [], 'unit': 'm'}}, 'place has 0 numbers, but needs 3.'),
         (
             {'place': {'value': [0, 0, 1.1], 'unit': 'm'}},

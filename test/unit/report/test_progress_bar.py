@@ -42,6 +42,15 @@ def test_a_step_that_lasts_long_does_not_make_the_rest_longer(capsys, clock):
     assert capsys.readouterr().err == 3 * 'missions: 10 % ...\n'
 
 
+def test_a_first_step_that_compiles_tells_no_pace(capsys, clock):
+    """A hundredth took ten seconds of compiling, so a pace would promise a quarter of an hour."""
+    with ProgressBar(Console(file=io.StringIO()), begin='flying', total=1.0) as bar:
+        clock.now = 10.0
+        bar.update_bar(completed=0.01)
+        bar.write_line()
+    assert capsys.readouterr().err == 'flying: 1 % ...\n'
+
+
 def test_what_was_done_before_says_nothing_about_the_pace(capsys, clock):
     """Of ten items eight are stored; the ninth takes a minute, and so does the tenth."""
     progress = StudyProgress(Console(file=io.StringIO()), 10, unit='flights')

@@ -169,8 +169,8 @@ def _other_clauses(calibration: Calibration) -> Iterator[str]:
     for one in others[:LISTED]:
         before, now, _ = format_in_unit(one)
         yield f'{format_name(one)} {now} (vehicle file: {before})'
-    if others[LISTED:]:
-        yield f'{len(others) - LISTED} more numbers'
+    if rest := len(others[LISTED:]):
+        yield f'{rest} more number{"s" if rest > 1 else ""}'
 
 
 def format_headline(calibration: Calibration) -> str:

@@ -12,7 +12,6 @@ from lta_studies.reproduce.report import (
     format_headline,
     format_title,
     IMAGES,
-    JUDGING_METHOD,
     KNOWN_BEFORE,
     OPEN,
     StoredRows,
@@ -27,7 +26,13 @@ from lta_studies.reproduce.verdict import (
 )
 
 HEADLINE_HEADS: Final = ('the paper says', 'printed', 'here', 'draws that agree', 'verdict', 'row')
-ROW_HEADS: Final = ('the paper says', 'here', 'draws that agree', 'verdict', 'why')
+ROW_HEADS: Final = (
+    'the paper says',
+    'here',
+    'draws that agree',
+    'verdict',
+    'what would close the gap',
+)
 FIRST_PAGE: Final = """# The paper, reproduced
 
 `./lta reproduce` runs every experiment of the paper (Huang, Xu and Zúñiga Zamalloa, *Exploiting
@@ -43,8 +48,8 @@ order of the row's file. A verdict needs Wilson's interval above 95 % of the dra
 
 **{headline}**
 
-- [All rows](paper_rows.md): every claim, why it cannot be tested or what would close the gap, and
-  how claims are judged
+- [The paper, row by row](paper_rows.md): every claim that measurements decide or leave open, and
+  what would close the gap
 - [The paper's inconsistencies](paper_inconsistencies.md), with their arithmetic
 
 <!-- not run: minutes; test_paper.py runs the quick rows -->
@@ -60,12 +65,13 @@ The command also writes a page with every picture, table and figure, and the com
 them. A row is a file in `config/paper`: what the paper says and where, what is measured, and the
 rule for agreement. None of our figures on these pages is typed by hand.
 """
+SHOWN: Final = (ClaimVerdict.AGREES, ClaimVerdict.DIFFERS, *OPEN)
 ROWS_PAGE: Final = """# The paper, row by row
 
-Behind [the answers](paper.md). Places in the paper, rules, seeds, readings and all measures are on
-the page of `./lta reproduce` and in `config/paper`.
-
-{method}
+Behind [the answers](paper.md): every claim that our measurements decide or leave open. The page of
+`./lta reproduce` adds the claims that cannot be tested, each with the reason, those that agree
+whatever is measured, how claims are judged, places in the paper, rules, seeds, readings and all
+measures.
 
 {known}
 
@@ -73,8 +79,8 @@ the page of `./lta reproduce` and in `config/paper`.
 """
 DEFECTS_PAGE: Final = """# The paper's inconsistencies
 
-Where [the paper](paper.md) contradicts itself or physics, with the arithmetic, and what was done
-here. Written by `./lta reproduce --markdown docs`.
+Where [the paper](paper.md) contradicts itself or physics, with the arithmetic. The page of
+`./lta reproduce` adds what was done here about each.
 
 ## {heading}
 
@@ -100,14 +106,14 @@ def build_pages(rows: Sequence[PaperRow], stored_rows: StoredRows) -> dict[str, 
             headline=format_headline(rows, stored_rows),
         ),
         'paper_rows.md': ROWS_PAGE.format(
-            method=JUDGING_METHOD,
             known=KNOWN_BEFORE,
             rows='\n\n'.join(
                 part for row in rows for part in iterate_row_parts(row, stored_rows[row.name])
             ),
         ),
         'paper_inconsistencies.md': DEFECTS_PAGE.format(
-            heading=defects.heading, table=format_markdown_table(defects.heads, defects.rows)
+            heading=defects.heading,
+            table=format_markdown_table(defects.heads[:3], [row[:3] for row in defects.rows]),
         ),
     }
 
@@ -135,11 +141,16 @@ def iterate_row_parts(row: PaperRow, stored: StoredRow) -> Iterator[str]:
     yield row.scenario
     lines = []
     for name, claim in row.claims.items():
-        note = find_note(row, name, verdicts[name], stored)
-        lines.append(
-            [claim.says, *format_results(row, name, stored), str(verdicts[name]), note or MISSING]
-        )
-    yield format_markdown_table(ROW_HEADS, lines)
+        if verdicts[name] in SHOWN:
+            gap = '' if verdicts[name] is ClaimVerdict.AGREES else claim.gap
+            note = fill_measures_or_blank(gap, row, stored) or MISSING
+            results = format_results(row, name, stored)
+            lines.append([claim.says, *results, str(verdicts[name]), note])
+    if lines:
+        yield format_markdown_table(ROW_HEADS, lines)
+    untested = sum(each is ClaimVerdict.UNTESTED for each in verdicts.values())
+    if untested:
+        yield f'{untested} of its {len(verdicts)} claims cannot be tested.'
     for picture in stored.pictures[:1]:
         yield f'![{picture.heading}]({IMAGES}/{row.name}-{picture.name}.png)'
 
@@ -151,13 +162,3 @@ def format_results(row: PaperRow, name: str, stored: StoredRow) -> list[str]:
         format_measured(row, name, stored),
         format_shares(name, claim, stored) or MISSING,
     ]
-
-
-def find_note(row: PaperRow, name: str, verdict: ClaimVerdict, stored: StoredRow) -> str:
-    """Return why a claim cannot be tested, or what would close a gap; '' for other claims."""
-    claim = row.claims[name]
-    if verdict is ClaimVerdict.UNTESTED:
-        return fill_measures_or_blank(claim.untested, row, stored)
-    if verdict in (ClaimVerdict.DIFFERS, *OPEN):
-        return fill_measures_or_blank(claim.gap, row, stored)
-    return ''
