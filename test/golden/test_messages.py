@@ -1,17 +1,21 @@
 """
-What people type or write wrong: two tables of what is said of it, and rules for all sentences.
+What people type or write wrong: three tables of what is said of it, and rules for all sentences.
 
 `messages.txt` has commands, each followed by exit status and sentence; they are called in one
 process, in a folder with the files of `stage`. `mistakes.txt` has shipped files in which something
 is changed, each followed by what their reader says: a place of the file and what it then holds,
-nothing where that is null. Commands and changes are added by hand;
-`python test/golden/test_messages.py` renews the sentences (in the workspace).
+nothing where that is null. `calls.txt` has calls from Python with the module of their names. All
+of these are added by hand; `python test/golden/test_messages.py` renews the sentences (in the
+workspace).
 """
 
 import ast
 from collections import defaultdict
 from contextlib import redirect_stderr, redirect_stdout
+from dataclasses import replace
+import importlib
 import io
+import math
 import os
 from pathlib import Path
 import re
@@ -23,6 +27,7 @@ from lta_cli import app
 from lta_config.errors import BadInput
 from lta_config.files import (
     find_file,
+    format_error,
     KIND_FOLDERS,
     list_shipped_names,
     load_file,
@@ -43,6 +48,8 @@ from lta_model.electrical.panel import fit_diode
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from lta_studies.light.plan.floor import FloorPlan
+import numpy as np
+from pydantic import ValidationError
 import pytest
 from typer.main import get_command
 import yaml
@@ -50,6 +57,7 @@ import yaml
 ROOT = Path(__file__).resolve().parents[2]
 TABLE = Path(__file__).with_name('messages.txt')
 MISTAKES = Path(__file__).with_name('mistakes.txt')
+CALLS = Path(__file__).with_name('calls.txt')
 READERS = {  # of each kind of file, by its path
     'cell': lambda path: fit_diode(load_cell_file(path)),
     'comparison': load_comparison,
@@ -238,6 +246,34 @@ def test_what_is_written_wrong_in_a_file_is_told_as_in_the_table(kind, tmp_path)
         check_sentence(said)
 
 
+def list_calls():
+    """Return a call with the module of its names, and what is said, for each row."""
+    lines = CALLS.read_text(encoding='utf-8').splitlines()
+    return [(call, said.strip()) for call, said in zip(lines[::2], lines[1::2], strict=True)]
+
+
+def describe_call(row):
+    """Return the reason for which a call is refused."""
+    module, call = row.split(': ', 1)
+    names = {'inf': math.inf, 'nan': math.nan, 'np': np, 'replace': replace}
+    try:
+        eval(call, vars(importlib.import_module(module)) | names)
+    except BadInput as error:
+        return str(error)
+    except ValidationError as error:
+        return format_error(error)
+    return 'nothing is said'
+
+
+@pytest.mark.parametrize('package', ['control', 'model', 'vlc'])
+def test_what_is_called_wrong_is_refused_as_in_the_table(package):
+    rows = [row for row in list_calls() if row[0].startswith(f'lta_{package}.')]
+    assert rows
+    for call, said in rows:
+        assert describe_call(call) == said, call
+        check_sentence(said)
+
+
 @pytest.mark.parametrize('kind', READERS.keys() - {'gains', 'sweep', 'topics'})
 def test_every_shipped_file_is_read_and_is_called_what_it_is(kind):
     for name in list_shipped_names(KIND_FOLDERS[kind]):
@@ -278,6 +314,8 @@ def renew():
             for kind, file, changes, _ in list_mistakes()
         ]
     MISTAKES.write_text(''.join(told), encoding='utf-8')
+    told = [f'{call}\n  {describe_call(call)}\n' for call, _ in list_calls()]
+    CALLS.write_text(''.join(told), encoding='utf-8')
     lines = TABLE.read_text(encoding='utf-8').splitlines()
     commands = [line for line in lines if line.startswith('lta ')]
     with tempfile.TemporaryDirectory() as name:

@@ -4,11 +4,9 @@ import math
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_config.compilation.compiler import compile_functions
 from lta_config.files import list_shipped_names
 from lta_config.schema.cell_file import load_cell_file
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_config.settings import to_named_tuple
 from lta_model.electrical.panel import (
     AIR_TEMPERATURE,
     compute_curve_parameters,
@@ -99,13 +97,6 @@ def test_darkness_gives_nothing():
     assert find_max_power_point(
         SolarArrayModel.from_energy(load_vehicle_file('sblimp').energy), 500.0
     ) == (0.0, 0.0)
-
-
-def test_the_array_compiles_to_the_same():
-    panel = to_named_tuple(SolarArrayModel.from_cells('anysolar', 2, 1))
-    brightest, at = compile_functions(find_max_power_point, current_at_voltage)
-    assert brightest(panel, 60.0) == find_max_power_point(panel, 60.0)
-    assert at(panel, 60.0, 3.0) == current_at_voltage(panel, 60.0, 3.0)
 
 
 def test_a_vehicle_without_an_array_has_a_panel_of_nothing():

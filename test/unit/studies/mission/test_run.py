@@ -2,7 +2,6 @@
 
 from types import SimpleNamespace
 
-from lta_config.errors import BadInput
 from lta_energy.circuit import EnergyTotals
 from lta_energy.mission import MissionFlight, MissionLog
 from lta_report.request import StudyRun
@@ -66,14 +65,6 @@ def test_a_stopped_study_goes_on_and_more_seeds_can_be_added(tmp_path, simulated
         (AWARE, 1, 1), (NAIVE, 1, 1), (AWARE, 1, 3), (AWARE, 1, 2), (NAIVE, 1, 2)
     ]  # fmt: skip
     assert [each.figures.flown for each in results] == [61.0, 61.0, 62.0, 62.0]
-
-
-def test_the_folder_of_another_mission_is_refused(tmp_path, simulated):
-    run(tmp_path / 'out', [1])
-    with pytest.raises(BadInput, match='is the log of a mission with other settings; choose'):
-        run(tmp_path / 'out', [1], days=2)
-    with pytest.raises(BadInput, match='contains files that do not belong to a mission'):
-        run(tmp_path, [1])
 
 
 def test_a_log_is_stored_whole(tmp_path):

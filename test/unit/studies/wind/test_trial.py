@@ -196,14 +196,5 @@ def test_the_command_prints_a_table_json_and_a_page(tmp_path):
     assert json.loads(printed.stdout)['units']['static'] == 'm/s'
 
 
-def test_an_unknown_vehicle_is_bad_input(tmp_path):
-    told = CliRunner().invoke(build_app(), ['wind', 'zeppelin', '--out', str(tmp_path)])
-    assert isinstance(told.exception, BadInput)
-    assert 'zeppelin' in str(told.exception)
-    call = ['wind', 'gtmab', 'zeppelin', '--out', str(tmp_path / 'out')]
-    assert 'zeppelin' in str(CliRunner().invoke(build_app(), call).exception)
-    assert not (tmp_path / 'out').exists()
-
-
 def test_the_airspeeds_stay_within_what_a_mission_may_ask(flight):
     assert max(limits._list_airspeeds(asked(), flight, 99.0)) <= limits.LARGEST_AIRSPEED
