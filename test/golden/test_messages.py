@@ -1,15 +1,21 @@
 """
-What people type wrong: one table of commands, sentences and exit statuses, and rules for them all.
+What people type or write wrong: three tables of what is said of it, and rules for all sentences.
 
-`python test/golden/test_messages.py` renews the sentences of `messages.txt` (in the workspace);
-its commands, each followed by its answer, are added by hand. They are called in one process, in a
-folder with the files of `stage`.
+`messages.txt` has commands, each followed by exit status and sentence; they are called in one
+process, in a folder with the files of `stage`. `mistakes.txt` has shipped files in which something
+is changed, each followed by what their reader says: a place of the file and what it then holds,
+nothing where that is null. `calls.txt` has calls from Python with the module of their names. All
+of these are added by hand; `python test/golden/test_messages.py` renews the sentences (in the
+workspace).
 """
 
 import ast
 from collections import defaultdict
 from contextlib import redirect_stderr, redirect_stdout
+from dataclasses import replace
+import importlib
 import io
+import math
 import os
 from pathlib import Path
 import re
@@ -18,11 +24,56 @@ import sys
 import tempfile
 
 from lta_cli import app
+from lta_config.errors import BadInput
+from lta_config.files import (
+    find_file,
+    format_error,
+    KIND_FOLDERS,
+    list_shipped_names,
+    load_file,
+    load_yaml,
+    share_folder,
+)
+from lta_config.schema.cell_file import load_cell_file
+from lta_config.schema.comparison_file import load_comparison, load_maneuver_file
+from lta_config.schema.mission_file import load_light_day, load_mission
+from lta_config.schema.mount_file import mount_panels
+from lta_config.schema.paper_file import PaperRow
+from lta_config.schema.spectrum_file import load_spectrum
+from lta_config.schema.sweep_file import load_sweep
+from lta_config.topics import TopicTable
+from lta_control.gains_file import load_gains
+from lta_flight.sweep.plan import SweepPlan
+from lta_model.electrical.panel import fit_diode
+from lta_model.scenario import load_scenario
+from lta_model.vehicle import load_vehicle
+from lta_studies.light.plan.floor import FloorPlan
+import numpy as np
+from pydantic import ValidationError
 import pytest
 from typer.main import get_command
+import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
 TABLE = Path(__file__).with_name('messages.txt')
+MISTAKES = Path(__file__).with_name('mistakes.txt')
+CALLS = Path(__file__).with_name('calls.txt')
+READERS = {  # of each kind of file, by its path
+    'cell': lambda path: fit_diode(load_cell_file(path)),
+    'comparison': load_comparison,
+    'floor plan': lambda path: load_file(FloorPlan, Path(path)),
+    'gains': load_gains,
+    'light of the day': load_light_day,
+    'manoeuvre': load_maneuver_file,
+    'mission': load_mission,
+    'mount': lambda path: mount_panels(load_yaml(find_file('vehicle', 'gtmab')), path),
+    'row of the paper': lambda path: load_file(PaperRow, Path(path)),
+    'scenario': lambda path: load_scenario(path).light_field,
+    'spectrum': load_spectrum,
+    'sweep': lambda path: SweepPlan(load_sweep(path)).check(),
+    'topics': lambda path: load_file(TopicTable, Path(path)),
+    'vehicle': lambda path: load_vehicle(path).build_model(),
+}
 GTMAB = (ROOT / 'config/vehicles/gtmab.yaml').read_text()
 SPOILT = {  # vehicle files with one mistake each
     'unknown_key': ('about:', 'abuot: x\nabout:'),
@@ -153,6 +204,84 @@ def test_every_sentence_of_the_table_keeps_the_rules():
         check_sentence(sentence)
 
 
+def list_mistakes():
+    """Return kind and name of a file, what is changed in it, and what is said, for each row."""
+    lines = MISTAKES.read_text(encoding='utf-8').splitlines()
+    rows = []
+    for line, said in zip(lines[::2], lines[1::2], strict=True):
+        file, *changes = line.split(' | ')
+        rows.append((*file.rsplit(' ', 1), changes, said.strip()))
+    return rows
+
+
+def describe_mistake(kind, name, changes, folder):
+    """Return what the reader of a file says of it with these changes."""
+    shipped = share_folder() / 'topics.yaml' if kind == 'topics' else find_file(kind, name)
+    content = load_yaml(shipped)
+    for change in changes:
+        ((place, value),) = yaml.safe_load(f'{{{change}}}').items()
+        *way, last = place.split('.')
+        part = content
+        for key in way:
+            part = part[key]
+        part[last] = value
+        if value is None:
+            del part[last]
+    # What a reader has stored of a path is not that of the next row
+    path = Path(tempfile.mkdtemp(dir=folder)) / f'{name}.yaml'
+    path.write_text(yaml.safe_dump(content, sort_keys=False))
+    try:
+        READERS[kind](str(path))
+    except BadInput as error:
+        return str(error).replace(f'{path.parent}/', '').replace(str(ROOT), 'ROOT')
+    return 'nothing is said'
+
+
+@pytest.mark.parametrize('kind', READERS)
+def test_what_is_written_wrong_in_a_file_is_told_as_in_the_table(kind, tmp_path):
+    rows = [row for row in list_mistakes() if row[0] == kind]
+    assert rows
+    for _, name, changes, said in rows:
+        assert describe_mistake(kind, name, changes, tmp_path) == said, changes
+        check_sentence(said)
+
+
+def list_calls():
+    """Return a call with the module of its names, and what is said, for each row."""
+    lines = CALLS.read_text(encoding='utf-8').splitlines()
+    return [(call, said.strip()) for call, said in zip(lines[::2], lines[1::2], strict=True)]
+
+
+def describe_call(row):
+    """Return the reason for which a call is refused."""
+    module, call = row.split(': ', 1)
+    names = {'inf': math.inf, 'nan': math.nan, 'np': np, 'replace': replace}
+    try:
+        eval(call, vars(importlib.import_module(module)) | names)
+    except BadInput as error:
+        return str(error)
+    except ValidationError as error:
+        return format_error(error)
+    return 'nothing is said'
+
+
+@pytest.mark.parametrize('package', ['control', 'model', 'vlc'])
+def test_what_is_called_wrong_is_refused_as_in_the_table(package):
+    rows = [row for row in list_calls() if row[0].startswith(f'lta_{package}.')]
+    assert rows
+    for call, said in rows:
+        assert describe_call(call) == said, call
+        check_sentence(said)
+
+
+@pytest.mark.parametrize('kind', READERS.keys() - {'gains', 'sweep', 'topics'})
+def test_every_shipped_file_is_read_and_is_called_what_it_is(kind):
+    for name in list_shipped_names(KIND_FOLDERS[kind]):
+        path = find_file(kind, name)
+        assert load_yaml(path)['name'] == name
+        READERS[kind](str(path))
+
+
 def list_literals():
     """Yield the text of each BadInput in the sources, values as X, and where it is."""
     for path in sorted([*ROOT.glob('src/lta_*/lta_*/**/*.py'), *ROOT.glob('config/**/*.py')]):
@@ -176,7 +305,17 @@ def test_every_sentence_of_the_sources_keeps_the_rules():
 
 
 def renew():
-    """Write the table with the sentences of today; its commands stay."""
+    """Write the tables with the sentences of today; commands and changes stay."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name).resolve()
+        told = [
+            ' | '.join((f'{kind} {file}', *changes))
+            + f'\n  {describe_mistake(kind, file, changes, folder)}\n'
+            for kind, file, changes, _ in list_mistakes()
+        ]
+    MISTAKES.write_text(''.join(told), encoding='utf-8')
+    told = [f'{call}\n  {describe_call(call)}\n' for call, _ in list_calls()]
+    CALLS.write_text(''.join(told), encoding='utf-8')
     lines = TABLE.read_text(encoding='utf-8').splitlines()
     commands = [line for line in lines if line.startswith('lta ')]
     with tempfile.TemporaryDirectory() as name:

@@ -14,7 +14,11 @@ from lta_model.vehicle import load_vehicle, Vehicle
 from lta_report.request import (
     Action,
     argument,
+    Charge,
     Folder,
+    Force,
+    Length,
+    Mass,
     option,
     Outcome,
     ROBOT,
@@ -26,11 +30,6 @@ from rich.console import Console
 
 LOWEST_ALTITUDE = 0.5  # m, of a mission by default
 NEEDED_SIZES = ('diameter', 'mass', 'thrust', 'arm')
-
-
-def size_option(about: str) -> Any:  # noqa: ANN401 - as `option`
-    """Return the declaration of a quantity as text, such as '50 cm'."""
-    return option(about, default=None)
 
 
 @final
@@ -54,25 +53,47 @@ class NewVehicleRequest(Action, command='vehicle new'):
     model: str | None = option(
         'Copy this vehicle (name or file) instead.', default=None, name='from', metavar='VEHICLE'
     )
-    diameter: str | None = size_option("Diameter of the envelope: '50 cm'.")
-    length: str | None = size_option('Length of a cigar; without it and --height, a sphere.')
-    height: str | None = size_option('Height of a flattened balloon.')
-    mass: str | None = size_option(
-        'Mass of everything without gas and ballast: what a scale shows.'
+    diameter: Length | None = option(
+        "Diameter of the envelope: '50 cm'.", default=None, low=0.1, high=20.0, unit=' m'
     )
+    length: Length | None = option(
+        'Length of a cigar; without it and --height, a sphere.', default=None, low=0.1, high=50.0,
+        unit=' m',
+    )  # fmt: skip
+    height: Length | None = option(
+        'Height of a flattened balloon.', default=None, low=0.1, high=50.0, unit=' m'
+    )
+    mass: Mass | None = option(
+        'Mass of everything without gas and ballast: what a scale shows.', default=None, low=0.01,
+        high=100.0, unit=' kg',
+    )  # fmt: skip
     motors: int = option(
         '; '.join(f'{count}: {where}' for count, where in MOTOR_LAYOUTS.items()) + '.',
         default=3, low=min(MOTOR_LAYOUTS), high=max(MOTOR_LAYOUTS),
     )  # fmt: skip
-    thrust: str | None = size_option("Thrust of one motor at full: '0.1 N'.")
-    arm: str | None = size_option('Distance of the side motors from the middle.')
-    hang: str | None = size_option(
-        'Depth of the gondola with the motors below the centre of the envelope; by default 3 cm '
-        'below the envelope.'
+    thrust: Force | None = option(
+        "Thrust of one motor at full: '0.1 N'.", default=None, low=1e-3, high=100.0, unit=' N'
     )
-    envelope: str | None = size_option('Mass of the empty envelope; by default from its area.')
-    heaviness: str | None = size_option("Weight less lift after ballasting; '2 g' by default.")
-    battery: str | None = size_option("Capacity of the battery, one cell; '250 mA h' by default.")
+    arm: Length | None = option(
+        'Distance of the side motors from the middle.', default=None, low=0.01, high=4.9, unit=' m'
+    )
+    hang: Length | None = option(
+        'Depth of the gondola with the motors below the centre of the envelope; by default 3 cm '
+        'below the envelope.',
+        default=None, low=0.01, high=4.9, unit=' m',
+    )  # fmt: skip
+    envelope: Mass | None = option(
+        'Mass of the empty envelope; by default from its area.', default=None, low=1e-3,
+        high=100.0, unit=' kg',
+    )  # fmt: skip
+    heaviness: Mass | None = option(
+        "Weight less lift after ballasting; '2 g' by default.", default=None, low=-0.1, high=1.0,
+        unit=' kg',
+    )  # fmt: skip
+    battery: Charge | None = option(
+        "Capacity of the battery, one cell; '250 mA h' by default.", default=None, low=1.0,
+        high=1e6, unit=' C',
+    )  # fmt: skip
     file: Path | None = option(
         'Vehicle file to write; NAME.yaml by default.', default=None, metavar='FILE'
     )
@@ -81,7 +102,7 @@ class NewVehicleRequest(Action, command='vehicle new'):
         """Write the file, and return its path."""
         path = self.file or Path(f'{self.name}.yaml')
         fields = ('length', 'height', 'hang', 'envelope', 'heaviness', 'battery', *NEEDED_SIZES)
-        sizes = {key: text for key in fields if (text := getattr(self, key)) is not None}
+        sizes = {key: size for key in fields if (size := getattr(self, key)) is not None}
         if sizes and self.model is None:
             self.size(path, sizes, console)
         elif sizes:
@@ -106,17 +127,16 @@ class NewVehicleRequest(Action, command='vehicle new'):
             f'Replace the numbers copied from {model} with your own, then run: {line}',
         )
 
-    def size(self, path: Path, texts: Mapping[str, str], console: Console) -> None:
+    def size(self, path: Path, sizes: Mapping[str, float], console: Console) -> None:
         """Write a vehicle of some size, and its gains."""
         from lta_vehicle.new_vehicle import describe_balance, write_sized_vehicle
-        from lta_vehicle.vehicle_estimate import parse_size, VehicleSize
+        from lta_vehicle.vehicle_estimate import VehicleSize
 
-        if missing := [f'--{key}' for key in NEEDED_SIZES if key not in texts]:
+        if missing := [f'--{key}' for key in NEEDED_SIZES if key not in sizes]:
             raise BadInput(
                 f'Size, mass and motors are needed together: {", ".join(missing)} is missing; or '
                 'copy a vehicle with --from.'
             )
-        sizes = {key: parse_size(key, text) for key, text in texts.items()}
         size = VehicleSize(motors=self.motors, **sizes)
         vehicle, gains = write_sized_vehicle(self.name, size, path)
         balance = f'Its gas lifts {1e3 * vehicle.gross_lift:.0f} g; {describe_balance(vehicle)}.'

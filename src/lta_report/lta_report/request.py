@@ -8,6 +8,7 @@ another `ReportRequest` returns a report, that of an `Action` prints what it doe
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 import shlex
 from typing import (
@@ -67,7 +68,8 @@ def option(
 
     `about`: its help, with the unit. `low`, `high`: closed bounds. `kw_only`: whether Python takes
     it only by name. `declared`: `name`, if the option is not named as the field; `metavar`;
-    `default_text`; and `complete`, the kind of the shipped files that a shell completes.
+    `default_text`; `unit` of the bounds; and `complete`, the kind of the shipped files that a
+    shell completes.
     """
     declared |= {'low': low, 'high': high}
     return Field(default, description=about, json_schema_extra=declared)
@@ -97,25 +99,33 @@ def _parse_changes(values: object) -> object:
     return dict(map(parse_assignment, cast('Sequence[str]', values)))
 
 
-def _parse_mass(text: object) -> object:
-    """Return a mass in kg, from a number in kg or a text with a unit."""
-    if not isinstance(text, str):
-        return text
+def _parse_quantity(what: str, unit: str, example: str, value: object) -> object:
+    """Return a quantity in SI, from a number in SI or a text with a unit."""
+    if not isinstance(value, str):
+        return value
     try:
-        mass = Quantity.model_validate(text)
+        # Capacities are written without the space of the unit
+        quantity = Quantity.model_validate(value.replace('Ah', 'A h'))
     except ValidationError:
-        mass = None
-    if mass is None or mass.unit not in {'g', 'kg'} or not isinstance(mass.value, int | float):
-        raise ValueError(f"'{text}' is not a mass; give a number with a unit, such as '6 g'")
-    return mass.si
+        quantity = None
+    if quantity is None or quantity.dimension != unit or len(quantity.vector) != 1:
+        raise ValueError(
+            f"'{value}' is not a {what}; give a number with a unit, such as '{example}'"
+        )
+    return quantity.si
 
 
 Folder = Annotated[Path, BeforeValidator(_parse_folder)]
 Names = Annotated[tuple[str, ...], AfterValidator(remove_duplicates)]
 Changes = Annotated[dict[str, Any], BeforeValidator(_parse_changes)]  # new values by path
-Mass = Annotated[  # kg; as text with a unit
-    float, BeforeValidator(_parse_mass), PlainSerializer(lambda mass: f'{1e3 * mass:g} g')
+Mass = Annotated[  # kg; as text with a unit, like those below
+    float,
+    BeforeValidator(partial(_parse_quantity, 'mass', 'kg', '6 g')),
+    PlainSerializer(lambda mass: f'{1e3 * mass:g} g'),
 ]
+Length = Annotated[float, BeforeValidator(partial(_parse_quantity, 'length', 'm', '50 cm'))]
+Force = Annotated[float, BeforeValidator(partial(_parse_quantity, 'force', 'N', '0.1 N'))]
+Charge = Annotated[float, BeforeValidator(partial(_parse_quantity, 'charge', 'C', '250 mA h'))]
 # Fields that many commands have
 VEHICLE: Any = option('Vehicle name or file.', default='gtmab', complete='vehicle')
 VEHICLE_NAME: Any = argument(
@@ -157,17 +167,17 @@ class Request(BaseModel):
     def _check_bounds(cls, value: Any, info: ValidationInfo) -> Any:  # noqa: ANN401 - of any field
         """Refuse a number, or one of several, that is out of bounds."""
         declared = cls.read_declaration(info.field_name or '')
-        low, high = declared['low'], declared['high']
+        low, high, unit = declared['low'], declared['high'], declared.get('unit', '')
         for each in value if isinstance(value, tuple) else (value,):
             if each is None or isinstance(each, str) or (low is None and high is None):
                 continue
             if not (low is None or each >= low) or not (high is None or each <= high):
                 bounds = ' and '.join(
-                    f'{bound:g} or {word}'
+                    f'{bound:g}{unit} or {word}'
                     for bound, word in ((low, 'more'), (high, 'less'))
                     if bound is not None
                 )
-                raise ValueError(f'is {each:g}, but must be {bounds}')
+                raise ValueError(f'is {each:g}{unit}, but must be {bounds}')
         return value
 
     def replace(self, **values: Any) -> Self:  # noqa: ANN401 - of the fields

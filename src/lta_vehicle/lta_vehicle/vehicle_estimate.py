@@ -5,7 +5,6 @@ The drag is estimated by hand (`lta_windtunnel.analytic`). What is neither given
 assumed, and marked so, with its range.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 import math
 from typing import Any, Final, final
@@ -13,28 +12,13 @@ from typing import Any, Final, final
 from lta_config.constants import AIR_DENSITY
 from lta_config.errors import BadInput
 from lta_config.files import find_file, load_yaml
-from lta_config.quantity import describe_misfit, Quantity, SI_UNITS
 from lta_config.schema.vehicle_body import HullBlock
 from lta_model import mass_properties
-from pydantic import ValidationError
 
 MOTOR_LAYOUTS: Final = {
     2: 'one on each side pushing forward, none up',
     3: 'one on each side pushing forward, one in the middle pushing up',
     4: 'one on each side pushing forward, and two pushing up',
-}
-# Quantities that are asked for: unit, limits
-LIMITS: Final[Mapping[str, tuple[str, float, float]]] = {
-    'length': ('m', 0.1, 50.0),
-    'height': ('m', 0.1, 50.0),
-    'diameter': ('m', 0.1, 20.0),
-    'mass': ('kg', 0.01, 100.0),
-    'thrust': ('N', 1e-3, 100.0),
-    'arm': ('m', 0.01, 4.9),
-    'hang': ('m', 0.01, 4.9),
-    'envelope': ('kg', 1e-3, 100.0),
-    'heaviness': ('kg', -0.1, 1.0),
-    'battery': ('C', 1.0, 1e6),
 }
 
 
@@ -55,23 +39,6 @@ class VehicleSize:
     envelope: float | None = None  # mass of the empty envelope [kg]
     heaviness: float | None = None  # weight less lift, with ballast [kg]
     battery: float | None = None  # charge of the battery [C]
-
-
-def parse_size(name: str, text: str) -> float:
-    """Return a quantity such as '1.2m' in SI; raise `BadInput` if it is not one for `name`."""
-    unit, low, high = LIMITS[name]
-    unit_names = [word for word, (kind, _) in SI_UNITS.items() if kind == unit]
-    try:
-        # Capacities are written without the space of the unit
-        quantity = Quantity.model_validate(text.replace('Ah', 'A h'))
-    except ValidationError:
-        raise BadInput(
-            f"--{name} is '{text}'; write a number and a unit ({', '.join(unit_names)}), such as "
-            f"'{0.5 * (low + min(high, 10.0)):.2g} {unit_names[0]}'."
-        ) from None
-    if complaint := describe_misfit(quantity, unit, low, high):
-        raise BadInput(f'--{name} {complaint}.')
-    return quantity.si
 
 
 GIVEN_SOURCE: Final = 'given to lta vehicle new'

@@ -21,13 +21,6 @@ def test_it_tells_its_version(call, monkeypatch):
     assert (status, said.out) == (0, 'lta 1.2.3\n')
 
 
-def test_help_flows_at_any_width(call):
-    _, said = call('fly', '--help', columns=80)
-    text = said.out.partition('In lockstep')[0].splitlines()
-    whole = [line.strip() for line in text if line.strip().startswith('Fly with')]
-    assert whole == ['Fly with the full ROS graph, record to MCAP and write a report page.']
-
-
 def test_only_the_verb_that_is_asked_for_is_loaded():
     """All of them take a second, and `lta bag info` a tenth of it."""
     code = (

@@ -83,35 +83,6 @@ def test_what_was_read_stays_as_it_was():
     assert str(FILE) == before
 
 
-@pytest.mark.parametrize(
-    ('text', 'words'),
-    [
-        (
-            'trim.heavines=4 g',
-            "Unknown key of vehicle.trim 'heavines'; known: heaviness (did you mean",
-        ),
-        ('trin.heaviness=4 g', "Unknown key of vehicle 'trin'; known: air, diodes"),
-        ('trim.heaviness=4 m', 'is in m, but must be in g or a compatible unit'),
-        ('trim.heaviness=4', 'must be a number with a unit, such as "1 g"'),
-        ('trim.heaviness=4 stone', 'vehicle.trim.heaviness is 4 stone, but must be a number'),
-        ('trim.heaviness.0=4 g', 'vehicle.trim.heaviness is a single value'),
-        ('room.albedo.x=4', "room.albedo is a single value without keys; remove '.x' from"),
-        ('trim=4 g', 'vehicle.trim is a group of parameters; set one of its keys: heaviness'),
-        ('room.albedo=4 m', 'has no unit, so it cannot be set to 4.0 m; give a value such as 0.5'),
-        ('room.albedo=dark', 'is dark, but must be a number'),
-        ('diodes.count=true', 'is True, but must be a number'),
-        ('air.wind.3=4 m/s', "Unknown index of vehicle.air.wind '3'; known: 0, 1, 2."),
-        ('trim.heaviness', 'write PATH=VALUE'),
-        ('trim.heaviness=', 'write PATH=VALUE'),
-        ('air.wind=[1, 2 m/s', 'cannot be set to'),
-    ],
-)
-def test_what_cannot_be_set_is_said(text, words):
-    with pytest.raises(BadInput) as caught:
-        changed(text)
-    assert words in str(caught.value)
-
-
 def test_a_named_aero_file_takes_the_place_of_the_block():
     content = {'aero': {'linear_drag': {}}, 'trim': {'heaviness': '1 g'}}
     assert replace_parameter(content, 'aero', 'gtmab', 'vehicle') == {**content, 'aero': 'gtmab'}

@@ -5,10 +5,8 @@ from typing import Annotated
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_config import quantity as quantity_module
-from lta_config.files import format_error, StrictModel
+from lta_config.files import StrictModel
 from lta_config.quantity import Quantity, si_quantity, SI_UNITS
-from pydantic import ValidationError
 import pytest
 
 SI = {'1', 'm', 'm2', 'kg', 's', 'Hz', 'rad', 'N', 'Pa', 'V', 'A', 'ohm', 'W', 'C', 'lx', 'lm'}
@@ -78,58 +76,5 @@ class Part(StrictModel):
     )
 
 
-@pytest.mark.parametrize(
-    ('given', 'message'),
-    [
-        ({'mass': 1}, 'mass is 1 and has no unit; write for example "1 kg".'),
-        ({'mass': True}, 'mass is True and has no unit; add one, as in "7 m".'),
-        ({'mass': 'kg'}, 'mass is "kg", but must be a number and a unit, such as "7 m".'),
-        ({'mass': '7'}, 'mass is "7", but must be a number and a unit, such as "7 m".'),
-        ({'mass': 'nan kg'}, 'mass is "nan kg", but must be a number and a unit, such as'),
-        ({'mass': '\u0661 kg'}, 'mass is "\u0661 kg", but must be a number and a unit,'),
-        ({'mass': '1e999 kg'}, 'mass is inf, which is not a finite number.'),
-        ({'mass': {'value': math.nan, 'unit': 'kg'}}, 'mass is nan, which is not a finite number'),
-        ({'mass': {'value': 10**400, 'unit': 'kg'}}, 'mass has a number that is too large;'),
-        ({'mass': {'value': 1}}, 'mass has no unit; add one, as in "unit: m".'),
-        ({'mass': {'unit': 'kg'}}, "the key 'mass.value' is missing; add it."),
-        ({'mass': {'value': 'x', 'unit': 'kg'}}, "mass has the value 'x', but must be a number"),
-        ({'mass': {'value': True, 'unit': 'kg'}}, 'mass has the value True, but must be a number'),
-        (
-            {'mass': {'value': [[1]], 'unit': 'kg'}},
-            'mass has the value [[1]], but must be a number',
-        ),
-        ({'mass': {'value': 1, 'unit': 'kg', 'sorce': 'x'}}, "the key 'mass.sorce' is not known;"),
-        ({'mass': '1 lb'}, 'mass has the unknown unit "lb"; known: 1, %, m, cm'),
-        ({'mass': '1 m'}, 'mass is in m, but must be in kg or a compatible unit.'),
-        ({'mass': '0 g'}, 'mass is 0 g, but must be above 0 and at most 5000 g.'),
-        ({'mass': '-3 g'}, 'mass is -3 g, but must be above 0 and at most 5000 g.'),
-        ({'mass': '5001 g'}, 'mass is 5001 g, but must be above 0 and at most 5000 g.'),
-        ({'mass': '1 g'}, 'mass has no source; state where the value comes from, as in'),
-        ({'place': '1 m'}, 'place has 1 number, but needs 3.'),
-        ({'place': {'value': [], 'unit': 'm'}}, 'place has 0 numbers, but needs 3.'),
-        (
-            {'place': {'value': [0, 0, 1.1], 'unit': 'm'}},
-            'is [0, 0, 1.1] m, but must be from -1 to 1 m.',
-        ),
-    ],
-)
-def test_what_is_wrong_is_said_in_one_sentence(given, message):
-    with pytest.raises(ValidationError) as caught:
-        Part.model_validate(given)
-    assert message in format_error(caught.value)
-
-
-def test_a_number_that_is_finite_only_outside_si_is_refused():
-    with pytest.raises(ValidationError, match='not a finite number'):
-        Quantity.model_validate('1e307 kHz')
-
-
 def test_bounds_are_closed():
     assert Part.model_validate({'place': {'value': [-1, 100e-2, 1], 'unit': 'm'}}).mass.si == 1.0
-
-
-def test_a_number_that_yaml_takes_for_text():
-    for text, told in (('1e-9', 'with a decimal point, as in 1.0e-3'), ('many', 'numbers')):
-        with pytest.raises(ValueError, match=r'must be a number') as caught:
-            quantity_module._parse_numbers(text)
-        assert str(caught.value).endswith(told)

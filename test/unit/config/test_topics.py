@@ -3,9 +3,8 @@
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.errors import BadInput
-from lta_config.files import load_file
 from lta_config.message_files import list_message_files, read_field_units
-from lta_config.topics import is_name, load_topic_table, robot_topic, TopicTable
+from lta_config.topics import is_name, load_topic_table, robot_topic
 import pytest
 
 TABLE = load_topic_table()
@@ -89,30 +88,6 @@ def test_names_for_ros(text):
 @pytest.mark.parametrize('text', ['', '1a', '_a', 'a-b', 'a/b', 'a b', 'a\n', 'ä', 'a.b'])
 def test_no_names_for_ros(text):
     assert not is_name(text)
-
-
-HEAD = 'schema: 1\nstart: 1 s\ncontrol_period: 10 ms\nlight: {sample_rate: 10 kHz, samples: 10}\n'
-ROW = '{type: std_msgs/msg/Bool, unit: "", frame: "", qos: default, from: a, to: {}, about: ""}'
-
-
-@pytest.mark.parametrize(
-    ('text', 'message'),
-    [
-        (HEAD, "the key 'topics' is missing"),
-        (HEAD.replace('schema: 1', 'schema: 2'), 'schema is 2, but must be 1'),
-        (HEAD.replace('10 ms', '0 ms'), 'control_period is 0 ms, but must be above 0'),
-        (HEAD + f'topics: {{x: {ROW.replace("default", "best")}}}', "topics.x.qos is 'best'"),
-        (HEAD + f'topics: {{x: {ROW.replace("/msg", "")}}}', 'topics.x.type is'),
-        (HEAD + f'topics: {{x: {ROW.replace("to: {}", "to: {b: 0.5}")}}}', 'topics.x.to.b is 0.5'),
-        (HEAD + f'topics: {{x: {ROW}, x: {ROW}}}', "the key 'x' appears twice"),
-    ],
-)
-def test_a_bad_table_is_refused(tmp_path, text, message):
-    path = tmp_path / 'topics.yaml'
-    path.write_text(text)
-    with pytest.raises(BadInput) as caught:
-        load_file(TopicTable, path)
-    assert message in str(caught.value)
 
 
 def test_every_number_of_lta_msgs_has_its_unit_in_a_comment():

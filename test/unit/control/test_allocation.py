@@ -1,6 +1,5 @@
 """Allocation on GT-MAB: exact where it can be, and what gives way first where it cannot."""
 
-from lta_config.errors import BadInput
 from lta_control.allocation import (
     allocate,
     create_working_array,
@@ -153,11 +152,6 @@ def test_eight_rotors_share_what_they_are_asked():
     # A yaw of 0.008 N m is 0.01 N more on each of the two on the right, and less on the left.
     assert thrusts[4:] == pytest.approx((0.04, 0.06, 0.06, 0.04), rel=1e-6)
     assert given == pytest.approx((0.2, 0.0, 0.4, 0.0, 0.0, 0.008), rel=1e-6, abs=1e-9)
-
-
-def test_more_than_eight_rotors_are_refused():
-    with pytest.raises(BadInput, match='has 9 rotors, but at most 8'):
-        pad_to_slots((0.1,) * 9)
 
 
 def test_the_heave_that_comes_with_surge_is_that_of_the_forward_rotors():

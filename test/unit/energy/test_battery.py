@@ -2,13 +2,10 @@
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_config.compilation.compiler import compile_functions
 from lta_config.quantity import Quantity
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_config.settings import to_named_tuple
 from lta_model.electrical import battery
 import numpy as np
-from pydantic import ValidationError
 import pytest
 from scipy.integrate import quad, solve_ivp
 
@@ -50,14 +47,6 @@ def test_stored_energy_is_the_integral_of_voltage(charge):
 def test_a_full_cell_holds_about_a_watt_hour():
     # The mean of the chart by trapezoids: (73.43 + (3.27 + 4.20) / 2) V / 20 = 3.85825 V.
     assert battery.stored_energy(1.0, CELL.capacity) == pytest.approx(900.0 * 3.85825, rel=1e-9)
-
-
-@pytest.mark.parametrize(
-    'change', [{'capacity': 0.0}, {'capacity': np.inf}, {'resistance': -0.1}, {'resistance': None}]
-)
-def test_what_is_no_cell_is_refused(change):
-    with pytest.raises(ValidationError, match=next(iter(change))):
-        battery.BatteryModel(**{'capacity': 900.0, 'resistance': 0.13, **change})
 
 
 def test_drawing_one_watt_by_hand():
@@ -146,15 +135,6 @@ def test_ten_minutes_are_those_of_an_ordinary_differential_equation(power):
         charge, relaxation, *_ = battery.advance_cell(PAIR, charge, relaxation, power, 1.0)
     assert charge == pytest.approx(exact[0], abs=1e-6)
     assert relaxation == pytest.approx(exact[1], abs=1e-6)
-
-
-def test_the_cell_compiles_to_the_same():
-    given_ = (to_named_tuple(PAIR), 0.8, -0.01, -1.5, 0.01)
-    (advance,) = compile_functions(battery.advance_cell)
-    assert advance(*given_) == battery.advance_cell(*given_)
-    stored, state = compile_functions(battery.stored_energy, battery.state_of_charge)
-    assert state(3.9) == battery.state_of_charge(3.9)
-    assert stored(0.37, 900.0) == battery.stored_energy(0.37, 900.0)
 
 
 def test_a_cell_of_two_numbers_relaxes_at_once_and_has_the_limits_of_lithium_polymer():

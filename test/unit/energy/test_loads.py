@@ -8,7 +8,6 @@ from lta_model.electrical import loads
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from lta_sim.world import World
-import numba
 import numpy as np
 from pydantic import ValidationError
 import pytest
@@ -56,10 +55,6 @@ def test_demand_does_not_depend_on_the_order_of_rotors(thrusts):
     spinning = np.count_nonzero(thrusts)
     expected = 0.120 + 0.027 * spinning + 23.96 * np.abs(thrusts).sum()
     assert forwards == pytest.approx(expected, rel=1e-12)
-
-
-def test_a_rotor_compiles_to_the_same():
-    assert numba.njit(loads.rotor_power)(0.1, 0.027, 23.96) == loads.rotor_power(0.1, 0.027, 23.96)
 
 
 IDLE = loads.BENCH[0].power
@@ -111,10 +106,6 @@ def test_less_voltage_is_less_power_at_a_duty_and_the_same_at_a_thrust(duty, one
     )
     again = loads.power_at_duty(less, high, *numbers)
     assert again == pytest.approx(loads.power_at_duty(duty, low, *numbers), rel=1e-9)
-
-
-def test_it_compiles_to_the_same():
-    assert numba.njit(loads.thrust_at_duty)(0.4, 3.7) == loads.thrust_at_duty(0.4, 3.7)
 
 
 def test_a_rotor_turns_either_way_by_hand():

@@ -4,12 +4,9 @@ import math
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_config.compilation.compiler import compile_functions
-from lta_config.errors import BadInput
-from lta_config.files import find_file, list_shipped_names, load_yaml
+from lta_config.files import list_shipped_names
 from lta_config.schema.cell_file import load_cell_file
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_config.settings import to_named_tuple
 from lta_model.electrical.panel import (
     AIR_TEMPERATURE,
     compute_curve_parameters,
@@ -24,7 +21,6 @@ from lta_model.electrical.panel import (
     voltage_bound,
 )
 import pytest
-import yaml
 
 CELLS = list_shipped_names('cells')
 LIGHT = st.floats(0.1, 1200.0)
@@ -101,32 +97,6 @@ def test_darkness_gives_nothing():
     assert find_max_power_point(
         SolarArrayModel.from_energy(load_vehicle_file('sblimp').energy), 500.0
     ) == (0.0, 0.0)
-
-
-@pytest.mark.parametrize(
-    ('key', 'value', 'sentence'),
-    [
-        ('ideality', 2.5, 'ideality factor of 2.5 fits .* too square'),
-        ('ideality', 3.5, 'ideality factor of 3.5 fits .* too square'),
-        ('current', 297.0, 'at maximum power, but it must be below short_circuit'),
-        ('voltage', 5.6, 'at maximum power, but it must be below open_circuit'),
-        ('voltage', 2.2, 'No diode model with an ideality factor of 1.1 fits the solar cell'),
-    ],
-)
-def test_what_is_no_cell_is_one_sentence(tmp_path, key, value, sentence):
-    content = load_yaml(find_file('cell', 'anysolar'))
-    content['electrical'][key]['value'] = value
-    path = tmp_path / 'cell.yaml'
-    path.write_text(yaml.safe_dump(content))
-    with pytest.raises(BadInput, match=sentence):
-        fit_diode(load_cell_file(str(path)))
-
-
-def test_the_array_compiles_to_the_same():
-    panel = to_named_tuple(SolarArrayModel.from_cells('anysolar', 2, 1))
-    brightest, at = compile_functions(find_max_power_point, current_at_voltage)
-    assert brightest(panel, 60.0) == find_max_power_point(panel, 60.0)
-    assert at(panel, 60.0, 3.0) == current_at_voltage(panel, 60.0, 3.0)
 
 
 def test_a_vehicle_without_an_array_has_a_panel_of_nothing():

@@ -3,7 +3,6 @@
 from lta_bridge.crazyflie.safety import LEAVE
 from lta_cli.verbs import launch
 from lta_flight import stall_watchdog
-from lta_flight.flight import format_holders
 from lta_flight.stall_watchdog import FLIGHT, StallMonitor
 from lta_graph.health import HealthFact, HealthLevel
 from lta_graph.launches import FLY
@@ -122,14 +121,6 @@ def test_before_the_first_step_nobody_says_that_it_waits_and_the_model_is_still_
         clock[0] += 1.0
     (sentence,) = said
     assert sentence.startswith('Waiting for lta2/vehicle to load; the first flight compiles')
-
-
-def test_the_domain_is_held_in_the_name_of_all():
-    assert [format_holders(robots) for robots in (['a'], ['a', 'b'], ['a', 'b', 'c'])] == [
-        'a is',
-        'a and b are',
-        'a, b and c are',
-    ]
 
 
 @pytest.mark.usefixtures('clock')

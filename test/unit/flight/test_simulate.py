@@ -3,7 +3,6 @@
 import json
 
 from lta_bridge import provenance
-from lta_config.errors import BadInput
 from lta_config.parameter_override import parse_assignment
 from lta_config.topics import load_topic_table, robot_topic
 from lta_data.bag import open_flight, read_bag
@@ -83,12 +82,6 @@ def test_what_was_changed_is_kept_and_told(tmp_path):
     assert yaml.safe_load(told['vehicle_file']) == kept['vehicle.yaml']
     assert 'heading_kp: 0.5' in told['gains_file']
     assert 'mission.altitude=0.7' in told['set']
-
-
-def test_nothing_is_made_for_what_cannot_be_flown(tmp_path):
-    with pytest.raises(BadInput, match='Unknown key'):
-        simulated(tmp_path / 'out', 'vehicle.trim.weight=4 g')
-    assert not (tmp_path / 'out').exists()
 
 
 def test_a_model_that_is_compiled_first_is_told_where_no_bar_shows(call, monkeypatch):

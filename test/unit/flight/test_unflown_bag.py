@@ -1,10 +1,7 @@
 """Only the bag of a flight that never began is removed."""
 
-from types import SimpleNamespace
-
 from lta_bridge.bag.writer import BagWriter
-from lta_config.command_line import format_lta_command
-from lta_flight.flight import remove_unflown_bags, report_interrupted_flight
+from lta_flight.flight import remove_unflown_bags
 import pytest
 
 EMPTY = bytes.fromhex('00010000') + bytes(64)
@@ -40,21 +37,3 @@ def test_what_is_no_bag_stays_unless_it_is_an_empty_folder(tmp_path):
     empty.mkdir()
     remove_unflown_bags([file, folder, empty, tmp_path / 'missing'])
     assert sorted(path.name for path in tmp_path.iterdir()) == ['file', 'folder']
-
-
-@pytest.mark.parametrize('new', [True, False])
-def test_an_interrupted_flight_keeps_the_folder_of_the_user(new, tmp_path):
-    """Before the flight has begun there is no bag, and nothing to show."""
-    folder = tmp_path / 'flight'
-    folder.mkdir()
-    said = []
-    report_interrupted_flight(folder, SimpleNamespace(show_message=said.append), new=new)
-    assert folder.exists() != new
-    assert said == []
-
-
-def test_an_interrupted_flight_names_its_bag_and_the_command_for_its_page(tmp_path):
-    bag, said = write_bag(tmp_path / 'bag', odom=1), []
-    report_interrupted_flight(tmp_path, SimpleNamespace(show_message=said.append), new=True)
-    assert said == [f'Bag  {bag}  (its page: {format_lta_command("report", bag)})']
-    assert bag.exists()

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 from lta_config.errors import BadInput
 from lta_report import cluster
-from lta_report.cluster import check_software, ClusterSoftware, connect_cluster, explain_losses
+from lta_report.cluster import check_software, ClusterSoftware, connect_cluster
 import pytest
 
 cloudpickle = pytest.importorskip('cloudpickle', reason='it comes with dask.distributed')
@@ -77,21 +77,6 @@ def test_a_process_without_lta_can_answer():
     ask = f'import cloudpickle; print(cloudpickle.loads({code!r})())'
     done = subprocess.run([sys.executable, '-I', '-c', ask], capture_output=True, text=True)
     assert done.stdout == "('', '')\n", done.stderr
-
-
-def test_a_lost_cluster_is_one_sentence():
-    distributed = cluster.import_dask()
-    for error in (distributed.CancelledError('reason'), OSError('closed')):
-
-        def fail(error=error):
-            raise error
-
-        client = SimpleNamespace(sync=fail)
-        explain_losses(client, 'tcp://s')
-        with pytest.raises(
-            BadInput, match="cluster at 'tcp://s' has lost its scheduler or all of"
-        ):
-            client.sync()
 
 
 def test_a_scheduler_without_workers_is_one_sentence(monkeypatch):

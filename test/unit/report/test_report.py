@@ -3,9 +3,8 @@
 from html.parser import HTMLParser
 import io
 
-from lta_report.formatting import format_count, format_number, MISSING, Tile
+from lta_report.formatting import format_number, MISSING, Tile
 from lta_report.report import (
-    Emphasis,
     Grid,
     Picture,
     Report,
@@ -14,7 +13,7 @@ from lta_report.report import (
     TextTable,
     transpose_table,
 )
-from lta_report.report_page import choose_tile_width, is_numeric, render_report, write_report
+from lta_report.report_page import is_numeric, render_report, write_report
 from lta_report.report_terminal import merge_groups, print_report, print_table
 from plotly.graph_objects import Figure
 import pytest
@@ -111,12 +110,6 @@ def test_cells_that_are_numbers(cell):
     assert not is_numeric([cell, './lta sweep heaviness'])
 
 
-def test_nine_tiles_are_narrower_and_tiles_with_long_names_wider():
-    tiles = [Tile('power', '0.58', 'W', 'mean')] * 9
-    assert [choose_tile_width(tiles[:8]), choose_tile_width(tiles)] == [140, 118]
-    assert choose_tile_width([Tile('odom/pose.pose.orientation.pitch', '1', '', '')]) == 200
-
-
 def test_plotly_is_included_only_with_a_picture():
     figure = Picture('speed', 'Speed', 'By time.', Figure(), height=333)
     without, beside = (
@@ -157,11 +150,6 @@ def test_long_names_wrap_in_a_narrow_terminal_before_anything_is_cut():
     assert '…' not in text
     assert '12.3 (11.0 to 14.0)' in text
     assert 'can carry' in text
-
-
-def test_an_emphasised_cell_is_bold():
-    page = render_report(make_report(TextTable('T', ('a', 'b'), [('x', Emphasis('<1'))])))
-    assert '<td><b>&lt;1</b></td>' in page
 
 
 def test_a_table_that_is_too_wide_either_way_is_printed_in_parts_with_every_number():
@@ -215,10 +203,6 @@ CLAIMS = TextTable(
 FINDINGS = TextSection(
     '', ('*Mass <m>.* It is `271 g`. **A row is missing.**',), True, marked=True
 )
-FIGURES = [
-    Picture(name, name.capitalize(), f'The {name}.', Figure(), command='lta cfd')
-    for name in ('drag', 'lift')
-]
 SECTION = ReportSection('1. Forces', [CLAIMS, FINDINGS, ReportSection('All 3', [TABLE], True)])
 
 
@@ -244,11 +228,3 @@ def test_a_page_of_many_sections_has_a_list_that_leads_to_each():
         assert f'<a href="#section-{k}-drag-lift">{k}. Drag &amp; lift</a>' in page
         assert page.count(f'id="section-{k}-drag-lift"') == 1
     assert 'Contents' not in render_report(make_report(*sections[1:]))
-
-
-def test_a_picture_has_its_command():
-    assert '<p class="note"><code>lta cfd</code></p>' in render_report(make_report(Grid(FIGURES)))
-
-
-def test_a_count_of_one_is_singular():
-    assert [format_count(n, 'case') for n in (0, 1, 2)] == ['0 cases', '1 case', '2 cases']

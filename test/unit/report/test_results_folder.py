@@ -46,24 +46,6 @@ def test_nothing_half_written_stays(tmp_path, fault):
     assert [one.name for one in held.iterdir()] == ['flights']
 
 
-def test_a_folder_that_cannot_be_is_refused_before_the_work(tmp_path):
-    (tmp_path / 'file').write_text('')
-    check_creatable(tmp_path / 'new' / 'newer')
-    for place, said in ((tmp_path, 'not empty'), (tmp_path / 'file' / 'x', 'not a writable')):
-        with pytest.raises(BadInput, match=said):
-            check_creatable(place)
-    assert [one.name for one in tmp_path.iterdir()] == ['file']
-
-
-def test_a_folder_that_cannot_be_made_is_refused(tmp_path):
-    (tmp_path / 'file').write_text('')
-    with (
-        pytest.raises(BadInput, match='cannot be created'),
-        stage_results(tmp_path / 'file' / 'a', 'b'),
-    ):
-        pass
-
-
 WRITER = """
 import sys
 from pathlib import Path

@@ -8,7 +8,7 @@ import sys
 from typing import NamedTuple
 
 from lta_config.errors import BadInput
-from lta_report.study import Study, StudyOptions, StudyProgress
+from lta_report.study import Study, StudyOptions
 from lta_report.study_store import StoreFormat, StudyStore
 from lta_report.workers import ItemFailure
 from pydantic import TypeAdapter
@@ -81,20 +81,6 @@ def test_a_later_line_replaces_an_earlier_one(tmp_path):
     ]
 
 
-def test_the_folder_of_something_else_is_refused(tmp_path):
-    count(tmp_path / 'count', abs, [1], workers=1)
-    with pytest.raises(BadInput, match='is the log of a count with other settings; choose'):
-        count(tmp_path / 'count', abs, [1], 'yours', workers=1)
-    with (
-        StudyStore(tmp_path / 'count', NUMBERS, 'mine'),
-        pytest.raises(BadInput, match='Another count is writing to'),
-    ):
-        count(tmp_path / 'count', abs, [1], workers=1)
-    with pytest.raises(BadInput, match='contains files that do not belong to a count; choose'):
-        count(tmp_path, abs, [1], workers=1)
-    assert not (tmp_path / 'numbers.jsonl').exists()
-
-
 def test_a_cluster_that_is_not_there_leaves_no_folder(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, 'distributed', None)
     with pytest.raises(BadInput, match='-r requirements-dask'):
@@ -137,18 +123,3 @@ def test_nan_and_infinity_survive_the_store(tmp_path):
         stored = store.results['a']
     assert repr(stored) == repr(table)
     assert isinstance(stored.rows[1], Spread)
-
-
-def test_the_bar_shows_outcomes_lost_workers_and_parts():
-    console = Console(file=io.StringIO(), force_terminal=True, width=120)
-    with StudyProgress(console, 8, 2, 'flights') as progress:
-        progress.count_item('reached')
-        progress.count_item('failed', lost=2)
-        progress._update()
-        console.print(progress._bar.get_renderable())
-        progress.show_part(0.5)
-        progress._update()
-        assert progress._bar.tasks[0].completed == 4.5
-    text = console.file.getvalue()
-    assert '4/8' in text
-    assert '1 failed, 1 reached, 2 workers lost' in text

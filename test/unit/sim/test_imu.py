@@ -4,7 +4,6 @@ import math
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_model.rigid_body import rotation_matrix
 from lta_model.sensors import imu
 import numpy as np
 import pytest
@@ -96,21 +95,3 @@ def test_a_crash_reads_full_scale():
     force, rates = read(errors, (1e3, -1e3, 0.0), (1e2, -1e2, 0.0), np.random.default_rng(5))
     assert force[:2] == pytest.approx((3 * 9.80665, -3 * 9.80665))
     assert rates[:2] == pytest.approx((math.radians(250), -math.radians(250)))
-
-
-@pytest.mark.parametrize('bias', [(0.0, 0.0, 0.0), (0.1, -0.2, 0.3)])
-def test_compiled_it_reads_what_plain_python_reads_to_the_bit(bias):
-    rng = np.random.default_rng(6)
-    errors, place = imu.draw_errors(imu.ImuSettings(), rng), (0.1, -0.02, -0.36)
-    chain = (((lambda p, values, _: tuple(map(float, np.add(values, p)))), bias),)
-    chains = (chain, chain) if any(bias) else ()
-    compiled = imu.Imu(errors, place, G, np.random.default_rng(7), *chains)
-    plain = np.random.default_rng(7)
-    for _ in range(200):
-        state, rate = rng.normal(size=13), rng.normal(size=13)
-        up = rotation_matrix(tuple(state[3:7].tolist()))[6:]
-        v, w = tuple(state[7:10].tolist()), tuple(state[10:13].tolist())
-        dv, dw = tuple(rate[7:10].tolist()), tuple(rate[10:13].tolist())
-        force = imu.imu_specific_force(v, w, dv, dw, up, place, G)
-        force, rates = (tuple(np.add(truth, bias).tolist()) for truth in (force, w))
-        assert compiled.read(state, rate, 0.0) == read(errors, force, rates, plain)

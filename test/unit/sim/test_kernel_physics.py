@@ -1,8 +1,7 @@
 """The model against what is known in closed form."""
 
 from lta_model.state import POSITION, QUATERNION, RATES, VELOCITY
-from lta_sim.kernels.kernel import advance, effect_wrenches, state_derivative
-from lta_sim.simulated_vehicle import SIM_LAYOUT
+from lta_sim.kernels.kernel import advance
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -36,22 +35,3 @@ def test_steps_add_up_to_the_bit():
     np.testing.assert_array_equal(
         advance(half, model, duty, wind, 2e-3, 50), advance(state, model, duty, wind, 2e-3, 100)
     )
-
-
-@pytest.mark.parametrize(
-    ('state', 'duty', 'wind', 'words'),
-    [
-        (
-            np.zeros(13),
-            OFF,
-            CALM,
-            rf'state has the shape \(13,\); it must be \({SIM_LAYOUT.size},\)',
-        ),
-        (np.zeros(SIM_LAYOUT.size), np.zeros(12), CALM, r'command has the shape \(12,\)'),
-        (np.zeros(SIM_LAYOUT.size), OFF, np.zeros((3, 1)), r'surroundings has the shape \(3, 1\)'),
-    ],
-)
-@pytest.mark.parametrize('function', [state_derivative, effect_wrenches])
-def test_wrong_shapes_are_refused(function, state, duty, wind, words):
-    with pytest.raises(ValueError, match=words):
-        function(state, balloon.model({}), duty, wind)

@@ -1,7 +1,5 @@
 """Compiled light against the arrays of `light.field`, and counts against plain Python."""
 
-import math
-
 from lta_config.compilation.compiler import compile_functions
 from lta_model.light.direct_light import DiodeResponse
 from lta_model.light.field import Ambient, LightField
@@ -47,24 +45,6 @@ def test_a_ring_is_lit_as_by_the_arrays():
         np.testing.assert_allclose(lit[1], direct_illuminance(OTHER, *place), rtol=1e-12)
         np.testing.assert_allclose(steady, np.broadcast_to(110.0 * part, (11, 8)), rtol=1e-12)
         np.testing.assert_allclose(mains, np.broadcast_to(10.0 * part, (11, 8)), rtol=1e-12)
-
-
-def test_compiled_counts_are_those_of_plain_python():
-    rng = np.random.default_rng(7)
-    light = [rng.uniform(0.0, 1.5, (2, 11, 8))]
-    light += [rng.uniform(0.0, most, (11, 8)) for most in (0.5, 0.3)]
-    wave, flicker = rng.uniform(0.0, 0.5, (2, 201)), np.sin(np.arange(200.0))
-    keep = 0.2
-    numbers = (keep, math.sqrt(1.0 - keep**2), 1e-6, 1e-6, 7.5e-3, 4096 / 3.3, 4095.0)
-    told = []
-    for function in (convert_to_counts, compile_functions(convert_to_counts)[0]):
-        chance = np.random.default_rng(8).standard_normal((200, 8))
-        volts, block = np.full(8, 0.3), np.empty((200, 8), dtype=np.uint16)
-        function(*light, wave, flicker, chance, numbers, volts, block, np.empty((2, 8)))
-        told.append((volts.tobytes(), block.tobytes()))
-        assert block.min() < 400
-        assert block.max() > 1000
-    assert told[0] == told[1]
 
 
 def test_counts_round_to_the_nearest():

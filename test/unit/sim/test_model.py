@@ -1,6 +1,5 @@
 """A model is refused in one sentence, or it is a body that can exist."""
 
-from lta_config.errors import BadInput
 from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import KernelEffect
 from lta_model.model import VehicleModel
@@ -14,34 +13,6 @@ from . import flat_balloon as balloon
 def build(given=None, mass=0.3, cg=(0.0, 0.0, 0.0), inertia=None):
     inertia = np.eye(3) if inertia is None else inertia
     return VehicleModel.build(given or {}, mass=mass, cg=cg, inertia=inertia)
-
-
-@pytest.mark.parametrize(
-    ('bad', 'words'),
-    [
-        ({'given': {'antigravity': {}}}, ['antigravity', 'weight_and_buoyancy', 'added_mass']),
-        ({'given': {'motor_lag': {'upp': 1.0}}}, ["'upp'", 'it has up, down']),
-        ({'given': {'linear_drag': {'surge': -1.0}}}, ['linear_drag.surge', '-1 N s/m', '0 to']),
-        ({'given': {'linear_drag': {'surge': float('nan')}}}, ['linear_drag.surge', 'nan']),
-        ({'given': {'motor_lag': {'up': 0.1}}}, ['motor_lag', 'both']),
-        ({'mass': -1.0}, ['mass', '-1 kg', 'positive']),
-        ({'mass': float('nan')}, ['mass', 'nan', 'positive']),
-        ({'cg': (0.0, float('inf'), 0.0)}, ['centre of gravity', 'inf']),
-        ({'cg': (0.0, 0.0)}, ['centre of gravity', 'three']),
-        ({'inertia': np.diag([1.0, 1.0, -1.0])}, ['inertia', 'positive definite']),
-        ({'inertia': np.full((3, 3), np.nan)}, ['inertia']),
-        ({'inertia': [1.0, 1.0]}, ['inertia', '(2,)']),
-        ({'inertia': np.array([[1, 0.1, 0], [0, 1, 0], [0, 0, 1]])}, ['inertia', 'symmetric']),
-    ],
-)
-def test_bad_input(bad, words):
-    with pytest.raises(BadInput) as error:
-        build(**bad)
-    sentence = str(error.value)
-    assert sentence.endswith('.')
-    assert '\n' not in sentence
-    for word in words:
-        assert word in sentence
 
 
 def test_what_is_left_out_is_null():

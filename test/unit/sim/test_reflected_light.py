@@ -6,7 +6,6 @@ import math
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from lta_config.compilation.compiler import compile_functions
-from lta_config.errors import BadInput
 from lta_model.light.direct_light import build_beam, DiodeResponse, visible_fraction
 from lta_model.light.field import (
     Albedo,
@@ -384,26 +383,3 @@ def test_turning_by_one_diode_shifts_the_readings():
     still = gathered(field, (0.0, 1.0, 1.0))
     turned = gathered(field, (0.0, 1.0, 1.0), tuple(step.as_quat()))
     np.testing.assert_allclose(turned, np.roll(still, -1, axis=1), rtol=2e-2, atol=0.1)
-
-
-@pytest.mark.parametrize(
-    ('make', 'sentence'),
-    [
-        (lambda: Daylight(-1.0, 0.0, 0.5, 0.0, 0.2, 105.0), 'illuminance by the sun is -1.0 lx'),
-        (lambda: Daylight(1e5, 0.0, 0.0, 0.0, 0.2, 105.0), 'sun is 0 degrees above'),
-        (lambda: Daylight(1e5, 0.0, 0.5, 0.0, 1.0, 105.0), 'albedo of 1.0'),
-        (lambda: OutdoorArea(DAYLIGHT, 0.0, 0.0, 2.0), '0.0 m wide'),
-        (lambda: LightField((LAMP,), DARK, None, None, OUTSIDE), 'a door but no room'),
-        (
-            lambda: LightField((LAMP,), DARK, ROOM, DAYLIGHT, OUTSIDE),
-            'beyond its door .*; remove "daylight"',
-        ),
-        (
-            lambda: LightField((LAMP,), DARK, ROOM, None, OutdoorArea(DAYLIGHT, 3.5, 2.0, 2.0)),
-            'does not fit into a wall of 8 by 3 m',
-        ),
-    ],
-)
-def test_what_cannot_be_is_refused(make, sentence):
-    with pytest.raises(BadInput, match=sentence):
-        make()

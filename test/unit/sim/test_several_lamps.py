@@ -3,7 +3,6 @@
 from dataclasses import replace
 import math
 
-from lta_config.errors import BadInput
 from lta_model.light.direct_light import angular_response, build_beam, DiodeResponse, direct_light
 from lta_model.light.field import Ambient, LightField, PlaneIlluminance
 from lta_model.light.flicker import BlockSampling, sample_lamp_wave, sample_mains_wave
@@ -204,24 +203,3 @@ def test_sixty_degrees_of_half_power_are_the_order_one():
     assert math.cos(math.radians(20.0)) ** lambertian_order(math.radians(20.0)) == pytest.approx(
         0.5
     )
-
-
-@pytest.mark.parametrize(
-    ('make', 'sentence'),
-    [
-        (
-            lambda: replace(LAMP, rise=4e-3),
-            'takes 4 ms to reach full light but is on or off for only 3.3',
-        ),
-        (lambda: replace(LAMP, rise=math.nan), 'infinite or NaN'),
-        (lambda: DriftingClock(0.02), 'off by 20000 ppm; the offset must be at most 10000'),
-        (lambda: DriftingClock(math.nan), 'off by nan ppm'),
-        (lambda: DriftingClock(0.0, math.inf), 'clock is inf/s'),
-        (lambda: LightField((), Ambient(LED)), 'has no lamp'),
-        (lambda: Ambient(LED, 100.0, 90.0, mains_harmonics=(0.5,)), 'including harmonics'),
-        (lambda: Ambient(LED, 100.0, 9.0, mains_harmonics=(2.0,)), 'from 0 to 1'),
-    ],
-)
-def test_what_cannot_be_is_refused(make, sentence):
-    with pytest.raises(BadInput, match=sentence):
-        make()

@@ -11,9 +11,8 @@ from lta_sim.kernels import kernel
 from lta_sim.simulated_vehicle import SIM_LAYOUT
 import numpy as np
 import pytest
-import yaml
 
-from .changed_vehicle import build, changed, G, given, GTMAB, PARTS, refused, RHO, VOLUME
+from .changed_vehicle import build, G, given, GTMAB, PARTS, refused, RHO, VOLUME
 
 
 @pytest.fixture(scope='module')
@@ -220,37 +219,3 @@ def test_without_a_lifting_rotor_it_cannot_hover():
         BadInput, match=r'^gtmab has no rotor that pushes upwards, so it cannot hover;'
     ):
         _ = build(*columns).hover_duty
-
-
-BATTERY = 'layers.propulsion_and_control.battery.mass'
-WRONG = [
-    # 20 g more than the 13.4 g of ballast can make up
-    (BATTERY, given(27, 'g'), 'The parts of gtmab are 6.6 g too heavy for its lift of 331.2 g'),
-    (BATTERY, given(-1, 'g'), 'battery.mass is -1 g, but must be above 0 and at most 100000 g.'),
-    ('effects.magnus', {'spin': given(1, '1')}, "Unknown effect 'magnus'; known: added_inertia, "),
-    ('effects.motor_lag.sideways', given(1, 's'), "motor_lag has no parameter 'sideways'; it has"),
-    ('effects.motor_lag.up', given(72, 'cm'), 'effects.motor_lag.up is in cm, but must be in s'),
-    ('effects.motor_lag.up', '72 ms', 'effects.motor_lag.up has no source; state where the value'),
-    ('effects.motor_lag.up', given(72, 's'), 'is 72 s, but must be from 0.001 to 10 s.'),
-    ('effects.motor_lag.up', given(0.1, 'us'), 'is 0.1 us, but must be from 1000 to 1e+07 us.'),
-    ('effects.motor_lag.up', given(0, 's'), 'motor_lag: the time constants up and down must both'),
-    # Drag follows from the aero block; a second word on it would be one too many
-    (
-        'effects.quadratic_drag',
-        {'surge': given(1, 'N s2/m2')},
-        'are computed from the blocks hull',
-    ),
-    ('sensors.diodes.feedback', given([100, 10], 'kohm'), 'sensors.diodes.feedback'),
-]
-
-
-@pytest.mark.parametrize(('place', 'value', 'sentence'), WRONG)
-def test_a_mistake_is_one_sentence_that_names_the_file(tmp_path, place, value, sentence):
-    path = tmp_path / 'mine.yaml'
-    path.write_text(yaml.safe_dump(changed((place, value))))
-    with pytest.raises(BadInput) as caught:
-        load_vehicle(str(path)).build_model()
-    text = str(caught.value)
-    assert text.startswith(f'{path}: ')
-    assert sentence in text
-    assert '\n' not in text

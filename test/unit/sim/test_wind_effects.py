@@ -4,7 +4,6 @@ import math
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_config.errors import BadInput
 from lta_model.effects.air import GUSTS, TURBULENCE, WIND_GRADIENT, WIND_PROFILE
 from lta_model.effects.protocol import AirEffectInput
 from lta_model.scenario_air import low_altitude_turbulence, sheared_turbulence
@@ -166,17 +165,6 @@ def test_military_turbulence_by_hand():
     top = low_altitude_turbulence(304.8, 10.0)
     assert top['along'] == pytest.approx(top['up'], rel=1e-12)
     assert top['along_length'] == pytest.approx(304.8, rel=1e-12)
-
-
-@pytest.mark.parametrize('height', [0.5, 3.0, 310.0, math.nan])
-def test_military_turbulence_does_not_reach_down_to_a_blimp(height):
-    with pytest.raises(BadInput, match='give intensity and length instead'):
-        low_altitude_turbulence(height, 8.0)
-
-
-def test_military_turbulence_needs_a_speed():
-    with pytest.raises(BadInput, match='-1 m/s'):
-        low_altitude_turbulence(10.0, -1.0)
 
 
 # Intensities and lengths: along, across, up.

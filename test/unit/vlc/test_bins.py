@@ -6,9 +6,7 @@ from lta_vlc.receiver import BeaconReceiver
 from lta_vlc.settings import DemodulationSettings
 from lta_vlc.spectral.bins import (
     alias_frequency,
-    check_beacons,
     mains_flicker_frequencies,
-    plan_beacon_bins,
     select_quiet_bins,
     signal_to_noise,
 )
@@ -31,12 +29,6 @@ def test_the_window_may_begin_at_the_first_bin_and_end_at_the_last():
     for frequency in (2.0, 49.0):
         with pytest.raises(BadInput, match='too close'):
             planned(100, frequency=frequency, window=2)
-
-
-def test_a_beacon_at_half_of_the_sample_rate_is_refused():
-    with pytest.raises(BadInput, match='at 50 Hz cannot be detected at 100 samples/s'):
-        planned(100, frequency=50.0, window=0)
-    assert planned(100, frequency=49.9, window=0).first == 50
 
 
 def test_sixteen_quiet_bins_are_enough():
@@ -66,15 +58,6 @@ def test_flicker_between_two_bins_excludes_two_bins_on_either_side():
     assert {k for k in spoilt if k < 15} == {4, 5, 6, 7, 9, 10, 11, 12}
     without = planned(100, 200.0, frequency=60.0, window=0)
     assert without.unlit.tolist() == without.quiet.tolist()
-
-
-def test_the_refusal_names_all_beacons():
-    with pytest.raises(
-        BadInput, match=r'^The beacons at 5, 10 Hz and their harmonics leave only 9 FFT bins'
-    ):
-        plan_beacon_bins(
-            (5.0, 10.0), DemodulationSettings(window=1, harmonics=1, mains=0.0), 30.0, 30
-        )
 
 
 def test_quiet_bins_by_hand():
@@ -125,41 +108,6 @@ def test_lamps_on_the_mains_flicker_at_twice_its_frequency():
 
 
 @pytest.mark.parametrize(
-    ('settings', 'sentence'),
-    [
-        ({'others': (190.0,)}, r'150 and 190 Hz are closer than the resolution of 50 Hz'),
-        ({'others': (150.0,)}, 'closer than the resolution'),
-        ({'others': (450.0,)}, 'Harmonic 3 of the beacon at 150 Hz falls on .* at 450 Hz'),
-        (
-            {'others': (3280.0,)},
-            'Harmonic 3 of the beacon at 3280 Hz .* at 150 Hz',
-        ),  # 9840, folded
-        (
-            {'frequency': 310.0},
-            r'\(2 bins of 10 Hz on either side\) contains the flicker of mains lamps at 300 Hz',
-        ),
-        ({'frequency': 175.0}, 'flicker of mains lamps at 200 Hz; choose another'),
-        ({'frequency': 230.0, 'mains': 60.0}, 'flicker of mains lamps at 240 Hz'),
-        ({'others': (6000.0,)}, 'at 6000 Hz cannot be detected'),
-        ({'others': (430.0,)}, 'Harmonic 3 of the beacon at 150 Hz falls on .* at 430 Hz'),
-        ({'others': (470.0,)}, 'Harmonic 3 of the beacon at 150 Hz falls on .* at 470 Hz'),
-        ({'others': (730.0,)}, 'Harmonic 5 of the beacon at 150 Hz falls on .* at 730 Hz'),
-        (
-            {'frequency': 320.0},
-            r'\(2 bins of 10 Hz on either side\) contains the flicker of mains lamps at 300 Hz',
-        ),
-        (
-            {'frequency': 1020.0},
-            'flicker of mains lamps at 1000 Hz',
-        ),  # the tenth harmonic of 100 Hz
-    ],
-)
-def test_what_cannot_be_told_apart_is_refused_at_the_start(settings, sentence):
-    with pytest.raises(BadInput, match=sentence):
-        BeaconReceiver(DemodulationSettings(**settings), 10_000.0, 1000)
-
-
-@pytest.mark.parametrize(
     'settings',
     [
         {'others': (250.0, 350.0)},
@@ -175,12 +123,3 @@ def test_what_cannot_be_told_apart_is_refused_at_the_start(settings, sentence):
 )
 def test_what_can_be_told_apart_is_taken(settings):
     BeaconReceiver(DemodulationSettings(**settings), 10_000.0, 1000)
-
-
-def test_many_beacons_leave_no_bins_for_the_noise():
-    settings = DemodulationSettings(
-        frequency=150.0, others=(2e2, 2.5e2, 3.5e2), window=0, mains=0.0
-    )
-    with pytest.raises(BadInput, match='250, 350 Hz and their harmonics leave only 2 FFT bins'):
-        BeaconReceiver(settings, 800.0, 16)
-    check_beacons((150.0, 250.0), settings, 10_000.0, 1000)

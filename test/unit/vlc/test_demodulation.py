@@ -2,12 +2,10 @@
 
 import math
 
-from lta_config.errors import BadInput
 from lta_model.light.lamp import SquareWave
 from lta_vlc.demodulation import demodulate_beacon, find_peaks, plan_bins
 from lta_vlc.settings import DemodulationSettings
 import numpy as np
-from pydantic import ValidationError
 import pytest
 
 from .square_mean import mean_on
@@ -91,50 +89,3 @@ def test_flat_and_saturated_blocks_have_no_snr():
     peaks = demodulate_beacon(block, plan_bins(DemodulationSettings(), RATE, 1000))
     assert peaks.snr.tolist() == [0.0, 0.0, 0.0]
     assert peaks.amplitude.tolist() == [0.0, 0.0, 0.0]
-
-
-@pytest.mark.parametrize(
-    ('settings', 'sample_rate', 'samples', 'sentence'),
-    [
-        ({}, 300.0, 1000, 'at 150 Hz cannot be detected at 300 samples/s'),
-        ({}, 250.0, 1000, 'more than twice'),
-        ({}, 10_000.0, 100, 'in FFT bin 2 of a block of 100 .* too close to zero'),
-        ({'frequency': 10.0}, 10_000.0, 1000, 'in FFT bin 1 .* too close to zero'),
-        ({'frequency': 4990.0}, 10_000.0, 1000, 'too close to the Nyquist frequency'),
-        ({'window': 7}, 10_000.0, 1000, 'leave only 7 FFT bins of a block of 1000 samples'),
-        ({'window': 14}, 10_000.0, 1000, 'leave only 0 FFT bins'),
-    ],
-)
-def test_what_cannot_be_seen_is_refused(settings, sample_rate, samples, sentence):
-    demodulation = DemodulationSettings(**settings)
-    with pytest.raises(BadInput, match=sentence):
-        plan_bins(demodulation, sample_rate, samples)
-
-
-@pytest.mark.parametrize('shape', [(999, 8), (1000,), (8, 1000), (1000, 8, 1)])
-def test_block_of_another_shape_is_refused(shape):
-    with pytest.raises(BadInput, match='the demodulator expects 1000 samples of each diode'):
-        demodulate_beacon(np.zeros(shape), plan_bins(DemodulationSettings(), RATE, 1000))
-
-
-@pytest.mark.parametrize(
-    'setting',
-    [
-        {'frequency': 0.0},
-        {'frequency': math.nan},
-        {'window': -1},
-        {'harmonics': 0},
-        {'threshold': 0.5},
-        {'treshold': 6.0},
-    ],
-)
-def test_setting_out_of_bounds_is_refused(setting):
-    with pytest.raises(ValidationError):
-        DemodulationSettings(**setting)
-
-
-def test_every_setting_says_what_it_is():
-    for name, field in DemodulationSettings.model_fields.items():
-        assert field.description, name
-        # A switch has no unit
-        assert field.json_schema_extra['unit'] or field.annotation is bool, name

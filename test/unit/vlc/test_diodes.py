@@ -71,30 +71,6 @@ def test_limiting_values_of_diodes_are_accepted(allowed):
     assert {name: getattr(made, name) for name in allowed} == allowed
 
 
-@pytest.mark.parametrize(
-    'wrong',
-    [
-        {'gains': (1.0, 1.0, 1.0, -1e-9)},
-        {'gains': (math.inf, 1.0, 1.0, 1.0)},
-        {'spread': math.inf},
-        {'response': math.inf},
-        {'response': -1.0},
-        {'axes': ((1.0 + 1.1e-6, 0.0, 0.0), *build_even_ring(4).axes[1:])},
-        {'axes': (*build_even_ring(4).axes[:3], (0.0, 0.0, 0.0))},
-        {'places': build_even_ring(3).axes},
-        {'gains': (1.0,) * 5},
-        {'axes': ()},
-        {'response': 0.0},
-        {'gains': (math.nan,) * 4},
-        {'spread': -0.1},
-        {'response_deviation': -0.1},
-    ],
-)
-def test_impossible_diodes_are_refused(wrong):
-    with pytest.raises(BadInput):
-        replace(build_even_ring(4), **wrong)
-
-
 def test_the_expected_elevation_and_nearness_follow_from_the_prior():
     """Nearness 1 / 4 with deviation 3 / 4^2, elevation with atan2(1, 4); 1e-3 is the least."""
     prior = LampPrior(distance=4.0, distance_deviation=3.0, height_deviation=1.0)

@@ -1,4 +1,4 @@
-"""Build the report of a reproduction; `paper_pages` has the pages of docs/."""
+"""Build the report of a reproduction; `tools/paper_pages.py` has the pages of docs/."""
 
 from collections.abc import Iterator, Mapping, Sequence
 import math

@@ -12,7 +12,7 @@ from lta_config.errors import BadInput, unknown_name_error
 from lta_config.files import share_folder
 from lta_config.schema.paper_file import DrawCounts, load_paper_row, load_paper_rows, PaperRow
 from lta_report.report import Report, TextTable
-from lta_report.request import argument, Folder, option, StudyRequest, StudyRun
+from lta_report.request import argument, option, StudyRequest, StudyRun
 from lta_report.study import Study
 from lta_report.study_store import StoreFormat
 from lta_studies.reproduce.studies import (
@@ -95,28 +95,18 @@ class ReproductionRequest(
         'Number of draws of what is assumed; by default as in the files of the rows.',
         default=None, low=0, high=10_000,
     )  # fmt: skip
-    markdown: Folder | None = option(
-        'Write paper.md, paper_rows.md and paper_inconsistencies.md into this folder.',
-        default=None, metavar='FOLDER',
-    )  # fmt: skip
 
     def run(self, run: StudyRun) -> Report:
         """Return the report of the rows, or their list."""
-        from lta_studies.reproduce.paper_pages import write_pages
         from lta_studies.reproduce.report import build_report
 
         rows = select_rows(self.names)
-        if self.markdown is not None and not self.markdown.is_dir():
-            raise BadInput(f'There is no folder {self.markdown} for the pages; check the path.')
         if self.listed:
             run.writes = False
             return list_rows(rows)
         # No time in the name, so that repeating the command resumes
         run.open_folder(Path('runs') / ('paper-quick' if self.quick else 'paper'))
-        stored = reproduce_rows(self, rows, run)
-        if self.markdown is not None:
-            write_pages(self.markdown, rows, stored)
-        return build_report(rows, stored)
+        return build_report(rows, reproduce_rows(self, rows, run))
 
 
 def list_rows(rows: Sequence[PaperRow]) -> Report:

@@ -18,7 +18,6 @@ from lta_flight.replay.comparison import (
 from lta_flight.replay.decisions import compare_decisions, compute_differences
 from lta_flight.replay.node_settings import NODES, parse_settings
 from lta_flight.replay.replay_request import (
-    build_launch_arguments,
     build_launch_plan,
     check_request,
     parse_nodes,
@@ -172,22 +171,6 @@ def test_settings_are_of_the_type_that_the_node_declares():
     assert type(found['navigator']['altitude']) is float
 
 
-@pytest.mark.parametrize(
-    ('given', 'words'),
-    [
-        ('demodulator.window', 'write NODE.PARAMETER=VALUE'),
-        ('window=4', 'write NODE.PARAMETER=VALUE'),
-        ('estimator.x=4', "Unknown replayed node 'estimator'; known: demodulator"),
-        ('demodulator.windo=4', "Unknown parameter of demodulator 'windo'"),
-        ('demodulator.window=many', 'demodulator: parameter window'),
-        ('demodulator.window=101', 'must be at most 100'),
-    ],
-)
-def test_a_setting_that_cannot_be_is_refused_before_anything_starts(given, words):
-    with pytest.raises(BadInput, match=words):
-        parse_settings([given], ['demodulator'])
-
-
 def test_nodes_are_those_of_the_graph():
     assert set(NODES) == set(list_replayable_roles(load_topic_table()))
     assert parse_nodes('navigator, demodulator,navigator') == ('navigator', 'demodulator')
@@ -266,21 +249,6 @@ def test_a_navigator_that_got_goals_cannot_be_replayed_and_other_nodes_can(tmp_p
     with pytest.raises(BadInput, match=r'a flight by actions, .* leave navigator out of --nodes'):
         check_request(ReplayRequest(tmp_path, ('demodulator', 'navigator')), commanded)
     check_request(ReplayRequest(tmp_path, ('demodulator',)), commanded)
-
-
-@pytest.mark.parametrize(
-    'carried',
-    [{'strategy': './mine.py'}, {'strategy': 'bag', 'strategy_file': 'exit()'}],
-)
-def test_a_replay_runs_no_code_from_a_bag(carried, tmp_path):
-    flown = flight(**carried)
-    with pytest.raises(BadInput, match='because a recording names it; give it with --strategy'):
-        check_request(ReplayRequest(tmp_path, ('navigator', 'demodulator')), flown)
-    check_request(ReplayRequest(tmp_path, ('navigator', 'demodulator'), strategy='bag'), flown)
-    others = ReplayRequest(tmp_path, ('demodulator',), vehicle='gtmab', gains='gtmab')
-    check_request(others, flown)
-    assert build_launch_arguments(others, flown, tmp_path)['strategy'] == 'bag'
-    assert list(tmp_path.iterdir()) == []
 
 
 PLAYED = {'outcome': 'played', 'time_s': '2', 'pace': '5', 'messages': '9', 'answers': '2'}

@@ -7,19 +7,15 @@ from lta_flight.report import light_panels
 from lta_flight.report.light_panels import select_sample_blocks
 from lta_flight.report.panels import create_time_figure, FLIGHT_PANELS
 from lta_flight.report.path import (
-    assign_shades,
     BRIGHTEST,
     build_light_contour,
-    CELL,
-    choose_tick_distance,
     draw_room,
-    MOST_CELLS_PER_SIDE,
     select_per_period,
 )
 from lta_flight.report.view import FlightView, select_primary_beacon
 from lta_model.scenario import load_scenario
 from lta_report import palette
-from lta_report.drawing import decimate_line, EndLabel, label_ends, MOST_POINTS, padded_range
+from lta_report.drawing import decimate_line, EndLabel, label_ends, MOST_POINTS
 from lta_vlc.spectral.spectrum import amplitude_spectrum
 import numpy as np
 from plotly.graph_objects import Figure
@@ -89,12 +85,6 @@ def test_thinning_keeps_the_ends_and_every_spike():
     assert x[-1] == pytest.approx(60.0, abs=0.07)
 
 
-def test_thinning_leaves_a_short_line_alone():
-    x, y = decimate_line(np.arange(5.0), np.arange(5.0) ** 2)
-    np.testing.assert_array_equal(x, [0, 1, 2, 3, 4])
-    np.testing.assert_array_equal(y, [0, 1, 4, 9, 16])
-
-
 def test_labels_at_the_same_height_are_moved_apart_and_stay_inside(view):
     figure = create_time_figure(view)
     before = len(figure.layout.annotations)
@@ -102,18 +92,6 @@ def test_labels_at_the_same_height_are_moved_apart_and_stay_inside(view):
     heights = sorted(note.y for note in figure.layout.annotations[before:])
     assert np.all(np.diff(heights) >= 0.0849)
     assert heights[-1] <= 1.0
-
-
-def test_extent_shows_all_that_is_finite():
-    assert padded_range(np.array([1.0, np.nan, 3.0]), pad=0.5) == (0.0, 4.0)
-    assert padded_range(np.array([np.nan])) == (0.0, 1.0)
-    low, high = padded_range(np.array([2.0]))
-    assert low < 2.0 < high
-
-
-def test_grades_run_from_the_least_to_the_greatest():
-    assert assign_shades(np.array([0.0, 0.3, 0.6, 1.0])).tolist() == [0, 1, 2, 3]
-    assert assign_shades(np.array([5.0, 5.0])).tolist() == [0, 0]
 
 
 def test_moments_are_the_ends_of_the_search(view):
@@ -133,17 +111,6 @@ def test_a_map_of_a_long_flight_has_no_more_columns_than_a_screen():
     assert found.shape == (2, 834)
     np.testing.assert_array_equal(found[0, :2], [1.0, 4.0])
     np.testing.assert_array_equal(found[:, -1], [2499.5, 5000.5])
-
-
-def test_a_hall_is_shaded_in_larger_cells():
-    room = load_scenario('lamp_room')
-    drawn = build_light_contour(room, 0.5)
-    assert (len(drawn.x), len(drawn.y)) == (round(10 / CELL) + 1, round(8 / CELL) + 1)
-    size = room.room.size.model_copy(update={'value': (400.0, 8.0, 3.0)})
-    hall = room.model_copy(update={'room': room.room.model_copy(update={'size': size})})
-    drawn = build_light_contour(hall, 0.5)
-    assert (len(drawn.x), len(drawn.y)) == (MOST_CELLS_PER_SIDE + 1, round(8 / CELL) + 1)
-    assert (drawn.x[0], drawn.x[-1]) == (-200.0, 200.0)
 
 
 def test_the_floor_is_lit_by_every_lamp():
@@ -191,11 +158,3 @@ def test_there_is_a_ray_a_second_where_something_was_seen_however_long_it_was_no
     time = np.array([0.5, 1.0, 1.2, 2.1, 4.9, 5.0, 1.77e9, 1.77e9 + 0.5, 1.77e9 + 2.0])
     assert select_per_period(time, 1.0, 1.77e9 + 1.0).tolist() == [1, 3, 4, 5, 6]
     assert select_per_period(time, 6.0, 7.0).tolist() == []
-
-
-@pytest.mark.parametrize(
-    ('side', 'step'), [(0.0, 1.0), (10.5, 1.0), (60.5, 10.0), (5000.0, 5000.0)]
-)
-def test_a_large_field_has_few_ticks(side, step):
-    """60 numbers at one metre covered each other in sunny_field."""
-    assert choose_tick_distance(side) == step

@@ -7,7 +7,6 @@ import re
 import zlib
 
 from lta_config.command_line import relative_path
-from lta_config.errors import BadInput
 from lta_data.bag import open_flight
 from lta_flight.report import write_page
 from lta_flight.report.page import format_repeat_command, suggest_commands
@@ -19,7 +18,7 @@ import numpy as np
 from plotly.graph_objects import Figure
 import pytest
 
-from ...report_flight import provenance, STREAMS, write_flight  # noqa: TID252 - `test` is Python's own
+from ...report_flight import STREAMS, write_flight  # noqa: TID252 - `test` is Python's own
 
 VOID = {'meta', 'link', 'img', 'input', 'br', 'hr', 'base', 'source'}
 BASIC = {'odom', 'motors', 'light/bearing'}  # topics without which a page is tried every time
@@ -86,21 +85,6 @@ def test_page_has_every_panel_with_figure_and_caption(reading):
         assert panel.caption in reading.text
 
 
-def test_page_fetches_nothing(written, reading):
-    assert [address for address in reading.addresses if not address.startswith('#')] == []
-    text = written.read_text(encoding='utf-8')
-    style = re.search(r'<style>(.*?)</style>', text, re.DOTALL).group(1)
-    assert '@import' not in style
-    assert 'url(' not in style
-
-
-def test_page_says_the_outcome_and_where_the_truth_comes_from(reading):
-    assert 'The drone found the lamp and reached it in 12.0 s over 6.0 m.' in reading.text
-    assert '"Truth" is the state of the simulator' in reading.text
-    command = 'lta fly --vehicle gtmab --scenario lamp_room --strategy bag --seed 7'
-    assert f'{command} --time lockstep' in reading.text
-
-
 def test_page_shows_commands_that_can_be_copied(tmp_path, monkeypatch):
     view = FlightView(open_flight(write_flight(tmp_path / 'my runs' / 'bag', until=6.0)))
     monkeypatch.setenv('LTA_CALLED', './lta')
@@ -112,10 +96,6 @@ def test_page_shows_commands_that_can_be_copied(tmp_path, monkeypatch):
     clocked = lines['Replay in ROS 2'].endswith(' --clock')
     assert clocked is ('/clock' not in view.flight.bag.topics)
     assert lines['Fly it again'].startswith('./lta fly --vehicle gtmab ')
-
-
-def test_page_is_small_enough_to_send(written):
-    assert written.stat().st_size < 6e6
 
 
 def test_every_axis_has_a_title_with_unit(reading):
@@ -168,28 +148,11 @@ def test_page_without_scenario_draws_the_path_alone(tmp_path):
     assert 'The recording has no scenario.' in reading.text
 
 
-def test_provenance_cannot_inject_anything(tmp_path):
-    evil = '</script><script>alert(1)</script><b>&'
-    facts = provenance() | {'vehicle': evil, 'note': evil}
-    write_page(write_flight(tmp_path / 'bag', until=0.5, facts=facts), tmp_path / 'p.html')
-    text = (tmp_path / 'p.html').read_text(encoding='utf-8')
-    assert '<script>alert' not in text
-    assert evil in Reading(text).text
-
-
 def test_data_for_the_script_cannot_end_their_element():
     text = html_elements.embed_data('x', {'a': '</script><!-- b'})
     assert text.count('</script') == 1
     assert '<!--' not in text
     assert Reading(text).data == {'x': {'a': '</script><!-- b'}}
-
-
-def test_page_that_cannot_be_written_is_one_sentence(bag, tmp_path):
-    with pytest.raises(
-        BadInput,
-        match=r'cannot be written \(.+\); free disk space, or write elsewhere\.$',
-    ):
-        write_page(bag, tmp_path / 'no' / 'such' / 'page.html')
 
 
 def test_replay_is_the_flight_at_even_instants(bag):

@@ -70,16 +70,6 @@ def test_it_is_flown_once_and_has_table_and_report(sweep, tmp_path):
     assert again.rows == done.rows
 
 
-def test_flights_of_another_kind_do_not_go_into_its_log(sweep, tmp_path):
-    file, folder = sweep(), tmp_path / 'out'
-    run(file, folder)
-    with pytest.raises(
-        BadInput,
-        match=r'is the log of a sweep with other settings; choose another folder with --out',
-    ):
-        run(file, folder, device=None)
-
-
 def test_what_cannot_be_built_is_kept_as_failed(sweep, tmp_path, monkeypatch):
     """Each value can be flown alone, so that the check before the first flight passes."""
 

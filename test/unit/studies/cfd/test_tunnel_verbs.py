@@ -11,11 +11,9 @@ from campaigns.sphere import (
 from lta_config.files import share_folder
 from lta_report.report_terminal import print_table
 from lta_studies.cfd.report import build_drag_table, build_rotor_table
-from lta_studies.cfd.request import TunnelProgress
-from lta_windtunnel.flow_plan import plan_flows, TUNNEL_AIR
+from lta_windtunnel.flow_plan import TUNNEL_AIR
 from lta_windtunnel.solve import ThreadedFlowSolver
 from lta_windtunnel.sweep_table import drop_pressure_maps, read_sweep
-from lta_windtunnel.tunnel_model import load_tunnel_model
 import pytest
 from rich.console import Console
 
@@ -112,17 +110,3 @@ def test_a_sphere_is_judged(fake):
     for each in found:  # 0.05 N at 1 kg/m3 and 1 m/s, on the shadow of a sphere of 1 m
         share = alone[each.setting.split(',')[0]]
         assert each.coefficient == pytest.approx(0.4 / math.pi * share, rel=1e-3)
-
-
-def test_the_bar_tells_who_runs_how_settled_and_how_far():
-    model = load_tunnel_model('gtmab')
-    (flow,) = (each for each in plan_flows(model, 'preview', (1.2, 1.5e-5), ('yaw',)))
-    bar = TunnelProgress(Console(), [flow])
-    first, *_ = flow.case.steps
-    bar.update_case_progress(flow.case, first, 0.5, 3e-4)
-    (task,) = bar._bar.tasks
-    assert task.description == 'yaw 28 % 3e-04'
-    # Half of the first 200 of 360 rounds; the mesh before is 120 more, of as many cells.
-    assert task.percentage == pytest.approx(100 * 100 / (360 + 120))
-    bar.update_case_progress(flow.case, flow.case.steps[-1], 1.0, math.nan)
-    assert task.description == ''

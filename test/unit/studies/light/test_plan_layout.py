@@ -7,13 +7,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lta_cli.app import build_app
 from lta_config.errors import BadInput
-from lta_config.files import find_file, list_shipped_names, load_file
 from lta_model.scenario import load_scenario
 from lta_studies.light.plan.floor import (
     build_floor,
     distance_to_edges,
     find_polygon_flaw,
-    FloorPlan,
     points_in_polygon,
     polygon_edges,
     signed_area,
@@ -35,7 +33,6 @@ from lta_studies.light.plan.planner import (
     solve_lower_bound,
 )
 import numpy as np
-from pydantic import ValidationError
 import pytest
 from typer.testing import CliRunner
 import yaml
@@ -187,45 +184,6 @@ def test_polygons_by_hand():
 
 
 @pytest.mark.parametrize(
-    ('corners', 'words'),
-    [
-        ([[0, 0], [4, 4], [4, 0], [0, 4]], 'intersects itself: its side from'),
-        ([[0, 0], [4, 0], [4, 0], [0, 4]], 'has the corner (4, 0) m twice in succession'),
-        ([[0, 0], [4, 0], [2, 0]], 'encloses no area'),
-    ],
-)
-def test_what_is_no_polygon_is_refused(corners, words):
-    assert words in find_polygon_flaw(np.array(corners, dtype=float))
-
-
-@pytest.mark.parametrize(
-    ('changes', 'words'),
-    [
-        ({'outline': {'x': {'value': [0, 4, 4, 0], 'unit': 'm'},
-                      'y': {'value': [0, 4, 0, 4], 'unit': 'm'}}}, 'intersects itself'),
-        ({'outline': {'x': {'value': [0, 4, 4], 'unit': 'm'},
-                      'y': {'value': [0, 4], 'unit': 'm'}}}, 'has 3 numbers in x and 2 in y'),
-        ({'lamp': {'height': '6 m'}}, 'has lamp.height at 6 m, above the ceiling at 5 m'),
-        ({'altitude': '5 m'}, 'has an altitude of 5 m, but the ceiling is at 5 m'),
-        ({'lamp': {'facing': 'up'}}, "'down' or 'sideways'"),
-        ({'obstacles': {'rack': rectangle(1, 1, 2, 2) | {'height': '9 m'}}},
-         'has the obstacle rack of 9 m height, but the ceiling is at 5 m'),
-        ({'obstacles': {'rack': rectangle(1, 1, 2, 2) | {'height': '1 m', 'count': 3}}},
-         'has 3 copies in one place'),
-        ({'lamps': {'old': {'position': {'value': [20, 6, 1], 'unit': 'm'},
-                            'facing': {'value': [1, 0, 0], 'unit': '1'}}}}, 'outside the hall'),
-        ({'lamps': {'old': {'position': {'value': [2, 6, 1], 'unit': 'm'},
-                            'facing': {'value': [0, 0, 0], 'unit': '1'}}}},
-         r'has the facing \[0, 0, 0\]'),
-        ({'racks': {}}, 'racks'),
-    ],
-)  # fmt: skip
-def test_a_file_that_cannot_be_is_refused(changes, words):
-    with pytest.raises(ValidationError, match=words):
-        FloorPlan.model_validate(content(**changes))
-
-
-@pytest.mark.parametrize(
     ('changes', 'asked', 'words'),
     [
         ({'altitude': '0.3 m'}, {}, 'when it stands on the floor; increase the altitude'),
@@ -243,11 +201,6 @@ def test_a_file_that_cannot_be_is_refused(changes, words):
 def test_a_plan_that_cannot_work_is_one_sentence(changes, asked, words):
     with pytest.raises(BadInput, match=words):
         laid_out(hall(**changes), **asked)
-
-
-@pytest.mark.parametrize('name', list_shipped_names('floor_plans'))
-def test_shipped_floor_plans_are_what_their_files_are_called(name):
-    assert load_file(FloorPlan, find_file('floor plan', name)).name == name
 
 
 def call(*words):

@@ -1,8 +1,5 @@
 """Missions side by side: each is simulated once, and the headline counts failures."""
 
-from types import SimpleNamespace
-
-from lta_config.errors import BadInput
 from lta_energy.circuit import EnergyTotals
 from lta_energy.mission import MissionFlight, MissionLog
 from lta_report.request import StudyRun
@@ -10,8 +7,7 @@ from lta_report.study import StudyOptions
 from lta_report.study_store import StudyStore
 from lta_studies.mission import run as running
 from lta_studies.mission.flyer import AWARE, NAIVE
-from lta_studies.mission.report import format_headline
-from lta_studies.mission.run import load_request, MISSION_STORE, MissionResult, run_missions
+from lta_studies.mission.run import load_request, MISSION_STORE, run_missions
 import pytest
 from rich.console import Console
 
@@ -68,14 +64,6 @@ def test_a_stopped_study_goes_on_and_more_seeds_can_be_added(tmp_path, simulated
     assert [each.figures.flown for each in results] == [61.0, 61.0, 62.0, 62.0]
 
 
-def test_the_folder_of_another_mission_is_refused(tmp_path, simulated):
-    run(tmp_path / 'out', [1])
-    with pytest.raises(BadInput, match='is the log of a mission with other settings; choose'):
-        run(tmp_path / 'out', [1], days=2)
-    with pytest.raises(BadInput, match='contains files that do not belong to a mission'):
-        run(tmp_path, [1])
-
-
 def test_a_log_is_stored_whole(tmp_path):
     log = build_log(1)
     with StudyStore(tmp_path, MISSION_STORE, 'mine') as store:
@@ -83,28 +71,3 @@ def test_a_log_is_stored_whole(tmp_path):
     with StudyStore(tmp_path, MISSION_STORE, 'mine') as store:
         assert store.results['a'] == log
         assert isinstance(store.results['a'].flights[0].spent, EnergyTotals)
-
-
-@pytest.mark.parametrize(
-    ('failures', 'grounded', 'end'),
-    [
-        (0, 0, ''),
-        (1, 0, '; 1 failure in 40 flights'),
-        (0, 7, '; 7 flights not flown, as the sun made the drone too light'),
-    ],
-)
-def test_the_headline_counts_failures_of_the_schedule_by_light(failures, grounded, end):
-    own = SimpleNamespace(flown=7200.0, flights=40, failure_count=failures, not_flown=grounded)
-    fixed = SimpleNamespace(flown=3600.0, flights=30, failure_count=9)
-    best = SimpleNamespace(flown=6000.0, flights=35, failure_count=0)
-    results = [
-        MissionResult('by light', 1, None, own),
-        MissionResult('duty cycle', 1, None, fixed),
-        MissionResult('duty cycle, asleep', 1, None, best),
-    ]
-    request = SimpleNamespace(mission=SimpleNamespace(name='greenhouse'), days=1)
-    # 7200 / 6000 minutes: the rival is the schedule that flies most, not the usual one
-    assert format_headline(request, results) == (
-        'In the mission greenhouse the drone flies 120 minutes a day, '
-        f'20 % more than with the best other schedule (duty cycle, asleep){end}.'
-    )

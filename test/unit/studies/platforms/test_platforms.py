@@ -286,11 +286,6 @@ def test_a_flight_that_is_stored_is_not_flown_again(tmp_path):
         assert np.array_equal(ours, theirs, equal_nan=True)
 
 
-def test_a_job_has_its_own_key():
-    jobs = list_jobs('platforms', COMPARISON, 2)
-    assert len({job.key for job in jobs}) == len(jobs)
-
-
 @pytest.mark.long
 def test_the_report_says_what_each_change_turns():
     few = COMPARISON.model_copy(

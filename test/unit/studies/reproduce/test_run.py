@@ -51,18 +51,6 @@ def shown(folder, terminal):
     return console.file.getvalue(), kepts
 
 
-def test_a_person_sees_how_many_rows_are_done_and_which(tmp_path, studied):
-    text, kepts = shown(tmp_path, terminal=True)
-    assert set(kepts) == set(studied) == set(NAMES)
-    assert '2/2' in text
-    for name in NAMES:
-        assert f'{name}: 0 s' in text
-
-
-def test_nothing_moves_where_nobody_looks(tmp_path, studied):
-    assert shown(tmp_path, terminal=False)[0] == ''
-
-
 def test_rows_that_are_kept_are_not_studied_again_and_count_as_done(tmp_path, studied):
     shown(tmp_path, terminal=False)
     studied.clear()

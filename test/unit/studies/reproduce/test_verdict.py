@@ -4,9 +4,9 @@ import math
 
 from kept_figures import kepts_in
 from lta_config.errors import BadInput
-from lta_config.files import list_shipped_names, validate_content
+from lta_config.files import validate_content
 from lta_config.quantity import Quantity
-from lta_config.schema.paper_file import AgreementRule, PaperMeasure, PaperRow
+from lta_config.schema.paper_file import AgreementRule, load_paper_rows, PaperMeasure, PaperRow
 from lta_report.report import TextTable
 from lta_report.study_store import StudyStore
 from lta_studies.reproduce import study_result
@@ -280,7 +280,10 @@ def test_a_changed_row_file_or_effort_is_another_row():
 
 
 def test_every_row_has_a_study_and_every_study_a_row():
-    assert set(STUDIES) == set(list_shipped_names('paper'))
+    rows = load_paper_rows()
+    assert set(STUDIES) == {row.name for row in rows}
+    numbers = [row.number for row in rows]
+    assert numbers == sorted(set(numbers))
 
 
 def test_nothing_is_told_of_a_measure_that_was_left_out():

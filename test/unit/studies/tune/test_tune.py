@@ -75,12 +75,6 @@ def test_gains_are_turned_and_limits_are_not():
         select_parameters(Toy(), ['off'])
 
 
-def test_changed_numbers_are_checked():
-    assert replace_parameters(Toy(), {'inner.kd': 1.5}).inner.kd == 1.5
-    with pytest.raises(ValueError, match='less than or equal to 3'):
-        replace_parameters(Toy(), {'inner.kd': 4.0})
-
-
 def toy_costs(candidate):
     # Plant 1/s^2 under u = -y - kd y': the integral of the squared step error is (1 + kd^2) /
     # (2 kd), least at kd = 1 (Parseval).

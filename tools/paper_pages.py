@@ -1,4 +1,9 @@
-"""Write the pages of docs/ on the paper: main claims, all rows, and its inconsistencies."""
+"""
+Write the pages of docs/ on the paper: main claims, all rows, and its inconsistencies.
+
+`python -m tools.paper_pages`, in the built workspace after `./lta reproduce`: rows that runs/paper
+does not hold are studied first.
+"""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -6,6 +11,7 @@ from typing import Final
 
 from lta_config.schema.paper_file import PaperRow
 from lta_report.formatting import format_markdown_table, MISSING
+from lta_report.request import StudyRun
 from lta_studies.reproduce.report import (
     build_defect_table,
     fill_measures_or_blank,
@@ -16,6 +22,7 @@ from lta_studies.reproduce.report import (
     OPEN,
     StoredRows,
 )
+from lta_studies.reproduce.run import reproduce_rows, ReproductionRequest, select_rows
 from lta_studies.reproduce.study_result import StoredRow
 from lta_studies.reproduce.verdict import (
     ClaimVerdict,
@@ -24,6 +31,7 @@ from lta_studies.reproduce.verdict import (
     format_shares,
     judge_claims,
 )
+from rich.console import Console
 
 HEADLINE_HEADS: Final = ('the paper says', 'printed', 'here', 'draws that agree', 'verdict', 'row')
 ROW_HEADS: Final = (
@@ -58,7 +66,6 @@ order of the row's file. A verdict needs Wilson's interval above 95 % of the dra
 ./lta reproduce --quick           # one seed, without the long parts: under three minutes
 ./lta reproduce                   # all seeds; resumes where it was stopped
 ./lta reproduce indoors energy    # some rows
-./lta reproduce --markdown docs   # these pages
 ```
 
 The command also writes a page with every picture, table and figure, and the commands that repeat
@@ -80,18 +87,12 @@ measures.
 DEFECTS_PAGE: Final = """# The paper's inconsistencies
 
 Where [the paper](paper.md) contradicts itself or physics, with the arithmetic. The page of
-`./lta reproduce` adds what was done here about each.
+`./lta reproduce` adds what was done here about each. Written by `python -m tools.paper_pages`.
 
 ## {heading}
 
 {table}
 """
-
-
-def write_pages(folder: Path, rows: Sequence[PaperRow], stored_rows: StoredRows) -> None:
-    """Write the pages into the folder of the documentation."""
-    for name, text in build_pages(rows, stored_rows).items():
-        (folder / name).write_text(text, encoding='utf-8')
 
 
 def build_pages(rows: Sequence[PaperRow], stored_rows: StoredRows) -> dict[str, str]:
@@ -162,3 +163,16 @@ def format_results(row: PaperRow, name: str, stored: StoredRow) -> list[str]:
         format_measured(row, name, stored),
         format_shares(name, claim, stored) or MISSING,
     ]
+
+
+def main() -> None:
+    """Write the pages from the results of a full run."""
+    rows = select_rows([])
+    run = StudyRun(Console(stderr=True), Path('runs/paper').absolute())
+    stored = reproduce_rows(ReproductionRequest(), rows, run)
+    for name, text in build_pages(rows, stored).items():
+        (Path('docs') / name).write_text(text, encoding='utf-8')
+
+
+if __name__ == '__main__':
+    main()
