@@ -19,7 +19,7 @@ from lta_data.importers.protocol import Numbers
 from lta_data.interpretation.attitude_readings import is_crazyflie, list_readings
 from lta_data.interpretation.column_group import ColumnGroup, FIX_SCALES
 from lta_data.interpretation.column_names import UNIT_WORDS
-from lta_data.interpretation.jumps import find_steps
+from lta_data.interpretation.jumps import find_steps, find_tracker_jumps
 from lta_data.interpretation.kinematics import (
     AGREEING_SHARE,
     body_rates_of,
@@ -80,11 +80,14 @@ def draft_motion(
     """
     seconds, rows = seconds[:DRAFTED_ROWS], {k: v[:DRAFTED_ROWS] for k, v in numbers.items()}
     if 'velocity' in groups and 'position' in groups and groups['position'].is_geodetic:
-        velocity = groups['velocity']
-        if velocity.axes == NORTH_EAST_DOWN:
-            # A fix becomes a place east, north and up
+        velocity, place = groups['velocity'], rows['position']
+        # A fix becomes a place east, north and up
+        speed, turned = differentiate(place, seconds), _turn_rows(rows['velocity'])
+        shares = [fit_scale(one, speed, seconds, FILTER_DELAY).share
+                  for one in (turned, rows['velocity'])]  # fmt: skip
+        if velocity.axes == NORTH_EAST_DOWN or shares[0] > max(shares[1], AGREEING_SHARE):
             groups = {**groups, 'velocity': _turn_names(velocity)}
-            rows['velocity'] = _turn_rows(rows['velocity'])
+            rows['velocity'] = turned
     parts: dict[str, Any] = {}
     for kind, why in _list_unusable(groups, numbers):
         part = 'orientation' if kind == 'attitude' else kind
@@ -94,7 +97,7 @@ def draft_motion(
     scales = {'acceleration': _draft_acceleration(topic, groups, rows, parts, choices)}
     # Without gravity in it, an acceleration says nothing about the attitude
     felt = rows.get('acceleration') if scales['acceleration'] else None
-    place = _blank_lost_rows(rows)
+    place = _blank_lost_rows(rows, seconds)
     raw = MotionEvidence(
         seconds, place, rows.get('velocity'), rows.get('rates'), felt, rows.get('sensed')
     )
@@ -135,7 +138,8 @@ def draft_motion(
     )  # fmt: skip
     # An estimate jumps where a tracker corrects it
     if si.position is not None and topic.startswith('ground_truth'):
-        _tell_jumps(topic, groups['position'], seconds, si.position, choices)
+        whole = rows['position'] * scales['position']
+        _tell_jumps(topic, groups['position'], seconds, whole, choices)
     order = ('position', 'orientation', 'velocity', 'rates', 'acceleration')
     named = groups.get('position') or groups.get('velocity')
     axes_named = '' if named is None or named.axes == EAST_NORTH_DOWN else ''.join(named.axes)
@@ -153,12 +157,17 @@ def _list_unusable(
         if not len(rows):
             yield kind, 'it was never measured: no row has all its numbers'
         # Neither radians nor degrees, but for example 0.01 degrees
-        elif (
-            group.kind == 'euler'
-            and len(group.columns) == 3
-            and (np.percentile(np.abs(rows[:, :2]), 99.0, axis=0) > MOST_DEGREES).any()
+        elif group.kind == 'euler' and (
+            (np.percentile(np.abs(rows[:, :-1]), 99.0, axis=0) > MOST_DEGREES).any()
+            or _wraps_at(rows[:, -1]) > MOST_DEGREES
         ):
             yield kind, 'its angles are larger than those in degrees; divide them first'
+
+
+def _wraps_at(angles: Numbers) -> float:
+    """Return the turn at which angles from zero begin anew, 0.0 if they do not."""
+    back = float(np.max(np.abs(np.diff(angles)), initial=0.0))
+    return back if angles.min() >= 0.0 and back > 0.9 * angles.max() else 0.0
 
 
 def _turn_names(group: ColumnGroup) -> ColumnGroup:
@@ -210,14 +219,23 @@ def _tell_jumps(
         )  # fmt: skip
 
 
-def _blank_lost_rows(rows: Mapping[str, Numbers]) -> Numbers | None:
-    """Return the positions, NaN where a tracker that lost the body writes zeros."""
+def _blank_lost_rows(rows: Mapping[str, Numbers], seconds: Numbers) -> Numbers | None:
+    """
+    Return the positions, NaN where a tracker that lost the body writes zeros.
+
+    Where it took other markers for a moment, they are interpolated: jumps would decide on units.
+    """
     if 'position' not in rows:
         return None
     lost = np.asarray(~rows['position'].any(axis=1))
     if 'attitude' in rows and rows['attitude'].shape[1] == 4:
         lost |= ~rows['attitude'].any(axis=1)
-    return np.where(lost[:, None] & ~lost.all(), np.nan, rows['position'])
+    position = np.where(lost[:, None] & ~lost.all(), np.nan, rows['position'])
+    jumped = find_tracker_jumps(seconds, position)
+    kept = ~jumped & np.isfinite(position).all(axis=1)
+    for column in position.T if jumped.any() else ():
+        column[jumped] = np.interp(seconds[jumped], seconds[kept], column[kept])
+    return position
 
 
 def _named_unit(group: ColumnGroup) -> tuple[str, float] | None:

@@ -270,18 +270,16 @@ class ColumnLog:
         for name, columns in selection.items():
             at = stamps[name] + shift
             table = self._tables[name]
-            numbers, empty = {}, {}
+            numbers = {}
             for column in self.columns[name]:
                 cells = table[column]
                 if isinstance(cells, pa.ChunkedArray) and column not in columns:
                     continue
                 numbers[column] = self._convert(column, cells)
-                if isinstance(cells, pa.ChunkedArray) and cells.null_count:
-                    empty[column] = cells.is_null().to_numpy()
             rows = np.arange(len(at), dtype=np.int64)
             # Several tables are merged by time, a single one keeps its order
             order = rows if len(selection) == 1 else at
-            tables[name] = LogTable(at, at, order, numbers, empty)
+            tables[name] = LogTable(at, at, order, numbers)
         return tables
 
     def _convert(self, column: str, cells: Cells | Column) -> NDArray[np.float64]:
