@@ -107,6 +107,8 @@ def find_axes(
     world = (UPWARDS if sign > 0 else DOWNWARDS)[vertical.world]
     if axis_names == 'ned' and vertical.world == 2 and sign < 0:
         world = 'NED'
+    if world == 'Y_UP' and evidence.rates is None and 'rate' not in choices.settled:
+        why += '; left-handed axes, as of Unity, would come out mirrored, which nothing here tells'
     body_up = sign if vertical.same else -sign
     body = name_axes(spread_axes((UPWARDS if body_up > 0 else DOWNWARDS)[vertical.body]))
     choices.add_reason('axes: world', [], _format_axes(world), why)
