@@ -115,11 +115,26 @@ def draft_motion(
         raw = raw._replace(acceleration=raw.acceleration @ axes.T)
     ned = [kind for kind in ('position', 'velocity')
            if kind in groups and groups[kind].axes == NORTH_EAST_DOWN]  # fmt: skip
-    if 'position' in ned and 'attitude' in groups and _is_mirrored(turn, raw):
-        groups = {**groups, **{kind: _turn_names(groups[kind]) for kind in ned}}
-        raw = raw._replace(**{kind: _turn_rows(getattr(raw, kind)) for kind in ned})
-        choices.add_reason(f'{topic}: position', groups['position'].columns, 'north, east, down',
-                           'the attitude turns in axes east, north, up')  # fmt: skip
+    mirror, is_turned = 1.0, False
+    if 'attitude' in groups and 'position' in groups and _is_mirrored(turn, raw):
+        ned = ned or [kind for kind in ('position', 'velocity') if kind in groups]
+        other, answer = ('east, north, up', 'north, east, down'), 'world'
+        if groups['position'].axes != NORTH_EAST_DOWN:
+            other, is_turned = other[::-1], True
+            options = [
+                ('world', 'the attitude is that of axes north, east, down, the place east, north, '
+                 'up'), ('mirrored', 'y of the place counts the other way'),
+                ('sideways', 'it flies sideways'),
+            ]  # fmt: skip
+            question = 'The vehicle moves where it points only in other axes of its place.'
+            answer = choices.decide(f'{topic}.position.axes', options, question)
+        if answer == 'world':
+            groups = {**groups, **{kind: _turn_names(groups[kind]) for kind in ned}}
+            raw = raw._replace(**{kind: _turn_rows(getattr(raw, kind)) for kind in ned})
+            choices.add_reason(f'{topic}: position', groups['position'].columns, other[1],
+                               f'the attitude turns in axes {other[0]}')  # fmt: skip
+        is_turned &= answer == 'world'
+        mirror = -1.0 if answer == 'mirrored' else 1.0
     scales['rates'] = _draft_rates(topic, groups, raw, turn, parts, choices)
     if is_mirrored:
         usual = parts['rates'].get('scale', 1.0)
@@ -127,6 +142,8 @@ def draft_motion(
         choices.add_reason(f'{topic}: rates', groups['rates'].columns[1:2], 'inverted',
                            "as the pitch of Crazyflie's firmware")  # fmt: skip
     scales['position'] = _draft_position(topic, groups, raw, scales, turn, parts, choices)
+    if mirror < 0.0:
+        parts['position']['scale'] = [1.0, mirror, 1.0]
     scales['velocity'] = _draft_velocity(topic, groups, raw, scales, turn, parts, choices)
     si = MotionEvidence(
         seconds,
@@ -143,6 +160,7 @@ def draft_motion(
     order = ('position', 'orientation', 'velocity', 'rates', 'acceleration')
     named = groups.get('position') or groups.get('velocity')
     axes_named = '' if named is None or named.axes == EAST_NORTH_DOWN else ''.join(named.axes)
+    axes_named = 'ned' if is_turned else axes_named
     return MotionDraft(
         {name: parts[name] for name in order if name in parts}, si, turn, axes_named
     )
@@ -395,11 +413,6 @@ def _draft_position(
     # Feet are 0.3048 m
     factor = named[1] if named and named[0] == unit else 1.0
     parts['position'] = _build_vector(group, unit, factor)
-    if _is_mirrored(turn, raw) and 'orientation' in parts:
-        options = [('yes', 'y of the place counts the other way'), ('no', 'it flies sideways')]
-        question = 'The vehicle moves where it points only if y of its place is mirrored.'
-        if choices.decide(f'{topic}.position.mirrored', options, question) == 'yes':
-            parts['position']['scale'] = [1.0, -1.0, 1.0]
     choices.add_reason(f'{topic}: position', group.columns, unit, why)
     return LENGTH_SCALES.get(unit, 1.0) * factor
 

@@ -282,6 +282,9 @@ def _can_be_y_up(position: Numbers, sign: int) -> bool:
 DECIDING_ADVANTAGE: Final = 0.05  # advantage of a reading that decides
 SAME_ATTITUDE: Final = 3.0  # readings that differ by less are the same in this flight [deg]
 EQUAL_SCORES: Final = 0.02  # scores of readings that agree equally well
+# Times as much as the best leaves unexplained, beside the noise, tells two readings apart
+MORE_UNEXPLAINED: Final = 3.0
+MEASURED_SCORE: Final = 1e-3  # of a score, that noise may change
 FORWARD_SHARE: Final = 0.85  # of the way is along one direction of the body of an airship
 AHEAD_WEIGHT: Final = 0.3  # weight of a motion along x, which tells a compass heading from a yaw
 DECIDING_LEAN: Final = 0.15  # more of the acceleration, that another reading must explain
@@ -310,7 +313,8 @@ def choose_reading(
     scored = [(score - one.cost, why) for (score, why), one in zip(scored, readings, strict=True)]
     # At a similar score, the conventional reading is the first
     most = max(score for score, _ in scored)
-    best = next(i for i, (score, _) in enumerate(scored) if score > most - EQUAL_SCORES)
+    least = most - min(EQUAL_SCORES, MORE_UNEXPLAINED * (1.0 - most) + MEASURED_SCORE)
+    best = next(i for i, (score, _) in enumerate(scored) if score >= least)
     first = readings[best]
     rivals = [
         reading for i, reading in enumerate(readings)
