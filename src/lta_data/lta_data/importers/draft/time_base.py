@@ -60,7 +60,7 @@ def find_time_base(
         seconds = (whole - whole[0]) + (rest - rest[0]) * SI_UNITS[split['fraction_unit']][1]
         first = float(whole[0]) + float(rest[0]) * SI_UNITS[split['fraction_unit']][1]
         return TimeBase(np.asarray(seconds, dtype=np.float64), split, first)
-    column = choices.override(f'{prefix}time.column', _find_time_column(table, groups))
+    column = choices.override(f'{prefix}time.column', find_time_column(table, groups))
     if column in table:
         return _read_time_column(prefix, column, table, groups, choices)
     count = len(next(iter(table.values())))
@@ -147,7 +147,7 @@ def _describe_times(table: Columns) -> str:
     return 'No column is a time.'
 
 
-def _find_time_column(table: Columns, groups: list[ColumnGroup]) -> str:
+def find_time_column(table: Columns, groups: list[ColumnGroup]) -> str:
     """Return the name of the time column, '' if there is none."""
     taken = {column for group in groups for column in group.columns}
     rising = [
