@@ -28,9 +28,11 @@ from .test_log_conventions import (
     DEGREES,
     Flight,
     import_draft,
+    in_ned,
     place,
     quaternion,
     timed,
+    TO_NED,
     turned,
     world_velocity,
 )
@@ -239,9 +241,9 @@ def test_a_place_and_an_attitude_in_two_tables_become_one_pose(tmp_path: Path) -
     f = lab_flight()
     folder = tmp_path / 'log'
     folder.mkdir()
-    write_csv(folder / 'local_position_0.csv', timed(f) | place(f) | three('v', world_velocity(f)))
-    turn = {'t': f['t'] - 0.004, **quaternion(f, 'q')}
-    write_csv(folder / 'attitude_0.csv', turn)
+    motion = three('', f['p'] @ TO_NED.T) | three('v', world_velocity(f) @ TO_NED.T)
+    write_csv(folder / 'vehicle_local_position_0.csv', timed(f) | motion)
+    write_csv(folder / 'attitude_0.csv', {'t': f['t'] - 0.004, **three('q', in_ned(f), 'xyzw')})
     topics, asked = draft_topics(folder)
     assert asked == []
     assert topics['ground_truth/odom']['join'] == ['attitude_0']  # type: ignore[index]

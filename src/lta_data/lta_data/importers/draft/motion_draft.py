@@ -80,9 +80,9 @@ def draft_motion(
     """
     seconds, rows = seconds[:DRAFTED_ROWS], {k: v[:DRAFTED_ROWS] for k, v in numbers.items()}
     if 'velocity' in groups and 'position' in groups and groups['position'].is_geodetic:
-        velocity, place = groups['velocity'], rows['position']
+        velocity = groups['velocity']
         # A fix becomes a place east, north and up
-        speed, turned = differentiate(place, seconds), _turn_rows(rows['velocity'])
+        speed, turned = differentiate(rows['position'], seconds), _turn_rows(rows['velocity'])
         shares = [fit_scale(one, speed, seconds, FILTER_DELAY).share
                   for one in (turned, rows['velocity'])]  # fmt: skip
         if velocity.axes == NORTH_EAST_DOWN or shares[0] > max(shares[1], AGREEING_SHARE):

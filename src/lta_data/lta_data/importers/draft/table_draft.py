@@ -1,6 +1,7 @@
 """Draft the topics of one table: which group is state, estimate, command or sensor."""
 
 from collections.abc import Mapping, Sequence
+import re
 from typing import Any, Final, final, NamedTuple
 
 from lta_data.importers.draft.bodies import choose_body
@@ -34,6 +35,8 @@ WRENCH_UNITS: Final = {'force': 'N', 'torque': 'N m'}
 INERTIAL_WORDS: Final = frozenset(
     ['imu', 'gyro', 'gyr', 'gyros', 'gyroscope', 'g', 'acc', 'accel', 'accelerometer']
 )
+# Topics whose axes PX4 fixes
+PX4_POSES: Final = re.compile('vehicle_(local_position|odometry)')
 SHARED_ROWS: Final = 0.1  # share of the rows of a sensor with a pose; fewer are coincidence
 MOTION_PARTS: Final = frozenset(['position', 'attitude', 'velocity'])
 Groups = dict[str, ColumnGroup]
@@ -109,7 +112,8 @@ def draft_table(
         if topic != ROLE_TOPICS['setpoint'] and primary is None:
             primary = drafted
             if drafted.turn is not None or drafted.evidence.position is not None:
-                axes = find_axes(drafted.evidence, drafted.turn, drafted.axis_names, choices)
+                letters = 'px4' if PX4_POSES.search(name) else drafted.axis_names
+                axes = find_axes(drafted.evidence, drafted.turn, letters, choices)
         parts = {k: v for k, v in drafted.parts.items() if k != 'acceleration'}
         if parts:
             entries.append({'topic': topic} | parts)

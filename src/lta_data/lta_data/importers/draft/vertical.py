@@ -42,7 +42,9 @@ PULLS: Final = 0.1  # share of what an accelerometer feels beside gravity that t
 FLATTER: Final = 3.0  # times as far along z as along y moves what can have y up
 UP_BY_NAME: Final = {
     'ned': (-1, 'the names north, east, down'), 'latlonalt': (1, 'altitudes count up'),
+    'px4': (-1, 'the axes of PX4 are north, east, down'),
 }  # fmt: skip
+NORTH_EAST_DOWN: Final = ('ned', 'px4')
 CONFLICT: Final = 'world.up'
 
 
@@ -77,7 +79,7 @@ def find_axes(
     turn : Rotation or None
         From body to world, both of the log.
     axis_names : str
-        Letters in the names of the position's columns, such as 'ned'.
+        Letters in the names of the position's columns, such as 'ned', or 'px4'.
     choices : DraftChoices
         For the question that remains.
 
@@ -105,7 +107,7 @@ def find_axes(
         sign, why = (1 if answer == 'up' else -1), choices.explain(CONFLICT)
     sign = {'up': 1, 'down': -1}.get(choices.override(CONFLICT, ''), sign)
     world = (UPWARDS if sign > 0 else DOWNWARDS)[vertical.world]
-    if axis_names == 'ned' and vertical.world == 2 and sign < 0:
+    if axis_names in NORTH_EAST_DOWN and vertical.world == 2 and sign < 0:
         world = 'NED'
     if world == 'Y_UP' and evidence.rates is None and 'rate' not in choices.settled:
         why += '; left-handed axes, as of Unity, would come out mirrored, which nothing here tells'
@@ -266,7 +268,7 @@ def _find_without_attitude(
             why = choices.explain(CONFLICT)
         sign = {'up': 1, 'down': -1, 'y': 1}.get(answer, sign)
         world = (UPWARDS if sign > 0 else DOWNWARDS)[1 if answer == 'y' else 2]
-        if axis_names == 'ned' and sign < 0:
+        if axis_names in NORTH_EAST_DOWN and sign < 0:
             world = 'NED'
         choices.add_reason('axes: world', [], _format_axes(world), why)
     return VerticalAxes(world, body, '')
