@@ -252,9 +252,9 @@ def _blank_lost_rows(rows: Mapping[str, Numbers], seconds: Numbers) -> Numbers |
     rising = np.diff(np.fmax.accumulate(seconds), prepend=-np.inf) > 0.0
     jumped = np.zeros(len(seconds), dtype=np.bool_)
     jumped[rising] = find_tracker_jumps(seconds[rising], position[rising])
-    kept = ~jumped & np.isfinite(position).all(axis=1)
+    steady = ~jumped & np.isfinite(position).all(axis=1)
     for column in position.T if jumped.any() else ():
-        column[jumped] = np.interp(seconds[jumped], seconds[kept], column[kept])
+        column[jumped] = np.interp(seconds[jumped], seconds[steady], column[steady])
     return position
 
 

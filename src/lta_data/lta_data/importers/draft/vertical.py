@@ -86,10 +86,10 @@ def find_axes(
     """
     # A heading alone, without roll and pitch, says nothing of the vertical
     if turn is None or turn.as_matrix()[:, 2, 2].min() > 1.0 - LEVEL_TOLERANCE:
-        found = _find_without_attitude(evidence, axis_names, choices)
-        down = found.world in ('NED', DOWNWARDS[2])
+        axes = _find_without_attitude(evidence, axis_names, choices)
+        down = axes.world in ('NED', DOWNWARDS[2])
         # A heading alone is that of a level vehicle, about z of the world
-        return found if turn is None or not down else found._replace(body='FRD')
+        return axes if turn is None or not down else axes._replace(body='FRD')
     vertical = _find_vertical(evidence, turn)
     floats = choices.vehicle is not None and choices.vehicle.floats
     sign, why = _vote_up(evidence, turn, vertical, '' if vertical.world != 2 else axis_names,
