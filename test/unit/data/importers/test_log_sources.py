@@ -253,6 +253,8 @@ def test_a_place_and_an_attitude_in_two_tables_become_one_pose(tmp_path: Path) -
 def test_what_is_known_beside_an_unknown_part_is_judged(tmp_path: Path) -> None:
     """The first covariance of a pose or twist says that of its linear components alone."""
     f = lab_flight()
+    # As central differences have it, which once showed a drift
+    f['w'][[0, -1]] = 0.0
     for name, table in {
         'attitude': timed(f) | quaternion(f), 'rates': timed(f) | place(f) | three('w', f['w']),
     }.items():  # fmt: skip
