@@ -42,7 +42,6 @@ import pyarrow as pa
 SECOND_NS: Final = 1_000_000_000
 READABLE_TIME: Final = 2**62  # ns; the sum of two such times fits an int64
 EPOCH_DATE: Final = datetime(1970, 1, 1, tzinfo=UTC)
-MOST_DAYS: Final = 100_000  # days that can have passed; more are beyond ROS time stamps
 # Date and time of day, to the second at least; the fraction is a separate group
 TIME_OF_DAY: Final = r'(\d\d?)(:\d\d:\d\d)(?:[.,](\d+))?(?:\s*([AaPp])\.?[Mm]\.?)?'
 DATE: Final = re.compile(
@@ -51,7 +50,7 @@ DATE: Final = re.compile(
 )  # fmt: skip
 COMPACT_DATE: Final = re.compile(r'(\d{8}T\d{6})(?:[.,](\d+))?\s*(Z|z|UTC|[+-]\d\d:?\d\d|)')
 # A time of day without a date, or what has passed, as pandas writes it
-CLOCK_TIME: Final = re.compile(r'(?:(\d+) days?,? )?' + TIME_OF_DAY)
+CLOCK_TIME: Final = re.compile(r'(?:(\d{1,4}) days?,? )?' + TIME_OF_DAY)
 # Minutes and seconds, as spreadsheets show a time
 MINUTES: Final = re.compile(r'(\d\d?):(\d\d)[.,](\d+)')
 # A number with its unit, as MATLAB writes durations
@@ -148,7 +147,7 @@ def split_date(text: str, *, month_first: bool = False) -> tuple[str, str, str] 
         date = '-'.join(part.zfill(2) for part in parts)
     elif match := CLOCK_TIME.fullmatch(text):
         days, *time = match.groups()
-        date, zone = str(EPOCH_DATE.date() + timedelta(days=min(int(days or 0), MOST_DAYS))), 'Z'
+        date, zone = str(EPOCH_DATE.date() + timedelta(days=int(days or 0))), 'Z'
     elif match := MINUTES.fullmatch(text):
         return f'1970-01-01T00:{int(match[1]):02}:{match[2]}', match[3], 'Z'
     else:
@@ -161,11 +160,10 @@ def split_date(text: str, *, month_first: bool = False) -> tuple[str, str, str] 
 
 def is_month_first(texts: Sequence[str]) -> bool:
     """Return whether dates with slashes begin with the month: by a half of the day, or a day."""
-    days = [parts for text in texts if len(parts := text.split('/')) == 3]
-    return bool(days) and (
-        days[0][2].strip()[-1:] in 'Mm' or any(int(parts[1]) > 12 for parts in days
-                                              if parts[1].isdigit())
-    )  # fmt: skip
+    if texts[0].strip().endswith(('M', 'm')):
+        return True
+    days = [text.split('/')[1:2] for text in texts]
+    return any(len(day[0]) == 2 and '12' < day[0] <= '31' for day in days if day)
 
 
 def is_time(text: str) -> bool:
