@@ -28,6 +28,7 @@ BLOCK_STATISTICS: Final[dict[str, Callable[..., NDArray[Any]]]] = {
     'min': np.min,
     'max': np.max,
 }
+ANGULAR_FIELDS: Final = re.compile(r'\.(orientation|angular)\.')
 HIDDEN_FIELDS: Final = re.compile(r'^stamp_ns$|(^|\.)header\.|covariance(\[|$)|^(clock|stamp)\.')
 
 
@@ -81,8 +82,10 @@ def _iterate_table_channels(table: Table, quaternions: bool) -> Iterator[Channel
 def _find_valid_messages(table: Table, name: str) -> NDArray[np.bool_]:
     """Return for each message whether the quantity is known, by its covariance."""
     first = name.split('.')[0]
+    # Of a pose and of a twist, three linear components come before three angular ones
+    element = 21 if ANGULAR_FIELDS.search(name) else 0
     is_valid = np.ones(len(table), dtype=np.bool_)
-    for beside in (f'{first}_covariance[0]', f'{first}.covariance[0]'):
+    for beside in (f'{first}_covariance[0]', f'{first}.covariance[{element}]'):
         if beside in table:
             is_valid &= select_estimates(table[beside].to_numpy())
     return is_valid

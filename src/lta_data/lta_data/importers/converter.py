@@ -63,7 +63,7 @@ class TopicConverter:
     Attributes
     ----------
     without : int
-        Rows left out because all cells of the topic's columns were empty.
+        Rows left out because no cell of the topic's columns has a number.
     excluded : int
         Rows left out by the mapping's `where`.
     silent : list of str
@@ -118,11 +118,10 @@ class TopicConverter:
             fits &= table.columns[name] == number
         self.excluded += int((~fits).sum())
         columns = [name for name in entry.columns if name not in entry.where]
-        # A column that is not in `empty` has no empty cell
-        if not columns or any(name not in table.empty for name in columns):
+        if not columns:
             return fits
         # Rows without any value: logs with several rates leave the other columns empty
-        nothing = np.logical_and.reduce([table.empty[name] for name in columns])
+        nothing = np.logical_and.reduce([np.isnan(table.columns[name]) for name in columns])
         self.without += int((nothing & fits).sum())
         return fits & ~nothing
 

@@ -74,7 +74,8 @@ KIND_WORDS: Final[dict[str, frozenset[str]]] = {
         'velocity': 'v vel velocity vb speed linear twist',
         'torque': 'tau torque moment moments',
         'force': 'f force forces',
-        'position': 'p pos position positions xyz loc location translation t pose place tracker',
+        'position': 'p pos position positions xyz loc location translation trans t pose place '
+        'tracker',
     }.items()
 }
 # Words for angles, and for their first and second derivative
@@ -97,7 +98,20 @@ ROLE_WORDS: Final[dict[str, frozenset[str]]] = {
     }.items()
 }
 TIME_WORDS: Final = frozenset(
-    ['t', 'time', 'timestamp', 'timestamps', 'stamp', 'sec', 'secs', 'seconds', 'clock', 'tick']
+    [
+        't',
+        'time',
+        'timestamp',
+        'timestamps',
+        'stamp',
+        'sec',
+        'secs',
+        'seconds',
+        'clock',
+        'tick',
+        'elapsed',
+        'epoch',
+    ]
 )
 ACTUATOR_WORDS: Final = frozenset([
     'motor', 'motors', 'm', 'pwm', 'thrust', 'throttle', 'duty', 'rpm', 'rotor', 'rotors', 'esc',

@@ -46,6 +46,10 @@ def test_a_topic_is_a_table_that_is_read_once(flight_bag):
     np.testing.assert_array_equal(odom['stamp_ns'], START + i * 10**7)
     np.testing.assert_allclose(odom.index, 0.01 * i, rtol=0, atol=1e-12)
     np.testing.assert_array_equal(odom['pose.pose.position.x'], 0.1 * i)
+    np.testing.assert_array_equal(odom['pose.covariance[35]'], 35.0 + i)
+    # Of the message, three angles, the stamp and two texts
+    assert odom.shape[1] == 2 + 3 + 4 + 36 + 6 + 36 + 3 + 1 + 2
+    assert odom['child_frame_id'].tolist() == ['base_link'] * 40
     expected = np.angle(np.exp(0.1j * i))
     np.testing.assert_allclose(odom['pose.pose.orientation.yaw'], expected, atol=1e-12)
     names = [*odom.columns]
@@ -117,33 +121,6 @@ def test_joints_are_called_by_their_names(record, types):
     assert motors.attrs['units']['effort.left'] == '1'
     np.testing.assert_array_equal(motors['effort.left'], [0.2, 1.2])
     assert 'effort[0]' in flight['mixed'].columns
-
-
-def test_points_are_columns(record, types):
-    rng = np.random.default_rng(5)
-    sent = rng.integers(0, 4096, (4, 10, 3), dtype=np.uint16)
-    rows = []
-    for i, block in enumerate(sent):
-        head = header(types, START + i * 10**8)
-        message = types['lta_msgs/msg/LightBlock'](head, 1e4, 3, block.ravel())
-        rows.append(('/lta1/photodiodes', 'lta_msgs/msg/LightBlock', message, 0))
-        axes = [types['geometry_msgs/msg/Vector3'](float(x), 0.0, 0.0) for x in (i, 3)]
-        ones = np.ones(2, np.float32)
-        beacon = types['lta_msgs/msg/BeaconPeaks'](
-            ones, np.array([2, 4 * i], np.float32), 150 * ones
-        )
-        peaks = types['lta_msgs/msg/LampPeaks'](head, axes, [beacon])
-        rows.append(('/lta1/light/peaks', 'lta_msgs/msg/LampPeaks', peaks, 0))
-    flight = lta_analysis.open(record(rows))
-    assert flight['photodiodes']['diodes'].tolist() == [3] * 4
-    peaks = flight['light/peaks']
-    assert [*peaks.columns] == ['stamp_ns'] + [
-        f'{name}[{k}]' for name in ('x', 'y', 'z', 'amplitude', 'snr', 'frequency') for k in (0, 1)
-    ]
-    np.testing.assert_array_equal(peaks['x[0]'], [0, 1, 2, 3])
-    np.testing.assert_array_equal(peaks['snr[1]'], [0, 4, 8, 12])
-    np.testing.assert_array_equal(peaks['stamp_ns'], START + np.arange(4) * 10**8)
-    assert peaks.attrs['units']['snr[1]'] == '1'
 
 
 def numbers(name, milliseconds, **columns):

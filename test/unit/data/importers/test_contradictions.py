@@ -11,13 +11,14 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from .lab_flights import lab_flight, three, write_csv
+from .lab_flights import DOWN, lab_flight, three, write_csv
 from .test_log_conventions import (
     angles,
     Array,
     DEGREES,
     Flight,
     import_draft,
+    in_ned,
     place,
     quaternion,
     timed,
@@ -98,7 +99,12 @@ ASKED: dict[str, tuple[Callable[[Flight], dict[str, Array]], str, str]] = {
     'a place with y mirrored': (
         lambda f: timed(f) | three('', f['p'] * [1, -1, 1]) | quaternion(f)
         | three('gyro_', f['w']),
-        'ground_truth/odom.position.mirrored', 'yes',
+        'ground_truth/odom.position.axes', 'mirrored',
+    ),
+    'an attitude north, east, down beside a place in our axes': (
+        lambda f: timed(f) | place(f) | dict(zip(('qx', 'qy', 'qz', 'qw'), in_ned(f).T,
+                                                 strict=True)) | three('gyro_', f['w'] * DOWN),
+        'ground_truth/odom.position.axes', 'world',
     ),
     'a velocity with x and y exchanged': (
         lambda f: timed(f) | place(f) | quaternion(f) | three('v', f['v'][:, [1, 0, 2]]),

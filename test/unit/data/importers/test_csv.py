@@ -142,6 +142,7 @@ def test_what_is_odd_is_kept_and_named(bring, tmp_path):
         '4.5,nan,2,3,7',
         '6,,,,7',
         '7,,2,3,7',
+        '8,nan,NaN,,7',
     )
     found = bring(source, POSE)
     assert found.stamps(ODOM) == [4_500_000_000, 5_000_000_000, 5_000_000_000, 7_000_000_000]
@@ -150,8 +151,8 @@ def test_what_is_odd_is_kept_and_named(bring, tmp_path):
     for sentence in (
         'The time goes back once, first in row 3; these rows are kept.',
         'The time repeats once; these rows are kept.',
-        "Column 'x' lacks a number 3 times; the bag has NaN there.",
-        f'1 rows have no values for {ODOM} and are left out there.',
+        "Column 'x' lacks a number 4 times; the bag has NaN there.",
+        f'2 rows have no values for {ODOM} and are left out there.',
         'The mapping does not use these columns of the log: u.',
     ):
         assert sentence in found.notes

@@ -4,6 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.errors import BadInput
 from lta_data.importers.readers.column_log import parse_exact_times
+import numpy as np
 import pytest
 
 from .csv_texts import ODOM, POSE, text
@@ -60,6 +61,10 @@ DATES = {
     'offset': (('2026-11-20T15:25:48+02:00', '2026-11-20T15:25:48.5+0200'), 500_000_000),
     'blank': (('2026-11-20 13:25:48', '2026-11-20 13:25:48,000001'), 1_000),
     'basic': (('20261120T132548Z', '20261120T132548.25Z'), 250_000_000),
+    'European': (('20.11.2026 13:25:48', '20.11.2026 13:25:48,5'), 500_000_000),
+    'day first': (('20/11/2026 13:25:48', '20/11/2026 13:25:48.5'), 500_000_000),
+    'American': (('11/20/2026 1:25:48 PM', '11/20/2026 1:25:48.5 PM'), 500_000_000),
+    'year first': (('2026/11/20 13:25:48', '2026/11/20 13:25:48.5'), 500_000_000),
 }
 
 
@@ -70,7 +75,21 @@ def test_dates_are_times_to_the_last_digit(bring, tmp_path, case):
     found = bring(source, POSE.replace('format: csv', 'format: csv\ntext: {delimiter: ";"}'))
     start = 1_795_181_148 * 10**9  # date -u -d '2026-11-20 13:25:48' +%s
     assert found.stamps(ODOM) == [start, start + fraction]
-    assert ('UTC is assumed' in found.notes) == (case == 'blank')
+    assert ('UTC is assumed' in found.notes) == ('Z' not in times[0] and '+' not in times[0])
+
+
+@pytest.mark.parametrize('texts', [
+    ('0 days 00:01:02.25', '0 days 00:01:03'), ('1:02.25', '1:03.0'),
+    ('62.25 sec', '63 sec'), ('1.0375 min', '1.05 min'),
+])  # fmt: skip
+def test_what_has_passed_is_a_time(texts):
+    assert parse_exact_times([*texts], 's', 't').times.tolist() == [62_250_000_000, 63 * 10**9]
+
+
+def test_a_month_that_comes_first_is_told_by_the_day_of_a_later_row():
+    times = parse_exact_times(['05/12/2026 23:59:59', '05/13/2026 00:00:00'], 's', 't')
+    assert np.diff(times.times).tolist() == [10**9]
+    assert 'are read as month and day' in ' '.join(times.assumed)
 
 
 @pytest.mark.parametrize(

@@ -191,6 +191,16 @@ FORMS = {
         lambda f: timed(f) | place(f) | three('q', f['q'] * [-1.0, -1.0, -1.0, 1.0], 'xyzw')
         | three('v', f['v']) | three('w', f['w']), 'pqvw',
     ),
+    "a quaternion whose w stands alone, as vicon_receiver's": Form(
+        lambda f: timed(f) | dict(zip(('x_trans', 'y_trans', 'z_trans'), 1e3 * f['p'].T,
+                                      strict=True))
+        | dict(zip(('x_rot', 'y_rot', 'z_rot', 'w'), f['q'].T, strict=True))
+    ),
+    'a compass heading beside a pitch with our sign, by the body velocity': Form(
+        lambda f: timed(f, heading=compass(f), roll=f['rpy'][:, 0] * DEGREES,
+                        pitch=f['rpy'][:, 1] * DEGREES)
+        | place(f) | dict(zip('uvw', f['v'].T, strict=True)), 'pqv',
+    ),
     # Times
     'no time beside a velocity': Form(
         lambda f: place(f, 'p') | quaternion(f) | three('v', f['v']), 'pqv'
@@ -387,6 +397,45 @@ def test_a_heading_alone_says_nothing_of_the_vertical(tmp_path: Path) -> None:
     questions = draft_mapping(write_csv(tmp_path / 'log.csv', table), {}).choices.questions
     (up,) = (one for one in questions if one.key == 'world.up')
     assert [name for name, _ in up.options] == ['up', 'down', 'y']
+
+
+def test_jumps_of_a_tracker_do_not_decide_on_the_unit(tmp_path: Path) -> None:
+    f = lab_flight()
+    f['p'][::7] += [1.2, -0.7, 0.4]
+    draft = draft_mapping(write_csv(tmp_path / 'log.csv', timed(f) | place(f) | quaternion(f)), {})
+    assert draft.choices.questions == []
+    assert 'position: {columns: [x, y, z], unit: m}' in draft.text
+    assert 'doubtful' in [one.reading for one in draft.choices.reasons]
+
+
+def test_a_heading_over_a_world_with_z_down_is_that_of_an_upright_vehicle(tmp_path: Path) -> None:
+    f = lab_flight()
+    table = timed(f, yaw=-f['rpy'][:, 2]) | three('', f['p'] * DOWN)
+    source = write_csv(tmp_path / 'log.csv', table)
+    series = import_draft(draft_mapping(source, {}), source, tmp_path)
+    np.testing.assert_allclose(stack_components(series, 'pose.pose.position'), f['p'], atol=1e-6)
+    attitude = Rotation.from_quat(stack_components(series, 'pose.pose.orientation'))
+    level = Rotation.from_euler('Z', f['rpy'][:, 2:])
+    assert np.degrees((attitude.inv() * level).magnitude()).max() < 0.01
+
+
+def test_an_autopilots_fix_has_its_velocity_north_east_down_and_a_heading_in_no_unit(
+    tmp_path: Path,
+) -> None:
+    """As MAVLink's GLOBAL_POSITION_INT: 1e-7 degrees, mm, cm/s and 0.01 degrees."""
+    f = lab_flight()
+    table = {
+        'time_boot_ms': 1e3 * f['t'], 'lat': 1e7 * (47.4 + f['p'][:, 1] / 111_182.0),
+        'lon': 1e7 * (8.5 + f['p'][:, 0] / 75_489.0), 'alt': 1e3 * f['p'][:, 2] + 4e5,
+        'hdg': 100.0 * compass(f),
+    }  # fmt: skip
+    table |= three('v', 100.0 * world_velocity(f) @ TO_NED.T)
+    draft = draft_mapping(write_form(Form(lambda _: table), tmp_path / 'log.csv')[1], {})
+    rows = {one.part: one for one in draft.choices.reasons}
+    assert draft.choices.questions == []
+    # Without an attitude, a velocity in world axes is left out; here it is not asked about
+    assert rows['ground_truth/odom: velocity'].columns == 'vy, vx, vz'
+    assert rows['ground_truth/odom: orientation'].reading == 'left out'
 
 
 def test_places_of_two_bodies_in_turn_are_called_doubtful(tmp_path: Path) -> None:

@@ -8,9 +8,11 @@ from; where nothing tells a reading, the draft asks or leaves it out.
 from pathlib import Path
 
 from lta_config.errors import BadInput
+from lta_data.bag.channels import read_flight
 from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import open_flight
 from lta_data.bag.table import stack_components
+from lta_data.data_quality.registry import run_checks
 from lta_data.importers.draft.draft_mapping import draft_mapping
 import numpy as np
 import pyarrow as pa
@@ -26,9 +28,11 @@ from .test_log_conventions import (
     DEGREES,
     Flight,
     import_draft,
+    in_ned,
     place,
     quaternion,
     timed,
+    TO_NED,
     turned,
     world_velocity,
 )
@@ -230,6 +234,39 @@ def test_lists_and_structs_of_a_parquet_table_are_columns(tmp_path: Path) -> Non
     source = tmp_path / 'log.data'  # its content says what it is
     pq.write_table(pa.table({'t': f['t'], 'pose': pose}), source)
     check_flight(source, f, tmp_path)
+
+
+def test_a_place_and_an_attitude_in_two_tables_become_one_pose(tmp_path: Path) -> None:
+    """As PX4's topics are exported; the attitude turns by 0.01 rad in the age of its rows."""
+    f = lab_flight()
+    folder = tmp_path / 'log'
+    folder.mkdir()
+    motion = three('', f['p'] @ TO_NED.T) | three('v', world_velocity(f) @ TO_NED.T)
+    write_csv(folder / 'vehicle_local_position_0.csv', timed(f) | motion)
+    write_csv(folder / 'attitude_0.csv', {'t': f['t'] - 0.004, **three('q', in_ned(f), 'xyzw')})
+    topics, asked = draft_topics(folder)
+    assert asked == []
+    assert topics['ground_truth/odom']['join'] == ['attitude_0']  # type: ignore[index]
+    check_flight(folder, f, tmp_path)
+
+
+def test_what_is_known_beside_an_unknown_part_is_judged(tmp_path: Path) -> None:
+    """The first covariance of a pose or twist says that of its linear components alone."""
+    f = lab_flight()
+    # As central differences have it, which once showed a drift
+    f['w'][[0, -1]] = 0.0
+    for name, table in {
+        'attitude': timed(f) | quaternion(f), 'rates': timed(f) | place(f) | three('w', f['w']),
+    }.items():  # fmt: skip
+        source = write_csv(tmp_path / f'{name}.csv', table | quaternion(f))
+        draft = draft_mapping(source, {'world.up': 'up'} if name == 'attitude' else {})
+        folder = tmp_path / name
+        folder.mkdir()
+        import_draft(draft, source, folder)
+        flight = read_flight(open_flight(read_bag(folder / 'out' / 'bag'), None), raw=True)
+        report = run_checks(flight)
+        assert not report.is_grave
+        assert name in ' '.join(report.judged)
 
 
 def test_json_is_refused_with_the_remedy(tmp_path: Path) -> None:

@@ -65,6 +65,10 @@ def share_axes(motion: PoseMotion, vector: MeasuredVector) -> list[SharedQuantit
     weights = hann_kernel(limits.KERNEL, median_period(seconds))
     derived = smooth_columns(motion.derive(vector.kind), weights)
     measured = smooth_columns(vector.values, weights)
+    # The ends of what was derived are often zero, which a trial drift would hide
+    cut = len(weights) if len(seconds) > 4 * len(weights) else 0
+    inner = slice(cut, len(seconds) - cut)
+    seconds, derived, measured = seconds[inner], derived[inner], measured[inner]
     shared = []
     for axis in range(3):
         sides = [side[:, axis] - np.nanmean(side[:, axis]) for side in (derived, measured)]

@@ -276,7 +276,7 @@ def _draft_inertial(
         return {}
     imu, stamps = tables[sensor], tables[pose].stamps[: len(drafted.turn)]
     members = _group_pose('sensor_msgs/msg/Imu', imu)
-    members.pop('attitude', None)
+    attitude = members.pop('attitude', None)
     inside = (stamps >= imu.stamps[0]) & (stamps <= imu.stamps[-1])
     # The latest message of the sensor before each pose
     rows = np.searchsorted(imu.stamps, stamps, side='right').clip(1) - 1
@@ -295,6 +295,8 @@ def _draft_inertial(
     usual = {'rates': 'rad/s', 'acceleration': 'm/s2'}
     differs = any({**entry[name], 'columns': 0} != {'columns': 0, 'unit': unit}
                   for name, unit in usual.items() if name in entry)  # fmt: skip
+    # One orientation throughout is none
+    differs |= attitude is not None and not np.ptp(attitude.stack(imu.columns), axis=0).any()
     body = {key: value for key, value in _list_axes(axes).items() if key == 'body'}
     return {key: value for key, value in (body | entry).items() if key == 'body' or differs}
 

@@ -83,6 +83,7 @@ def group_columns(
         if name.axis and name.column not in lettered:
             stems.setdefault((name.stem, name.unit), {}).setdefault(name.axis, name)
     _complete_angles(stems, table)
+    _complete_quaternion(stems, table)
     groups = [*letters, *_group_wrench(names)]
     grouped = {column for group in groups for column in group.columns}
     for (stem, unit), axes in stems.items():
@@ -127,6 +128,20 @@ def _complete_angles(
             wraps = find_turn(table[axes[angle].column]) == 'rad'
             if len(others) == 1 and angle not in others[0] and not wraps:
                 others[0][angle] = axes.pop(angle)
+
+
+def _complete_quaternion(
+    stems: dict[tuple[tuple[str, ...], str], dict[str, ColumnName]], table: Columns
+) -> None:
+    """Move w that stands alone to x, y and z that have length one with it: x_rot, y_rot, w."""
+    alone = stems.get(((), ''), {})
+    for axes in stems.values():
+        if (
+            [*alone] == ['w']
+            and {*axes} == {*'xyz'}
+            and has_unit_length(_stack({**axes, **alone}, 'xyzw', table))
+        ):
+            axes['w'] = alone.pop('w')
 
 
 def _is_marker(group: ColumnGroup, groups: Sequence[ColumnGroup]) -> bool:

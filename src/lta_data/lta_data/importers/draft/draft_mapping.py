@@ -16,7 +16,12 @@ from lta_data.importers.draft.bodies import select_body_rows
 from lta_data.importers.draft.choices import DraftChoices, DraftVehicle
 from lta_data.importers.draft.clock_alignment import align_clocks, AlignedClock
 from lta_data.importers.draft.command_motion import check_wrenches, find_driven_axes, list_answers
-from lta_data.importers.draft.table_draft import draft_table, TableDraft
+from lta_data.importers.draft.table_draft import (
+    draft_table,
+    join_pose_tables,
+    list_columns,
+    TableDraft,
+)
 from lta_data.importers.formats import detect_format, LOG_FORMATS
 from lta_data.importers.readers.column_log import Column
 from lta_data.importers.readers.sensor_folder import (
@@ -152,7 +157,8 @@ def draft_mapping(
     choices = DraftChoices(answers, settled=dict(source.stated), vehicle=vehicle)
     if not source.tables:
         return _draft_shipped_format(source, choices)
-    whole = source
+    tables, joins = join_pose_tables(source.tables)
+    whole = source = source._replace(tables=tables)
     source, wheres = _select_bodies(whole, choices)
     drafts, clocks = _draft_tables(source, choices)
     if driven := find_driven_axes(source.tables, drafts, clocks):
@@ -169,6 +175,10 @@ def draft_mapping(
     for name, where in wheres.items():
         for entry in drafts[name].entries:
             entry['where'] = where
+    for name, other in joins.items():
+        for entry in drafts[name].entries:
+            if any(column.startswith(f'{other}.') for column in list_columns(entry)):
+                entry['join'] = [other]
     check_wrenches(source.tables, drafts, clocks, choices)
     content = _build_content(source, drafts, path)
     choices.refuse_unused()
@@ -255,8 +265,11 @@ def _build_content(
         )
     times = [draft.time.entry for draft in used.values()]
     same = all(time == times[0] for time in times)
-    if same:
-        content['time'] = times[0]
+    joining = [draft.time.entry for draft in used.values()
+               if any('join' in entry for entry in draft.entries)]  # fmt: skip
+    # What is joined has no entry with a time of its own
+    if same or joining:
+        content['time'] = [*joining, *times][0]
     # The table with the most parts of a motion decides on the axes
     axes = next((draft.axes for draft in sorted(
         used.values(), key=lambda draft: -len(draft.groups)) if draft.axes), None)  # fmt: skip

@@ -19,7 +19,7 @@ from lta_data.importers.protocol import Numbers
 from lta_data.interpretation.attitude_readings import is_crazyflie, list_readings
 from lta_data.interpretation.column_group import ColumnGroup, FIX_SCALES
 from lta_data.interpretation.column_names import UNIT_WORDS
-from lta_data.interpretation.jumps import find_steps
+from lta_data.interpretation.jumps import find_steps, find_tracker_jumps
 from lta_data.interpretation.kinematics import (
     AGREEING_SHARE,
     body_rates_of,
@@ -81,10 +81,13 @@ def draft_motion(
     seconds, rows = seconds[:DRAFTED_ROWS], {k: v[:DRAFTED_ROWS] for k, v in numbers.items()}
     if 'velocity' in groups and 'position' in groups and groups['position'].is_geodetic:
         velocity = groups['velocity']
-        if velocity.axes == NORTH_EAST_DOWN:
-            # A fix becomes a place east, north and up
+        # A fix becomes a place east, north and up
+        speed, turned = differentiate(rows['position'], seconds), _turn_rows(rows['velocity'])
+        shares = [fit_scale(one, speed, seconds, FILTER_DELAY).share
+                  for one in (turned, rows['velocity'])]  # fmt: skip
+        if velocity.axes == NORTH_EAST_DOWN or shares[0] > max(shares[1], AGREEING_SHARE):
             groups = {**groups, 'velocity': _turn_names(velocity)}
-            rows['velocity'] = _turn_rows(rows['velocity'])
+            rows['velocity'] = turned
     parts: dict[str, Any] = {}
     for kind, why in _list_unusable(groups, numbers):
         part = 'orientation' if kind == 'attitude' else kind
@@ -94,7 +97,7 @@ def draft_motion(
     scales = {'acceleration': _draft_acceleration(topic, groups, rows, parts, choices)}
     # Without gravity in it, an acceleration says nothing about the attitude
     felt = rows.get('acceleration') if scales['acceleration'] else None
-    place = _blank_lost_rows(rows)
+    place = _blank_lost_rows(rows, seconds)
     raw = MotionEvidence(
         seconds, place, rows.get('velocity'), rows.get('rates'), felt, rows.get('sensed')
     )
@@ -112,11 +115,26 @@ def draft_motion(
         raw = raw._replace(acceleration=raw.acceleration @ axes.T)
     ned = [kind for kind in ('position', 'velocity')
            if kind in groups and groups[kind].axes == NORTH_EAST_DOWN]  # fmt: skip
-    if 'position' in ned and 'attitude' in groups and _is_mirrored(turn, raw):
-        groups = {**groups, **{kind: _turn_names(groups[kind]) for kind in ned}}
-        raw = raw._replace(**{kind: _turn_rows(getattr(raw, kind)) for kind in ned})
-        choices.add_reason(f'{topic}: position', groups['position'].columns, 'north, east, down',
-                           'the attitude turns in axes east, north, up')  # fmt: skip
+    mirror, is_turned = 1.0, False
+    if 'attitude' in groups and 'position' in groups and _is_mirrored(turn, raw):
+        ned = ned or [kind for kind in ('position', 'velocity') if kind in groups]
+        other, answer = ('east, north, up', 'north, east, down'), 'world'
+        if groups['position'].axes != NORTH_EAST_DOWN:
+            other, is_turned = other[::-1], True
+            options = [
+                ('world', 'the attitude is that of axes north, east, down, the place east, north, '
+                 'up'), ('mirrored', 'y of the place counts the other way'),
+                ('sideways', 'it flies sideways'),
+            ]  # fmt: skip
+            question = 'The vehicle moves where it points only in other axes of its place.'
+            answer = choices.decide(f'{topic}.position.axes', options, question)
+        if answer == 'world':
+            groups = {**groups, **{kind: _turn_names(groups[kind]) for kind in ned}}
+            raw = raw._replace(**{kind: _turn_rows(getattr(raw, kind)) for kind in ned})
+            choices.add_reason(f'{topic}: position', groups['position'].columns, other[1],
+                               f'the attitude turns in axes {other[0]}')  # fmt: skip
+        is_turned &= answer == 'world'
+        mirror = -1.0 if answer == 'mirrored' else 1.0
     scales['rates'] = _draft_rates(topic, groups, raw, turn, parts, choices)
     if is_mirrored:
         usual = parts['rates'].get('scale', 1.0)
@@ -124,6 +142,8 @@ def draft_motion(
         choices.add_reason(f'{topic}: rates', groups['rates'].columns[1:2], 'inverted',
                            "as the pitch of Crazyflie's firmware")  # fmt: skip
     scales['position'] = _draft_position(topic, groups, raw, scales, turn, parts, choices)
+    if mirror < 0.0:
+        parts['position']['scale'] = [1.0, mirror, 1.0]
     scales['velocity'] = _draft_velocity(topic, groups, raw, scales, turn, parts, choices)
     si = MotionEvidence(
         seconds,
@@ -135,10 +155,12 @@ def draft_motion(
     )  # fmt: skip
     # An estimate jumps where a tracker corrects it
     if si.position is not None and topic.startswith('ground_truth'):
-        _tell_jumps(topic, groups['position'], seconds, si.position, choices)
+        whole = rows['position'] * scales['position']
+        _tell_jumps(topic, groups['position'], seconds, whole, choices)
     order = ('position', 'orientation', 'velocity', 'rates', 'acceleration')
     named = groups.get('position') or groups.get('velocity')
     axes_named = '' if named is None or named.axes == EAST_NORTH_DOWN else ''.join(named.axes)
+    axes_named = 'ned' if is_turned else axes_named
     return MotionDraft(
         {name: parts[name] for name in order if name in parts}, si, turn, axes_named
     )
@@ -153,12 +175,17 @@ def _list_unusable(
         if not len(rows):
             yield kind, 'it was never measured: no row has all its numbers'
         # Neither radians nor degrees, but for example 0.01 degrees
-        elif (
-            group.kind == 'euler'
-            and len(group.columns) == 3
-            and (np.percentile(np.abs(rows[:, :2]), 99.0, axis=0) > MOST_DEGREES).any()
+        elif group.kind == 'euler' and (
+            (np.percentile(np.abs(rows[:, :-1]), 99.0, axis=0) > MOST_DEGREES).any()
+            or _wraps_at(rows[:, -1]) > MOST_DEGREES
         ):
             yield kind, 'its angles are larger than those in degrees; divide them first'
+
+
+def _wraps_at(angles: Numbers) -> float:
+    """Return the turn at which angles from zero begin anew, 0.0 if they do not."""
+    back = float(np.max(np.abs(np.diff(angles)), initial=0.0))
+    return back if angles.min() >= 0.0 and back > 0.9 * angles.max() else 0.0
 
 
 def _turn_names(group: ColumnGroup) -> ColumnGroup:
@@ -210,14 +237,25 @@ def _tell_jumps(
         )  # fmt: skip
 
 
-def _blank_lost_rows(rows: Mapping[str, Numbers]) -> Numbers | None:
-    """Return the positions, NaN where a tracker that lost the body writes zeros."""
+def _blank_lost_rows(rows: Mapping[str, Numbers], seconds: Numbers) -> Numbers | None:
+    """
+    Return the positions, NaN where a tracker that lost the body writes zeros.
+
+    Where it took other markers for a moment, they are interpolated: jumps would decide on units.
+    """
     if 'position' not in rows:
         return None
     lost = np.asarray(~rows['position'].any(axis=1))
     if 'attitude' in rows and rows['attitude'].shape[1] == 4:
         lost |= ~rows['attitude'].any(axis=1)
-    return np.where(lost[:, None] & ~lost.all(), np.nan, rows['position'])
+    position = np.where(lost[:, None] & ~lost.all(), np.nan, rows['position'])
+    rising = np.diff(np.fmax.accumulate(seconds), prepend=-np.inf) > 0.0
+    jumped = np.zeros(len(seconds), dtype=np.bool_)
+    jumped[rising] = find_tracker_jumps(seconds[rising], position[rising])
+    steady = ~jumped & np.isfinite(position).all(axis=1)
+    for column in position.T if jumped.any() else ():
+        column[jumped] = np.interp(seconds[jumped], seconds[steady], column[steady])
+    return position
 
 
 def _named_unit(group: ColumnGroup) -> tuple[str, float] | None:
@@ -377,11 +415,6 @@ def _draft_position(
     # Feet are 0.3048 m
     factor = named[1] if named and named[0] == unit else 1.0
     parts['position'] = _build_vector(group, unit, factor)
-    if _is_mirrored(turn, raw) and 'orientation' in parts:
-        options = [('yes', 'y of the place counts the other way'), ('no', 'it flies sideways')]
-        question = 'The vehicle moves where it points only if y of its place is mirrored.'
-        if choices.decide(f'{topic}.position.mirrored', options, question) == 'yes':
-            parts['position']['scale'] = [1.0, -1.0, 1.0]
     choices.add_reason(f'{topic}: position', group.columns, unit, why)
     return LENGTH_SCALES.get(unit, 1.0) * factor
 

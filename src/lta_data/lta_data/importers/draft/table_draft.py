@@ -1,6 +1,7 @@
 """Draft the topics of one table: which group is state, estimate, command or sensor."""
 
 from collections.abc import Mapping, Sequence
+import re
 from typing import Any, Final, final, NamedTuple
 
 from lta_data.importers.draft.bodies import choose_body
@@ -15,7 +16,7 @@ from lta_data.importers.draft.generic_commands import (
 from lta_data.importers.draft.motion_draft import draft_motion, MotionDraft
 from lta_data.importers.draft.motion_kinds import find_state_vectors, settle_kinds
 from lta_data.importers.draft.scalar_draft import draft_scalars
-from lta_data.importers.draft.time_base import find_time_base, TimeBase
+from lta_data.importers.draft.time_base import find_time_base, find_time_column, TimeBase
 from lta_data.importers.draft.vertical import find_axes, name_axes, spread_axes, VerticalAxes
 from lta_data.importers.protocol import Numbers
 from lta_data.interpretation.column_group import ATTITUDES, ColumnGroup, Columns, measure_length
@@ -34,6 +35,8 @@ WRENCH_UNITS: Final = {'force': 'N', 'torque': 'N m'}
 INERTIAL_WORDS: Final = frozenset(
     ['imu', 'gyro', 'gyr', 'gyros', 'gyroscope', 'g', 'acc', 'accel', 'accelerometer']
 )
+# Topics whose axes PX4 fixes
+PX4_POSES: Final = re.compile('vehicle_(local_position|odometry)')
 SHARED_ROWS: Final = 0.1  # share of the rows of a sensor with a pose; fewer are coincidence
 MOTION_PARTS: Final = frozenset(['position', 'attitude', 'velocity'])
 Groups = dict[str, ColumnGroup]
@@ -109,7 +112,8 @@ def draft_table(
         if topic != ROLE_TOPICS['setpoint'] and primary is None:
             primary = drafted
             if drafted.turn is not None or drafted.evidence.position is not None:
-                axes = find_axes(drafted.evidence, drafted.turn, drafted.axis_names, choices)
+                letters = 'px4' if PX4_POSES.search(name) else drafted.axis_names
+                axes = find_axes(drafted.evidence, drafted.turn, letters, choices)
         parts = {k: v for k, v in drafted.parts.items() if k != 'acceleration'}
         if parts:
             entries.append({'topic': topic} | parts)
@@ -146,6 +150,43 @@ def _join_rows(
     table = pd.DataFrame(dict(numbers)).ffill()[pose]
     joined = {column: table[column].to_numpy() for column in table}
     return joined, time._replace(seconds=time.seconds[pose])
+
+
+def join_pose_tables(
+    tables: Mapping[str, dict[str, Any]],
+) -> tuple[dict[str, dict[str, Any]], dict[str, str]]:
+    """
+    Return tables in which that of the places also has the attitudes, if another table has them.
+
+    Each row gets the latest attitude before it, in columns 'other.column'; the second result has
+    the name of that other table by the name of the first. As PX4's topics are exported.
+    """
+    groups: dict[str, list[ColumnGroup]] = {}
+    for name, table in tables.items():
+        numbers = {one: cells for one, cells in table.items() if cells.dtype.kind in 'fiub'}
+        groups[name] = [one for one in group_columns(numbers)[0] if one.role != 'setpoint']
+    placed, turned = (
+        [name for name, some in groups.items() if any(one.kind in kinds for one in some)]
+        for kinds in (('position',), ATTITUDES)
+    )
+    if len(placed) != 1 or len(turned) != 1 or placed == turned:
+        return {**tables}, {}
+    name, other = placed[0], turned[0]
+    clocks = [find_time_column(tables[one], groups[one]) for one in (name, other)]
+    columns = [c for one in groups[other] if one.kind in ATTITUDES for c in one.columns]
+    if (
+        not clocks[0]
+        or clocks[0] != clocks[1]
+        or any(tables[one][clocks[0]].dtype.kind not in 'fiu' for one in (name, other))
+    ):
+        return {**tables}, {}
+    times, theirs = (tables[one][clocks[0]] for one in (name, other))
+    rows = np.searchsorted(theirs, times, side='right') - 1
+    attitudes = {
+        f'{other}.{c}': np.where(rows >= 0, tables[other][c][rows], np.nan) for c in columns
+    }
+    rest = {c: cells for c, cells in tables[other].items() if c not in columns}
+    return {**tables, name: tables[name] | attitudes, other: rest}, {name: other}
 
 
 def _sort_groups(

@@ -6,7 +6,7 @@ from lta_config.errors import BadInput
 from lta_config.quantity import SI_UNITS
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.protocol import Numbers
-from lta_data.importers.readers.column_log import parse_date, split_date
+from lta_data.importers.readers.column_log import is_time, parse_exact_times
 from lta_data.interpretation.column_group import ColumnGroup, Columns
 from lta_data.interpretation.column_names import parse_column_name, TIME_WORDS, UNIT_WORDS
 import numpy as np
@@ -60,7 +60,7 @@ def find_time_base(
         seconds = (whole - whole[0]) + (rest - rest[0]) * SI_UNITS[split['fraction_unit']][1]
         first = float(whole[0]) + float(rest[0]) * SI_UNITS[split['fraction_unit']][1]
         return TimeBase(np.asarray(seconds, dtype=np.float64), split, first)
-    column = choices.override(f'{prefix}time.column', _find_time_column(table, groups))
+    column = choices.override(f'{prefix}time.column', find_time_column(table, groups))
     if column in table:
         return _read_time_column(prefix, column, table, groups, choices)
     count = len(next(iter(table.values())))
@@ -147,7 +147,7 @@ def _describe_times(table: Columns) -> str:
     return 'No column is a time.'
 
 
-def _find_time_column(table: Columns, groups: list[ColumnGroup]) -> str:
+def find_time_column(table: Columns, groups: list[ColumnGroup]) -> str:
     """Return the name of the time column, '' if there is none."""
     taken = {column for group in groups for column in group.columns}
     rising = [
@@ -159,7 +159,7 @@ def _find_time_column(table: Columns, groups: list[ColumnGroup]) -> str:
     for column in rising:
         name = parse_column_name(column)
         dated = table[column].dtype.kind not in 'fiub'
-        if dated and split_date(str(table[column][0])):
+        if dated and is_time(str(table[column][0])):
             return column
         if not dated and name.words & TIME_WORDS:
             return column
@@ -205,7 +205,8 @@ def _read_time_column(
     cells = table[column]
     key = f'{prefix}time.unit'
     if cells.dtype.kind not in 'fiub':
-        seconds = np.array([parse_date(str(cell)) for cell in cells], dtype=np.float64) * 1e-9
+        times = parse_exact_times([str(cell) for cell in cells], 's', column).times
+        seconds = times.astype(np.float64) * 1e-9
         choices.add_reason(f'{prefix}time', [column], 'dates', 'dates with time of day')
         return TimeBase(seconds - seconds[0], {'column': column}, float(seconds[0]))
     unit, why = _find_time_unit(column, cells, table, groups)

@@ -42,7 +42,9 @@ PULLS: Final = 0.1  # share of what an accelerometer feels beside gravity that t
 FLATTER: Final = 3.0  # times as far along z as along y moves what can have y up
 UP_BY_NAME: Final = {
     'ned': (-1, 'the names north, east, down'), 'latlonalt': (1, 'altitudes count up'),
+    'px4': (-1, 'the axes of PX4 are north, east, down'),
 }  # fmt: skip
+NORTH_EAST_DOWN: Final = ('ned', 'px4')
 CONFLICT: Final = 'world.up'
 
 
@@ -77,14 +79,17 @@ def find_axes(
     turn : Rotation or None
         From body to world, both of the log.
     axis_names : str
-        Letters in the names of the position's columns, such as 'ned'.
+        Letters in the names of the position's columns, such as 'ned', or 'px4'.
     choices : DraftChoices
         For the question that remains.
 
     """
     # A heading alone, without roll and pitch, says nothing of the vertical
     if turn is None or turn.as_matrix()[:, 2, 2].min() > 1.0 - LEVEL_TOLERANCE:
-        return _find_without_attitude(evidence, axis_names, choices)
+        axes = _find_without_attitude(evidence, axis_names, choices)
+        down = axes.world in ('NED', DOWNWARDS[2])
+        # A heading alone is that of a level vehicle, about z of the world
+        return axes if turn is None or not down else axes._replace(body='FRD')
     vertical = _find_vertical(evidence, turn)
     floats = choices.vehicle is not None and choices.vehicle.floats
     sign, why = _vote_up(evidence, turn, vertical, '' if vertical.world != 2 else axis_names,
@@ -102,8 +107,10 @@ def find_axes(
         sign, why = (1 if answer == 'up' else -1), choices.explain(CONFLICT)
     sign = {'up': 1, 'down': -1}.get(choices.override(CONFLICT, ''), sign)
     world = (UPWARDS if sign > 0 else DOWNWARDS)[vertical.world]
-    if axis_names == 'ned' and vertical.world == 2 and sign < 0:
+    if axis_names in NORTH_EAST_DOWN and vertical.world == 2 and sign < 0:
         world = 'NED'
+    if world == 'Y_UP' and evidence.rates is None and 'rate' not in choices.settled:
+        why += '; left-handed axes, as of Unity, would come out mirrored, which nothing here tells'
     body_up = sign if vertical.same else -sign
     body = name_axes(spread_axes((UPWARDS if body_up > 0 else DOWNWARDS)[vertical.body]))
     choices.add_reason('axes: world', [], _format_axes(world), why)
@@ -261,7 +268,7 @@ def _find_without_attitude(
             why = choices.explain(CONFLICT)
         sign = {'up': 1, 'down': -1, 'y': 1}.get(answer, sign)
         world = (UPWARDS if sign > 0 else DOWNWARDS)[1 if answer == 'y' else 2]
-        if axis_names == 'ned' and sign < 0:
+        if axis_names in NORTH_EAST_DOWN and sign < 0:
             world = 'NED'
         choices.add_reason('axes: world', [], _format_axes(world), why)
     return VerticalAxes(world, body, '')
@@ -277,6 +284,9 @@ def _can_be_y_up(position: Numbers, sign: int) -> bool:
 DECIDING_ADVANTAGE: Final = 0.05  # advantage of a reading that decides
 SAME_ATTITUDE: Final = 3.0  # readings that differ by less are the same in this flight [deg]
 EQUAL_SCORES: Final = 0.02  # scores of readings that agree equally well
+# Times as much as the best leaves unexplained, beside the noise, tells two readings apart
+MORE_UNEXPLAINED: Final = 3.0
+MEASURED_SCORE: Final = 1e-3  # of a score, that noise may change
 FORWARD_SHARE: Final = 0.85  # of the way is along one direction of the body of an airship
 AHEAD_WEIGHT: Final = 0.3  # weight of a motion along x, which tells a compass heading from a yaw
 DECIDING_LEAN: Final = 0.15  # more of the acceleration, that another reading must explain
@@ -305,7 +315,8 @@ def choose_reading(
     scored = [(score - one.cost, why) for (score, why), one in zip(scored, readings, strict=True)]
     # At a similar score, the conventional reading is the first
     most = max(score for score, _ in scored)
-    best = next(i for i, (score, _) in enumerate(scored) if score > most - EQUAL_SCORES)
+    least = most - min(EQUAL_SCORES, MORE_UNEXPLAINED * (1.0 - most) + MEASURED_SCORE)
+    best = next(i for i, (score, _) in enumerate(scored) if score >= least)
     first = readings[best]
     rivals = [
         reading for i, reading in enumerate(readings)

@@ -5,8 +5,8 @@ A source (text, MATLAB, NumPy, Parquet, a folder of files) yields columns by tab
 which column is the time, for all tables or for one.
 """
 
-from collections.abc import Callable, Collection, Iterator, Mapping
-from datetime import datetime, UTC
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from datetime import datetime, timedelta, UTC
 from decimal import Decimal
 from pathlib import Path
 import re
@@ -42,22 +42,30 @@ import pyarrow as pa
 SECOND_NS: Final = 1_000_000_000
 READABLE_TIME: Final = 2**62  # ns; the sum of two such times fits an int64
 EPOCH_DATE: Final = datetime(1970, 1, 1, tzinfo=UTC)
-# ISO 8601 or RFC 3339 date-time, to the second at least; the fraction is a separate group.
+# Date and time of day, to the second at least; the fraction is a separate group
+TIME_OF_DAY: Final = r'(\d\d?)(:\d\d:\d\d)(?:[.,](\d+))?(?:\s*([AaPp])\.?[Mm]\.?)?'
 DATE: Final = re.compile(
-    r'(\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d|\d{8}T\d{6})(?:[.,](\d+))?\s*(Z|z|UTC|[+-]\d\d:?\d\d|)'
-)
+    r'(\d{4}[-/]\d\d[-/]\d\d|\d\d?[./]\d\d?[./]\d{4})[T ,]\s*' + TIME_OF_DAY +
+    r'\s*(Z|z|UTC|[+-]\d\d:?\d\d|)'
+)  # fmt: skip
+COMPACT_DATE: Final = re.compile(r'(\d{8}T\d{6})(?:[.,](\d+))?\s*(Z|z|UTC|[+-]\d\d:?\d\d|)')
+# A time of day without a date, or what has passed, as pandas writes it
+CLOCK_TIME: Final = re.compile(r'(?:(\d{1,4}) days?,? )?' + TIME_OF_DAY)
+# Minutes and seconds, as spreadsheets show a time
+MINUTES: Final = re.compile(r'(\d\d?):(\d\d)[.,](\d+)')
+# A number with its unit, as MATLAB writes durations
+DURATION: Final = re.compile(r'([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*(s|sec|ms|min|hr)')
+DURATION_UNITS: Final = {'s': '1', 'sec': '1', 'ms': '0.001', 'min': '60', 'hr': '3600'}
 
 
-DOTTED: Final = re.compile(r'^(\d\d)\.(\d\d)\.(\d{4})(?=[T ])')  # as in 24.12.2026
-# A time of day without a date
-CLOCK_TIME: Final = re.compile(r'(\d\d?)(:\d\d:\d\d)(?:[.,](\d+))?(?:\s*([AaPp])\.?[Mm]\.?)?')
+ZONELESS: Final = 'The dates in the log have no time zone; UTC is assumed.'
 
 
 class ParsedTimes(NamedTuple):
-    """Times of rows, and whether one is a date without a time zone."""
+    """Times of rows, and what was assumed, a sentence each."""
 
     times: Times
-    zoneless: bool
+    assumed: tuple[str, ...]
 
 
 def compute_even_times(time: Any, rows: Times) -> Times:  # noqa: ANN401 - lta_config.schema.import_file.TimeColumn
@@ -96,9 +104,9 @@ def parse_exact_times(texts: list[str], unit: str, column: str) -> ParsedTimes:
 
     Raise `BadInput` if a cell is not a time; the message names the row.
     """
-    # The first cell decides between dates and decimals
+    # The first cell decides between dates, durations and decimals
     dates = bool(texts) and split_date(texts[0]) is not None
-    reading = parse_date if dates else build_decimal_parser(unit)
+    reading = build_date_parser(texts) if dates else build_decimal_parser(unit)
     times = np.empty(len(texts), dtype=np.int64)
     for index, text in enumerate(texts):
         try:
@@ -114,25 +122,53 @@ def parse_exact_times(texts: list[str], unit: str, column: str) -> ParsedTimes:
                 f"Column '{column}' has {content} in row {index + 1}, which is not a "
                 'time; correct the row or remove it.'
             ) from None
-    zoneless = dates and any(find_time_zone(text) == '' for text in texts)
-    return ParsedTimes(times, zoneless)
+    assumed = [ZONELESS] * (dates and any(find_time_zone(text) == '' for text in texts))
+    if dates and texts[0].count('/') == 2 and texts[0].find('/') < 3:
+        order = 'month and day' if is_month_first(texts) else 'day and month'
+        assumed.append(f"Dates such as '{texts[0]}' are read as {order}.")
+    return ParsedTimes(times, tuple(assumed))
 
 
-def split_date(text: str) -> tuple[str, str, str] | None:
+def split_date(text: str, *, month_first: bool = False) -> tuple[str, str, str] | None:
     """
     Return a date to the second, the fraction of the second and the time zone; None for other text.
 
-    A time of day is one of the first day of 1970.
+    A time of day, or what has passed, is one of 1970. `month_first`: of dates with slashes.
     """
-    text = DOTTED.sub(r'\3-\2-\1', text.strip())
-    if match := DATE.fullmatch(text):
+    text = text.strip()
+    if match := COMPACT_DATE.fullmatch(text):
         return match[1], match[2] or '0', match[3]
-    if match := CLOCK_TIME.fullmatch(text):
-        hour = int(match[1])
-        if half := (match[4] or '').lower():  # noon is 12 PM, midnight 12 AM
-            hour = hour % 12 + 12 * (half == 'p')
-        return f'1970-01-01T{hour:02}{match[2]}', match[3] or '0', 'Z'
-    return None
+    if match := DATE.fullmatch(text):
+        day, *time, zone = match.groups()
+        parts = re.split('[-./]', day)
+        if len(parts[0]) < 4:
+            middle_first = '/' in day and month_first
+            parts = [parts[2], *(parts[:2] if middle_first else parts[1::-1])]
+        date = '-'.join(part.zfill(2) for part in parts)
+    elif match := CLOCK_TIME.fullmatch(text):
+        days, *time = match.groups()
+        date, zone = str(EPOCH_DATE.date() + timedelta(days=int(days or 0))), 'Z'
+    elif match := MINUTES.fullmatch(text):
+        return f'1970-01-01T00:{int(match[1]):02}:{match[2]}', match[3], 'Z'
+    else:
+        return None
+    hour, rest, fraction, half = time
+    if half:  # noon is 12 PM, midnight 12 AM
+        hour = str(int(hour) % 12 + 12 * (half.lower() == 'p'))
+    return f'{date}T{hour.zfill(2)}{rest}', fraction or '0', zone
+
+
+def is_month_first(texts: Sequence[str]) -> bool:
+    """Return whether dates with slashes begin with the month: by a half of the day, or a day."""
+    if texts[0].strip().endswith(('M', 'm')):
+        return True
+    days = [text.split('/')[1:2] for text in texts]
+    return any(len(day[0]) == 2 and '12' < day[0] <= '31' for day in days if day)
+
+
+def is_time(text: str) -> bool:
+    """Return whether a text is a date with a time of day, or a duration with its unit."""
+    return split_date(text) is not None or DURATION.fullmatch(text.strip()) is not None
 
 
 def find_time_zone(text: str) -> str | None:
@@ -147,7 +183,10 @@ def build_decimal_parser(unit: str) -> Callable[[str], int]:
     factor = Decimal(str(SI_UNITS[unit][1])) * SECOND_NS
 
     def parse(text: str) -> int:
-        time = Decimal(text) * factor
+        if match := DURATION.fullmatch(text.strip()):
+            time = Decimal(match[1]) * Decimal(DURATION_UNITS[match[2]]) * SECOND_NS
+        else:
+            time = Decimal(text) * factor
         # An int of 1e999999 would take long
         if abs(time) >= READABLE_TIME:
             raise OverflowError(text)
@@ -156,17 +195,22 @@ def build_decimal_parser(unit: str) -> Callable[[str], int]:
     return parse
 
 
-def parse_date(text: str) -> int:
-    """Return the time of a date since 1970, with all digits of its second. [ns]"""
-    parts = split_date(text)
-    if parts is None:
-        raise ValueError(text)
-    whole, fraction, zone = parts
-    zone = '+00:00' if zone in ('', 'Z', 'z', 'UTC') else zone
-    passed = datetime.fromisoformat(whole.replace(' ', 'T') + zone) - EPOCH_DATE
-    # Apart from the whole seconds, since datetime resolves microseconds only
-    nanoseconds = int(Decimal(f'0.{fraction}').scaleb(9).to_integral_value())
-    return (passed.days * 86_400 + passed.seconds) * SECOND_NS + nanoseconds
+def build_date_parser(texts: Sequence[str]) -> Callable[[str], int]:
+    """Return a function that parses dates like these since 1970, with all digits. [ns]"""
+    month_first = is_month_first(texts)
+
+    def parse(text: str) -> int:
+        parts = split_date(text, month_first=month_first)
+        if parts is None:
+            raise ValueError(text)
+        whole, fraction, zone = parts
+        zone = '+00:00' if zone in ('', 'Z', 'z', 'UTC') else zone
+        passed = datetime.fromisoformat(whole + zone) - EPOCH_DATE
+        # Apart from the whole seconds, since datetime resolves microseconds only
+        nanoseconds = int(Decimal(f'0.{fraction}').scaleb(9).to_integral_value())
+        return (passed.days * 86_400 + passed.seconds) * SECOND_NS + nanoseconds
+
+    return parse
 
 
 def choose_time_offset(first: int, notes: list[str], facts: dict[str, str]) -> int:
@@ -189,7 +233,6 @@ def choose_time_offset(first: int, notes: list[str], facts: dict[str, str]) -> i
     return shift
 
 
-ZONELESS = 'The dates in the log have no time zone; UTC is assumed.'
 Column = NDArray[Any]  # numbers, or texts such as dates
 Tables = Mapping[str, Mapping[str, Cells | Column]]  # columns by table; a single table is ''
 
@@ -225,18 +268,16 @@ class ColumnLog:
         for name, columns in selection.items():
             at = stamps[name] + shift
             table = self._tables[name]
-            numbers, empty = {}, {}
+            numbers = {}
             for column in self.columns[name]:
                 cells = table[column]
                 if isinstance(cells, pa.ChunkedArray) and column not in columns:
                     continue
                 numbers[column] = self._convert(column, cells)
-                if isinstance(cells, pa.ChunkedArray) and cells.null_count:
-                    empty[column] = cells.is_null().to_numpy()
             rows = np.arange(len(at), dtype=np.int64)
             # Several tables are merged by time, a single one keeps its order
             order = rows if len(selection) == 1 else at
-            tables[name] = LogTable(at, at, order, numbers, empty)
+            tables[name] = LogTable(at, at, order, numbers)
         return tables
 
     def _convert(self, column: str, cells: Cells | Column) -> NDArray[np.float64]:
@@ -279,9 +320,8 @@ class ColumnLog:
         if isinstance(cells, pa.ChunkedArray) or cells.dtype.kind not in 'fiub':
             is_text = isinstance(cells, pa.ChunkedArray)
             texts = decode_cells(cells) if is_text else [str(cell) for cell in cells]
-            times, is_zoneless = parse_exact_times(texts, unit, name)
-            if is_zoneless and ZONELESS not in self.notes:
-                self.notes.append(ZONELESS)
+            times, assumed = parse_exact_times(texts, unit, name)
+            self.notes += [note for note in assumed if note not in self.notes]
             return times
         factor = SI_UNITS[unit][1] * SECOND_NS
         largest = np.abs(cells.astype(np.float64)).max(initial=0.0)

@@ -21,7 +21,7 @@ from lta_data.importers.readers.csv_text import (
 from lta_data.interpretation.column_names import UNIT_WORDS
 
 DIALECT_LINES: Final = 60  # that are looked at
-DELIMITERS: Final = {',': ',', ';': ';', 'tab': '\t', 'whitespace': None}
+DELIMITERS: Final = {',': ',', ';': ';', 'tab': '\t', '|': '|', 'whitespace': None}
 DECIMALS: Final[tuple[Literal['.', ','], ...]] = ('.', ',')
 COMMENTS: Final = '#%'
 # Columns of a trajectory of the TUM RGB-D benchmark, which has no header
@@ -116,7 +116,7 @@ def _detect_lines(path: Path, lines: Sequence[str]) -> TextFormat:
     if rows < 2:
         raise BadInput(
             f"'{path}' has no two lines with equally many numbers between commas, semicolons, "
-            'tabs or spaces; give a text with columns of numbers.'
+            'tabs, bars or spaces; give a text with columns of numbers.'
         )
     check_column_count(path, cells)
     mark = DELIMITERS[delimiter]
