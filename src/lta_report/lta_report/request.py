@@ -197,8 +197,8 @@ class Request(BaseModel):
                     for bound, word in ((low, 'more'), (high, 'less'))
                     if bound is not None
                 )
-                found = format_with_unit(f'{each / factor:g}', unit)
-                raise ValueError(f'is {found}, but must be {bounds}')
+                own = format_with_unit(f'{each / factor:g}', unit)
+                raise ValueError(f'is {own}, but must be {bounds}')
         return value
 
     def replace(self, **values: Any) -> Self:  # noqa: ANN401 - of the fields
