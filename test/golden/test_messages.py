@@ -276,7 +276,9 @@ def test_what_is_called_wrong_is_refused_as_in_the_table(package):
 
 @pytest.mark.parametrize('kind', sorted(READERS.keys() - {'gains', 'sweep', 'topics'}))
 def test_every_shipped_file_is_read_and_is_called_what_it_is(kind):
-    for name in list_shipped_names(KIND_FOLDERS[kind]):
+    names = list_shipped_names(KIND_FOLDERS[kind])
+    assert names
+    for name in names:
         path = find_file(kind, name)
         assert load_yaml(path)['name'] == name
         READERS[kind](str(path))

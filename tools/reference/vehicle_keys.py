@@ -17,8 +17,9 @@ A number is `{value: 7, unit: g, source: "kitchen scale"}`, with a list as `valu
 are asked for. Any unit that converts to the one in brackets will do. An assumed number may also
 have a `range: [low, high]` and a `range_source`. `NAME` stands for a name of your own. Keys in
 **bold** must be there; the others have a default, or switch something on. `./lta vehicle new`
-writes a file from size, mass and motors, `./lta vehicle check` names what is wrong with one, also
-a number out of bounds, and [the tutorial](tutorials/your_vehicle.md) shows how to change it.
+writes a file from size, mass and motors, `./lta vehicle check` names what is wrong with one, and
+the bounds of a number that is out of them; [the tutorial](tutorials/your_vehicle.md) shows how to
+change it.
 
 """
 Entry = tuple[str, Any]

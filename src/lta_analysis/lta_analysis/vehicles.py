@@ -54,45 +54,45 @@ class NewVehicleRequest(Action, command='vehicle new'):
         'Copy this vehicle (name or file) instead.', default=None, name='from', metavar='VEHICLE'
     )
     diameter: Length | None = option(
-        "Diameter of the envelope: '50 cm'.", default=None, low=0.1, high=20.0, unit=' m'
+        "Diameter of the envelope: '50 cm'.", default=None, low=0.1, high=20.0, unit='m'
     )
     length: Length | None = option(
         'Length of a cigar; without it and --height, a sphere.', default=None, low=0.1, high=50.0,
-        unit=' m',
+        unit='m',
     )  # fmt: skip
     height: Length | None = option(
-        'Height of a flattened balloon.', default=None, low=0.1, high=50.0, unit=' m'
+        'Height of a flattened balloon.', default=None, low=0.1, high=50.0, unit='m'
     )
     mass: Mass | None = option(
         'Mass of everything without gas and ballast: what a scale shows.', default=None, low=0.01,
-        high=100.0, unit=' kg',
+        high=100.0, unit='g',
     )  # fmt: skip
     motors: int = option(
         '; '.join(f'{count}: {where}' for count, where in MOTOR_LAYOUTS.items()) + '.',
         default=3, low=min(MOTOR_LAYOUTS), high=max(MOTOR_LAYOUTS),
     )  # fmt: skip
     thrust: Force | None = option(
-        "Thrust of one motor at full: '0.1 N'.", default=None, low=1e-3, high=100.0, unit=' N'
+        "Thrust of one motor at full: '0.1 N'.", default=None, low=1e-3, high=100.0, unit='N'
     )
     arm: Length | None = option(
-        'Distance of the side motors from the middle.', default=None, low=0.01, high=4.9, unit=' m'
+        'Distance of the side motors from the middle.', default=None, low=0.01, high=4.9, unit='m'
     )
     hang: Length | None = option(
         'Depth of the gondola with the motors below the centre of the envelope; by default 3 cm '
         'below the envelope.',
-        default=None, low=0.01, high=4.9, unit=' m',
+        default=None, low=0.01, high=4.9, unit='m',
     )  # fmt: skip
     envelope: Mass | None = option(
         'Mass of the empty envelope; by default from its area.', default=None, low=1e-3,
-        high=100.0, unit=' kg',
+        high=100.0, unit='g',
     )  # fmt: skip
     heaviness: Mass | None = option(
         "Weight less lift after ballasting; '2 g' by default.", default=None, low=-0.1, high=1.0,
-        unit=' kg',
+        unit='g',
     )  # fmt: skip
     battery: Charge | None = option(
-        "Capacity of the battery, one cell; '250 mA h' by default.", default=None, low=1.0,
-        high=1e6, unit=' C',
+        "Capacity of the battery, one cell; '250 mA h' by default.", default=None, low=3.6,
+        high=3.6e5, unit='mA h',
     )  # fmt: skip
     file: Path | None = option(
         'Vehicle file to write; NAME.yaml by default.', default=None, metavar='FILE'

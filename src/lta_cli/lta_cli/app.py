@@ -400,9 +400,8 @@ def describe_error(error: Exception) -> str | None:
     if (message := getattr(error, 'format_message', None)) is not None:
         # Pydantic, which checks values for Typer, says first what it calls a wrong one
         text = ' '.join(message().split()).rstrip('.').replace('Value error, ', '')
-        text = re.sub(
-            r"Invalid value for '(\S+)': Input should be ([^,]+).*", r'\1 must be \2', text
-        )
+        wrong = r"Invalid value for '(\S+)': Input should be (.+?)(?:, (?:unable to|got) .*)?$"
+        text = re.sub(wrong, r'\1 must be \2', text)
         return f'{text}; see --help.' if text else ''
     if isinstance(error, ModuleNotFoundError) and is_ros_module(error.name):
         return str(missing_ros_error(error))

@@ -65,7 +65,8 @@ def build_parameter(model: type[Request], name: str) -> inspect.Parameter:
     """Return the declaration of a field for Typer."""
     field, declared = model.model_fields[name], model.read_declaration(name)
     texts: dict[str, Any] = {'help': model.describe(name), 'metavar': declared.get('metavar')}
-    texts |= {'min': declared.get('low'), 'max': declared.get('high')}
+    if 'unit' not in declared:  # Typer would show the bounds in SI
+        texts |= {'min': declared.get('low'), 'max': declared.get('high')}
     if kind := declared.get('complete'):
         texts['autocompletion'] = complete_names(kind)
     annotation = find_click_type(field.annotation)

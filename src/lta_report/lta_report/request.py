@@ -28,7 +28,7 @@ from typing import (
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.parameter_override import format_value, parse_assignment, parse_value
-from lta_config.quantity import Quantity
+from lta_config.quantity import format_with_unit, Quantity, SI_UNITS
 from lta_report.study import Study, StudyOptions
 from pydantic import (
     AfterValidator,
@@ -66,10 +66,10 @@ def option(
     """
     Return the declaration of a field that is an option of the command line.
 
-    `about`: its help, with the unit. `low`, `high`: closed bounds. `kw_only`: whether Python takes
-    it only by name. `declared`: `name`, if the option is not named as the field; `metavar`;
-    `default_text`; `unit` of the bounds; and `complete`, the kind of the shipped files that a
-    shell completes.
+    `about`: its help, with the unit. `low`, `high`: closed bounds, in SI. `kw_only`: whether
+    Python takes it only by name. `declared`: `name`, if the option is not named as the field;
+    `metavar`; `default_text`; `unit` in which the bounds are told; and `complete`, the kind of the
+    shipped files that a shell completes.
     """
     declared |= {'low': low, 'high': high}
     return Field(default, description=about, json_schema_extra=declared)
@@ -99,33 +99,52 @@ def _parse_changes(values: object) -> object:
     return dict(map(parse_assignment, cast('Sequence[str]', values)))
 
 
-def _parse_quantity(what: str, unit: str, example: str, value: object) -> object:
+def _parse_quantity(what: str, example: str, value: object) -> object:
     """Return a quantity in SI, from a number in SI or a text with a unit."""
-    if not isinstance(value, str):
+    if not isinstance(value, str | bool):
         return value
     try:
         # Capacities are written without the space of the unit
-        quantity = Quantity.model_validate(value.replace('Ah', 'A h'))
+        quantity = Quantity.model_validate(str(value).replace('Ah', 'A h'))
     except ValidationError:
         quantity = None
-    if quantity is None or quantity.dimension != unit or len(quantity.vector) != 1:
+    dimension = Quantity.model_validate(example).dimension
+    if quantity is None or quantity.dimension != dimension or len(quantity.vector) != 1:
         raise ValueError(
             f"'{value}' is not a {what}; give a number with a unit, such as '{example}'"
         )
     return quantity.si
 
 
+def _format_quantity(unit: str, value: float) -> str:
+    """Return a number in SI as text with a unit."""
+    return format_with_unit(f'{value / SI_UNITS[unit][1]:.12g}', unit)
+
+
 Folder = Annotated[Path, BeforeValidator(_parse_folder)]
 Names = Annotated[tuple[str, ...], AfterValidator(remove_duplicates)]
 Changes = Annotated[dict[str, Any], BeforeValidator(_parse_changes)]  # new values by path
-Mass = Annotated[  # kg; as text with a unit, like those below
+# In SI; as text with a unit
+Mass = Annotated[
     float,
-    BeforeValidator(partial(_parse_quantity, 'mass', 'kg', '6 g')),
-    PlainSerializer(lambda mass: f'{1e3 * mass:g} g'),
+    BeforeValidator(partial(_parse_quantity, 'mass', '6 g')),
+    PlainSerializer(partial(_format_quantity, 'g')),
 ]
-Length = Annotated[float, BeforeValidator(partial(_parse_quantity, 'length', 'm', '50 cm'))]
-Force = Annotated[float, BeforeValidator(partial(_parse_quantity, 'force', 'N', '0.1 N'))]
-Charge = Annotated[float, BeforeValidator(partial(_parse_quantity, 'charge', 'C', '250 mA h'))]
+Length = Annotated[
+    float,
+    BeforeValidator(partial(_parse_quantity, 'length', '50 cm')),
+    PlainSerializer(partial(_format_quantity, 'm')),
+]
+Force = Annotated[
+    float,
+    BeforeValidator(partial(_parse_quantity, 'force', '0.1 N')),
+    PlainSerializer(partial(_format_quantity, 'N')),
+]
+Charge = Annotated[
+    float,
+    BeforeValidator(partial(_parse_quantity, 'charge', '250 mA h')),
+    PlainSerializer(partial(_format_quantity, 'mA h')),
+]
 # Fields that many commands have
 VEHICLE: Any = option('Vehicle name or file.', default='gtmab', complete='vehicle')
 VEHICLE_NAME: Any = argument(
@@ -167,17 +186,19 @@ class Request(BaseModel):
     def _check_bounds(cls, value: Any, info: ValidationInfo) -> Any:  # noqa: ANN401 - of any field
         """Refuse a number, or one of several, that is out of bounds."""
         declared = cls.read_declaration(info.field_name or '')
-        low, high, unit = declared['low'], declared['high'], declared.get('unit', '')
+        low, high, unit = declared['low'], declared['high'], declared.get('unit', '1')
+        factor = SI_UNITS[unit][1]
         for each in value if isinstance(value, tuple) else (value,):
             if each is None or isinstance(each, str) or (low is None and high is None):
                 continue
             if not (low is None or each >= low) or not (high is None or each <= high):
                 bounds = ' and '.join(
-                    f'{bound:g}{unit} or {word}'
+                    f'{format_with_unit(f"{bound / factor:g}", unit)} or {word}'
                     for bound, word in ((low, 'more'), (high, 'less'))
                     if bound is not None
                 )
-                raise ValueError(f'is {each:g}{unit}, but must be {bounds}')
+                own = format_with_unit(f'{each / factor:g}', unit)
+                raise ValueError(f'is {own}, but must be {bounds}')
         return value
 
     def replace(self, **values: Any) -> Self:  # noqa: ANN401 - of the fields

@@ -233,7 +233,6 @@ def build_sweep(
         'engine': engine,
         'geometry': model.fingerprint,
         'length': round(model.length, 5),
-        'volume': round(float(model.hull.volume), 6),
         'frontal': [round(model.frontal_area(k), 5) for k in range(3)],
         'density': air[0],
         'viscosity': air[1],

@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 
 from lta_config.errors import BadInput
 from lta_config.files import format_error, StrictModel
-from pydantic import Field, ValidationError
+from pydantic import ConfigDict, Field, ValidationError
 
 Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
 Axis = Literal['surge', 'sway', 'heave', 'roll', 'pitch', 'yaw']
@@ -89,6 +89,7 @@ class RotorPlacement(StrictModel):
 class TunnelSweep(StrictModel):
     """A whole sweep."""
 
+    model_config = ConfigDict(extra='ignore')  # older sweeps have the volume of the hull
     schema_version: Literal[1]
     name: str
     vehicle: str
@@ -96,7 +97,6 @@ class TunnelSweep(StrictModel):
     engine: str
     geometry: str  # fingerprint
     length: float  # of the hull [m]
-    volume: float  # [m3]
     frontal: Vector  # shadows of the hull along x, y, z [m2]
     density: float  # [kg/m3]
     viscosity: float  # kinematic [m2/s]

@@ -46,6 +46,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from .even_light import spread_evenly
+
 LED = 300.0
 SIZE = (10.0, 8.0, 3.0)
 ROOM = Room(SIZE, Albedo(0.3, 0.5, 0.7))
@@ -259,6 +261,8 @@ def test_energy_balances(albedo, place, axis):
 def test_even_walls_echo_as_sumpner_says():
     room = Room(SIZE, Albedo(0.5, 0.5, 0.5))
     echo = build_reflecting_beam(LAMP, LightField((LAMP,), DARK, room))
+    # 268 m^2 of surface: 10 000 x 0.5 / (268 x 0.5)
+    assert spread_evenly(10_000.0, room) == pytest.approx(37.3134, abs=1e-4)
     assert echo.diffuse == pytest.approx(37.3134, abs=1e-4)
     assert echo.beyond == pytest.approx(37.3134 / 2.0, abs=1e-4)
 

@@ -3,6 +3,7 @@
 import math
 from pathlib import Path
 
+from lta_analysis.vehicles import NewVehicleRequest
 from lta_config.errors import BadInput
 from lta_config.files import load_yaml
 from lta_flight.flight_spec import build_loop, load_spec
@@ -10,6 +11,7 @@ from lta_model.vehicle import load_vehicle, Vehicle
 from lta_vehicle.new_vehicle import write_sized_vehicle
 from lta_vehicle.validation import validate_vehicle_file
 from lta_vehicle.vehicle_estimate import VehicleSize
+from pydantic import ValidationError
 import pytest
 
 CIGAR = ('--length', '1.2m', '--diameter', '0.5 m', '--mass', '120g', '--thrust', '0.1N',
@@ -108,6 +110,17 @@ def test_a_file_that_exists_is_kept_and_nothing_written(tmp_path: Path) -> None:
     with pytest.raises(BadInput, match='already exists'):
         write_vehicle(tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == ['mine.gains.yaml']
+
+
+def test_its_command_has_units_and_sizes_are_no_truths() -> None:
+    sizes = {'mass': 0.12, 'thrust': '100 mN', 'arm': 0.07, 'battery': '0.25 Ah'}
+    request = NewVehicleRequest(name='mine', diameter='50 cm', **sizes)
+    assert request.format_command() == (
+        "lta vehicle new mine --diameter '0.5 m' --mass '120 g' --thrust '0.1 N' --arm '0.07 m' "
+        "--battery '250 mA h'"
+    )
+    with pytest.raises(ValidationError, match="'True' is not a length"):
+        NewVehicleRequest(name='mine', diameter=True)
 
 
 def test_a_folder_is_no_vehicle_file() -> None:

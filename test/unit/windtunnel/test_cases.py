@@ -166,6 +166,7 @@ def test_half_a_mesh_is_begun_again(tmp_path):
         (-8, [], 'diverged'),
         (1, ['#1 Foam::sigFpe::sigHandler(int)'], 'diverged'),
         (-9, [], 'ran out of memory'),
+        (-15, ['Time = 3'], 'was killed by signal 15; start again to resume.'),
         (1, ['std::bad_alloc'], 'ran out of memory'),
         (1, ['write failed: No space left on device'], 'disk is full'),
         (1, ['--> FOAM FATAL ERROR: ', 'cannot find file "p"', '', 'FOAM exiting'], 'cannot find'),

@@ -111,6 +111,8 @@ def explain_failure(program: str, code: int, tail: Sequence[str]) -> CaseFailed:
             f'{program} was killed or ran out of memory; use --workers 1 or a coarser '
             'fidelity, and start again to resume.'
         )
+    if code < 0 and FATAL not in text:
+        return CaseFailed(f'{program} was killed by signal {-code}; start again to resume.')
     fatal = text.partition(FATAL)[2].splitlines()[1:] or list(tail[-1:])
     reason = next((line.strip() for line in fatal if line.strip()), 'it says no reason')
     return CaseFailed(f'{program} failed with exit status {code}: {reason[:200]}')

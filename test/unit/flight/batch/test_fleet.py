@@ -1,6 +1,7 @@
 """A batch flies what the loop flies: the same parts, and the same on a GPU."""
 
 from dataclasses import replace
+from functools import partial
 from importlib.util import find_spec
 import math
 import os
@@ -12,7 +13,7 @@ from lta_config.errors import BadInput
 from lta_config.parameter_override import parse_assignment
 from lta_config.topics import load_topic_table
 from lta_control.cascade import Setpoint
-from lta_flight.batch import flight
+from lta_flight.batch import batch_flight, flight
 from lta_flight.batch.batch_flight import build_flight
 from lta_flight.batch.flight_loop import FIGURES
 from lta_flight.batch.fly import fly_many
@@ -23,16 +24,20 @@ from lta_flight.report.results import compute_results
 from lta_flight.sweep.batch_workers import compute_figures
 from lta_model.effects import EFFECTS
 from lta_model.electrical.charger import resting_flow
+from lta_model.sensors import imu, pressure
+from lta_model.sensors import range as range_finder
 from lta_model.state import COMMAND, SURROUNDINGS
 from lta_sim.kernels import kernel
 from lta_sim.kernels.compose import KernelTarget, render_kernel_source
 from lta_sim.kernels.thread import ThreadAccess
+from lta_sim.readings import FlightOutcome
 from lta_sim.simulated_vehicle import SIM_LAYOUT
 from lta_sim.termination import FLYING, REACHED, TIMEOUT
 import numpy as np
 import pytest
 
 TABLE = load_topic_table()
+PERIOD = 1e-9 * TABLE.control_ns  # s
 needs_cuda = pytest.mark.skipif(
     find_spec('numba.cuda') is None, reason='this numba needs numba-cuda (requirements-gpu.txt)'
 )
@@ -84,6 +89,46 @@ def with_record(spec, path, turn):
     scene = spec.contents['scenario']
     air = {**scene['air'], 'recorded': str(path)}
     return replace(spec, contents={**spec.contents, 'scenario': {**scene, 'air': air}})
+
+
+EXACT = {  # settings of the sensors without noise and errors
+    'ImuSettings': {
+        'acceleration_noise': (0.0, 0.0, 0.0), 'acceleration_offset': 0.0,
+        'acceleration_scale': 0.0, 'rate_noise': 0.0, 'rate_offset': 0.0, 'rate_scale': 0.0,
+    },
+    'RangeSettings': {'noise': 0.0, 'offset': 0.0},
+    'PressureSettings': {'noise': 0.0, 'offset': 0.0, 'drift': 0.0},
+}  # fmt: skip
+ENDING = ('x', 'y', 'z', 'charge', 'path_length', 'end')
+
+
+def test_without_noise_and_lamp_a_flight_is_that_of_the_world(batches, monkeypatch, tmp_path):
+    """In a recorded wind, with a panel that is shorted: all but light and chance, as compiled."""
+    for module, name in ((imu, 'ImuSettings'), (range_finder, 'RangeSettings'),
+                         (pressure, 'PressureSettings')):  # fmt: skip
+        exact = partial(getattr(module, name), **EXACT[name])
+        monkeypatch.setattr(module, name, exact)
+        monkeypatch.setattr(batch_flight, name, exact)
+    seconds = 20 if batches == 'compiled' else 2
+    spec = ingredients(
+        *BRIEF[1:], f'scenario.goal.time_limit={seconds} s', 'mission.altitude=0.5',
+        'scenario.start.heading_spread=0 deg', 'scenario.ambient.steady=20000 lx',
+        'scenario.lamp.flux=1e-3 lm', 'scenario.room.size=[40, 40, 3] m',
+    )  # fmt: skip
+    spec = with_record(spec, tmp_path / 'wind.csv', 0.8)
+    scene = spec.contents['scenario'] | {'faults': {'panel_short': '1 s'}}
+    spec = replace(spec, contents=spec.contents | {'scenario': scene})
+    loop = build_loop(spec, 1)
+    world = loop.world
+    flown = [[*world.state[:3], world.charge]]
+    flown += [[*world.state[:3], world.charge] for _ in loop.iterate_steps()]
+    # The loop flies one period more, in which it learns the outcome
+    length = np.linalg.norm(np.diff(flown[:-1], axis=0)[:, :2], axis=1).sum()
+    expected = [*flown[-2], length, world.elapsed - PERIOD]
+    told = figures(fly_many([build_flight(*build_vehicle_scenario_stack(spec), TABLE)], [1])[0])
+    assert tuple(FlightOutcome)[int(told['outcome'])] is world.outcome
+    np.testing.assert_allclose([told[name] for name in ENDING], expected, rtol=1e-7, atol=1e-7)
+    assert length > 0.1
 
 
 def test_flights_share_recorded_wind_until_its_file_changes(tmp_path):

@@ -85,6 +85,14 @@ def test_page_has_every_panel_with_figure_and_caption(reading):
         assert panel.caption in reading.text
 
 
+def test_page_fetches_nothing(written, reading):
+    assert [address for address in reading.addresses if not address.startswith('#')] == []
+    text = written.read_text(encoding='utf-8')
+    styles = re.findall(r'<style>(.*?)</style>', text, re.DOTALL)
+    assert styles
+    assert not [style for style in styles if '@import' in style or 'url(' in style]
+
+
 def test_page_shows_commands_that_can_be_copied(tmp_path, monkeypatch):
     view = FlightView(open_flight(write_flight(tmp_path / 'my runs' / 'bag', until=6.0)))
     monkeypatch.setenv('LTA_CALLED', './lta')
