@@ -34,6 +34,11 @@ REPLACE_METHOD = '_replace'
 PARSING = Lock()  # Python 3.11 fails with SystemError if two threads parse (cpython issue 106905)
 
 
+def _parse(source: bytes | str) -> ast.Module:
+    with PARSING:
+        return ast.parse(source)
+
+
 @cache
 def _read_definitions(path: Path, changed_ns: int, size: int) -> dict[str, ast.FunctionDef]:
     """
@@ -42,11 +47,9 @@ def _read_definitions(path: Path, changed_ns: int, size: int) -> dict[str, ast.F
     Time and size are only keys: an edited file is read again.
     """
     del changed_ns, size
-    with PARSING:
-        tree = ast.parse(path.read_bytes())
     return {
         node.name: _strip_annotations(node)
-        for node in tree.body
+        for node in _parse(path.read_bytes()).body
         if isinstance(node, ast.FunctionDef)
     }
 
@@ -113,7 +116,7 @@ class _Rewriter(NamedTuple):
         if isinstance(part, ast.Attribute) and isinstance(part.value, ast.Name):
             text = self.attributes.get(f'{part.value.id}.{part.attr}')
             if text is not None:
-                return ast.parse(text, mode='eval').body
+                return _parse(text).body[0].value  # type: ignore[attr-defined]
         if isinstance(part, ast.Call) and _is_marked(part):
             part = self._write_out_replace(part)
         if isinstance(part, ast.arguments):

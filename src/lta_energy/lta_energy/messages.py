@@ -41,12 +41,20 @@ def to_reading(
 def to_travel_state(
     odom: Odometry, airspeed: TwistWithCovarianceStamped | None
 ) -> TravelState | None:
-    """Return distance from the start over ground, and airspeed; None while they are unknown."""
-    # Its own speed over ground would take a head wind for slowness
-    if airspeed is None or not has_estimate(odom.pose.covariance[0]):
+    """
+    Return distance from the start over ground, and airspeed; None while the place is unknown.
+
+    Without an airspeed it is 0, and the usual one of the settings holds: the speed over ground
+    would take a head wind for slowness.
+    """
+    if not has_estimate(odom.pose.covariance[0]):
         return None
-    place, speed = odom.pose.pose.position, airspeed.twist.twist.linear
-    return TravelState(math.hypot(place.x, place.y), math.hypot(speed.x, speed.y))
+    place = odom.pose.pose.position
+    through_air = 0.0
+    if airspeed is not None:
+        speed = airspeed.twist.twist.linear
+        through_air = math.hypot(speed.x, speed.y)
+    return TravelState(math.hypot(place.x, place.y), through_air)
 
 
 def from_charge(

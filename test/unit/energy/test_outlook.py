@@ -2,6 +2,8 @@
 
 import math
 
+from geometry_msgs.msg import TwistWithCovarianceStamped
+from lta_energy.messages import to_travel_state
 from lta_energy.monitoring import outlook
 from lta_energy.monitoring.meters import TravelState
 from lta_energy.monitoring.outlook import (
@@ -14,6 +16,7 @@ from lta_energy.monitoring.outlook import (
 )
 from lta_energy.monitoring.soc_ekf import CellState
 from lta_model.electrical.battery import BatteryModel, open_circuit_voltage, stored_energy
+from nav_msgs.msg import Odometry
 import numpy as np
 import pytest
 
@@ -209,3 +212,17 @@ def test_a_load_by_hand():
     assert outlook.mean_load_deviation(
         LoadEstimate(1.0, 1.0, 0.04, 0.0), 0.0, 30.0
     ) == pytest.approx(0.2)
+
+
+def test_the_way_home_is_known_without_an_airspeed():
+    """A graph with an estimator of one's own may have `odom` alone."""
+    odom = Odometry()
+    odom.pose.pose.position.x, odom.pose.pose.position.y = 3.0, 4.0
+    odom.twist.twist.linear.x = 0.7  # over ground
+    odom.pose.covariance[0] = 0.01
+    assert to_travel_state(odom, None) == TravelState(5.0, 0.0)
+    airspeed = TwistWithCovarianceStamped()
+    airspeed.twist.twist.linear.y = 0.3
+    assert to_travel_state(odom, airspeed) == TravelState(5.0, 0.3)
+    odom.pose.covariance[0] = -1.0
+    assert to_travel_state(odom, airspeed) is None
