@@ -51,7 +51,8 @@ def test_a_flight_whose_tracker_is_lost_lands_and_fails(start_flight, domain_id,
         peer.hear('ground_truth/odom', lambda odom: heights.append(odom.pose.pose.position.z))
         peer.hear('teleop/held', lambda each: held.append(each.data))
         flight = start_flight(20)
-        peer.until(lambda: held and held[-1])
+        peer.until(lambda: (held and held[-1]) or flight.popen.poll() is not None)
+        assert held, flight.text
         camera.sees = False
         peer.until(lambda: flight.popen.poll() is not None)
     assert flight.end() == 1
