@@ -151,7 +151,7 @@ def test_what_is_odd_is_kept_and_named(bring, tmp_path):
     for sentence in (
         'The time goes back once, first in row 3; these rows are kept.',
         'The time repeats once; these rows are kept.',
-        "Column 'x' lacks a number 4 times; the bag has NaN there.",
+        "Column 'x' lacks a number 2 times; the bag has NaN there.",
         f'2 rows have no values for {ODOM} and are left out there.',
         'The mapping does not use these columns of the log: u.',
     ):

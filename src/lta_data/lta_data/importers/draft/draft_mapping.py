@@ -180,7 +180,7 @@ def draft_mapping(
             if any(column.startswith(f'{other}.') for column in list_columns(entry)):
                 entry['join'] = [other]
     check_wrenches(source.tables, drafts, clocks, choices)
-    content = _build_content(source, drafts, path)
+    content = _build_content(source, drafts, path, choices)
     choices.refuse_unused()
     left_out = {
         f'{name}.{column}' if name else column: source.tables[name][column]
@@ -248,7 +248,7 @@ def _build_head(source: SourceTables, path: Path) -> dict[str, Any]:
 
 
 def _build_content(
-    source: SourceTables, drafts: Mapping[str, TableDraft], path: Path
+    source: SourceTables, drafts: Mapping[str, TableDraft], path: Path, choices: DraftChoices
 ) -> dict[str, Any]:
     """Return the mapping as plain data."""
     content = _build_head(source, path)
@@ -278,7 +278,7 @@ def _build_content(
     if axes is not None and axes.body != 'FLU':
         content['body'] = axes.body
     content['topics'] = []
-    filled: set[str] = set()
+    filled: dict[str, str] = {}  # name of the table by topic
     for draft in used.values():
         for entry in draft.entries:
             own = {} if same else {'time': draft.time.entry}
@@ -292,7 +292,13 @@ def _build_content(
                 body = {'body': 'FLU'}
             if entry['topic'] not in filled:
                 content['topics'].append(entry | own | body)
-                filled.add(entry['topic'])
+                filled[entry['topic']] = entry.get('table', '')
+            elif entry.get('table', '') != filled[entry['topic']]:
+                choices.add_reason(
+                    f'{entry["topic"]}', list_columns(entry), 'left out',
+                    f"the table '{filled[entry['topic']]}' fills this topic, and they are not on "
+                    'one clock that would join them',
+                )  # fmt: skip
     return content
 
 
