@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 
 
 def _describe_oddities(
-    used: Mapping[str, LogTable], written: Mapping[tuple[str, str], NDArray[np.bool_]]
+    used: Mapping[str, LogTable], rows_in_bag: Mapping[tuple[str, str], NDArray[np.bool_]]
 ) -> list[str]:
     """
     Return remarks on irregular times and missing numbers, which stay as they are.
 
-    `written`: the rows of which the bag has messages, by table and column.
+    `rows_in_bag`: the rows of which the bag has messages, by table and column.
     """
     back, same, lacking = [], [], {}
     for name, table in sorted(used.items()):
@@ -37,7 +37,7 @@ def _describe_oddities(
                 f'The time{_format_owner(name)} repeats {_format_times(count)}; these rows are '
                 'kept.'
             )
-    for (name, column), rows in written.items():
+    for (name, column), rows in rows_in_bag.items():
         if holes := int(np.isnan(used[name].columns[column][rows]).sum()):
             lacking[f'{name}.{column}' if name else column] = holes
     return [*back, *same, *(
@@ -95,7 +95,7 @@ def write_log_bag(
             writer.write(topic, data, log_time)
             counts[topic] += 1
     topics = {converter.plan.topic for converter in converters} | set(names.values())
-    oddities = _describe_oddities(used, _find_written_rows(used, pairs))
+    oddities = _describe_oddities(used, _find_rows_in_bag(used, pairs))
     notes += [*_describe_unused(converters, chosen, log), *oddities, *log.notes]
     return {topic: counts[topic] for topic in sorted(topics)}, notes
 
@@ -142,18 +142,18 @@ def _read_used_tables(
     return log.read_tables(columns_by_table)
 
 
-def _find_written_rows(
+def _find_rows_in_bag(
     used: Mapping[str, LogTable], pairs: Sequence[tuple[TopicConverter, ConvertedMessages]]
 ) -> dict[tuple[str, str], NDArray[np.bool_]]:
     """Return the rows of which the bag has messages, by table and column that a topic names."""
-    written: dict[tuple[str, str], NDArray[np.bool_]] = {}
+    rows_in_bag: dict[tuple[str, str], NDArray[np.bool_]] = {}
     for converter, messages in pairs:
         name = converter.plan.entry.table or ''
         for column in converter.plan.entry.columns:
             if column in used[name].columns:
                 none = np.zeros(len(used[name]), dtype=np.bool_)
-                written.setdefault((name, column), none)[messages.rows] = True
-    return written
+                rows_in_bag.setdefault((name, column), none)[messages.rows] = True
+    return rows_in_bag
 
 
 def _convert_topic(

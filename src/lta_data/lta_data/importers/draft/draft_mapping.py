@@ -294,11 +294,13 @@ def _build_content(
                 content['topics'].append(entry | own | body)
                 filled[entry['topic']] = entry.get('table', '')
             elif entry.get('table', '') != filled[entry['topic']]:
-                choices.add_reason(
-                    f'{entry["topic"]}', list_columns(entry), 'left out',
-                    f"the table '{filled[entry['topic']]}' fills this topic, and they are not on "
-                    'one clock that would join them',
-                )  # fmt: skip
+                why = f"the table '{filled[entry['topic']]}' fills this topic"
+                if 'orientation' in entry:
+                    why += (
+                        '; an attitude of another table joins it only if both have rows at the '
+                        'same times, and no rates are beside it'
+                    )
+                choices.add_reason(entry['topic'], list_columns(entry), 'left out', why)
     return content
 
 

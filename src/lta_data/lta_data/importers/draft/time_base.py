@@ -184,7 +184,7 @@ def _rank_as_time(column: str, cells: Numbers) -> int:
     except BadInput:
         # To read it says which row is wrong
         return UNREADABLE if is_named else NO_TIME
-    if _rises(times):
+    if _rises((times - times[0]).astype(np.float64)):
         return 0 if is_date(str(cells[0])) else 1
     # To a second only
     is_coarse = times[-1] > times[0] and np.mean(np.diff(times) >= 0) > RISING_SHARE
@@ -199,9 +199,9 @@ def _is_rising_number(column: str, cells: Numbers) -> bool:
 def _rises(cells: Numbers) -> bool:
     """Return whether numbers rise nearly everywhere."""
     good = cells[np.isfinite(cells)]
-    return (
-        len(good) > 1 and bool(np.mean(np.diff(good) > 0.0) > RISING_SHARE) and good[-1] > good[0]
-    )
+    if len(good) < 2 or good[-1] <= good[0]:
+        return False
+    return bool(np.mean(np.diff(good) > 0.0) > RISING_SHARE)
 
 
 def _repeats(cells: Numbers) -> bool:

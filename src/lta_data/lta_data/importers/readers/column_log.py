@@ -174,14 +174,14 @@ def parse_time(text: str, *, month_first: bool = False) -> int:
             raise ValueError(text)
     if parts is None:
         raise ValueError(text)
-    found = parts.groupdict()
-    hour = int(found.get('hour') or 0)
-    if half := found.get('half'):  # noon is 12 PM, midnight 12 AM
+    fields = parts.groupdict()
+    hour = int(fields.get('hour') or 0)
+    if half := fields.get('half'):  # noon is 12 PM, midnight 12 AM
         hour = hour % 12 + 12 * (half.lower() == 'p')
-    minutes = 60 * (24 * (days + int(found.get('days') or 0)) + hour) + int(found['minute'])
-    if (zone := found.get('zone') or 'Z')[0] in '+-':
+    minutes = 60 * (24 * (days + int(fields.get('days') or 0)) + hour) + int(fields['minute'])
+    if (zone := fields.get('zone') or 'Z')[0] in '+-':
         minutes -= int(f'{zone[0]}1') * (60 * int(zone[1:3]) + int(zone[-2:]))
-    return _round_to_nanoseconds(60 * minutes + Decimal(found['second'].replace(',', '.')))
+    return _round_to_nanoseconds(60 * minutes + Decimal(fields['second'].replace(',', '.')))
 
 
 def _read_day(parts: re.Match[str], *, month_first: bool) -> date:
@@ -201,20 +201,22 @@ def is_month_first(dates: Sequence[re.Match[str]]) -> bool:
     A number above 12 is a day. Else the order is right in which the days follow each other most
     closely; on a single day, AM and PM show the American order.
     """
-    found = [one for one in dates if one['mark'] == '/']
-    days = {(int(one['first']), int(one['next'])) for one in found}
+    slashed = [one for one in dates if one['mark'] == '/']
+    days = {(int(one['first']), int(one['next'])) for one in slashed}
     if any(first > MONTHS for first, _ in days):
         return False
     if any(second > MONTHS for _, second in days):
         return True
     if len(days) > 1:
         steps = [
-            np.abs(np.diff([_read_day(one, month_first=order).toordinal() for one in found])).max()
+            np.abs(
+                np.diff([_read_day(one, month_first=order).toordinal() for one in slashed])
+            ).max()
             for order in (False, True)
         ]
         if steps[0] != steps[1]:
             return bool(steps[1] < steps[0])
-    return any(one['half'] for one in found)
+    return any(one['half'] for one in slashed)
 
 
 def _round_to_nanoseconds(seconds: Decimal) -> int:
