@@ -278,6 +278,7 @@ def test_tables_on_other_clocks_stay_apart(
     source = write_tables(tmp_path / 'log', f, t=clock(f['t']), **quaternion(f))
     draft = draft_mapping(source, {})
     assert 'join' not in draft.text
+    assert 'position' in draft.text  # worth more than an attitude alone
     left = {one.reading for one in draft.choices.reasons if 'same times' in one.reason}
     assert left == {'left out'}
 
