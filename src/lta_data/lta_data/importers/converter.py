@@ -31,6 +31,7 @@ CONSTANT_FIELDS = {  # constant fields by message type
     'sensor_msgs/msg/BatteryState': {'present': 1},
     'sensor_msgs/msg/Range': {'radiation_type': 1},  # infrared, as all sensors on this topic
 }
+COMMANDS = ('motors', 'wrench_command', 'setpoint/', 'cmd_vel')  # begin so
 NOBODY = {'sensor_msgs/msg/BatteryState': ('design_capacity',)}  # NaN, since no log has it
 
 
@@ -63,7 +64,8 @@ class TopicConverter:
     Attributes
     ----------
     without : int
-        Rows left out because no cell of the topic's columns has a number.
+        Rows left out because no cell of the topic's columns has a number, or, of a command, all
+        are empty.
     excluded : int
         Rows left out by the mapping's `where`.
     silent : list of str
@@ -120,8 +122,14 @@ class TopicConverter:
         columns = [name for name in entry.columns if name not in entry.where]
         if not columns:
             return fits
-        # Rows without any value: logs with several rates leave the other columns empty
-        nothing = np.logical_and.reduce([np.isnan(table.columns[name]) for name in columns])
+        # Rows without any value: logs with several rates leave the other columns empty. A command
+        # that is NaN, as that of PX4's motors at rest, ends the one before it
+        none = np.zeros(len(table), dtype=np.bool_)
+        is_command = entry.topic.startswith(COMMANDS)
+        nothing = np.logical_and.reduce([
+            table.empty.get(name, none) if is_command else np.isnan(table.columns[name])
+            for name in columns
+        ])  # fmt: skip
         self.without += int((nothing & fits).sum())
         return fits & ~nothing
 

@@ -2,7 +2,6 @@
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from heapq import merge
 from operator import itemgetter
 from pathlib import Path
@@ -13,10 +12,17 @@ from lta_data.importers.converter import ConvertedMessages, TopicConverter, Valu
 from lta_data.importers.mapping_choice import MappingChoice
 from lta_data.importers.protocol import join_tables, LogReader, LogTable, Reached
 import numpy as np
+from numpy.typing import NDArray
 
 
-def _describe_oddities(used: Mapping[str, LogTable]) -> list[str]:
-    """Return remarks on irregular times and missing numbers, which stay as they are."""
+def _describe_oddities(
+    used: Mapping[str, LogTable], rows_in_bag: Mapping[tuple[str, str], NDArray[np.bool_]]
+) -> list[str]:
+    """
+    Return remarks on irregular times and missing numbers, which stay as they are.
+
+    `rows_in_bag`: the rows of which the bag has messages, by table and column.
+    """
     back, same, lacking = [], [], {}
     for name, table in sorted(used.items()):
         steps = np.diff(table.stamps)
@@ -31,9 +37,9 @@ def _describe_oddities(used: Mapping[str, LogTable]) -> list[str]:
                 f'The time{_format_owner(name)} repeats {_format_times(count)}; these rows are '
                 'kept.'
             )
-        for column, numbers in table.columns.items():
-            if holes := int(np.isnan(numbers).sum()):
-                lacking[f'{name}.{column}' if name else column] = holes
+    for (name, column), rows in rows_in_bag.items():
+        if holes := int(np.isnan(used[name].columns[column][rows]).sum()):
+            lacking[f'{name}.{column}' if name else column] = holes
     return [*back, *same, *(
         f"Column '{column}' lacks a number {_format_times(count)}; the bag has NaN there."
         for column, count in sorted(lacking.items())
@@ -72,9 +78,12 @@ def write_log_bag(
     converters = [TopicConverter(plan) for plan in chosen.plans]
     used = _read_used_tables(log, converters)
     reached(0.0 if log.raw else 0.5)  # reading is done, writing the bag is not
-    pairs = [(converter, _convert_topic(converter, used, notes)) for converter in converters]
-    converters = [converter for converter, one in pairs if one is not None]
-    converted = [one for _, one in pairs if one is not None]
+    pairs = [
+        (converter, one) for converter in converters
+        if (one := _convert_topic(converter, used, notes)) is not None
+    ]  # fmt: skip
+    converters = [converter for converter, _ in pairs]
+    converted = [one for _, one in pairs]
     counts: Counter[str] = Counter()
     # What the source says of itself is kept beside what this import says
     facts = {
@@ -86,7 +95,7 @@ def write_log_bag(
             writer.write(topic, data, log_time)
             counts[topic] += 1
     topics = {converter.plan.topic for converter in converters} | set(names.values())
-    oddities = _describe_oddities(_select_used_columns(used, chosen))
+    oddities = _describe_oddities(used, _find_rows_in_bag(used, pairs))
     notes += [*_describe_unused(converters, chosen, log), *oddities, *log.notes]
     return {topic: counts[topic] for topic in sorted(topics)}, notes
 
@@ -133,19 +142,18 @@ def _read_used_tables(
     return log.read_tables(columns_by_table)
 
 
-def _select_used_columns(
-    tables: Mapping[str, LogTable], chosen: MappingChoice
-) -> dict[str, LogTable]:
-    """Return the tables with rows, and of each the columns that the mapping names."""
-    columns: dict[str, set[str]] = {}
-    for entry in (plan.entry for plan in chosen.plans):
-        columns.setdefault(entry.table or '', set()).update(entry.columns)
-    return {
-        name: replace(table, columns={one: table.columns[one] for one in table.columns
-                                      if one in columns.get(name, ())})
-        for name, table in tables.items()
-        if len(table)
-    }  # fmt: skip
+def _find_rows_in_bag(
+    used: Mapping[str, LogTable], pairs: Sequence[tuple[TopicConverter, ConvertedMessages]]
+) -> dict[tuple[str, str], NDArray[np.bool_]]:
+    """Return the rows of which the bag has messages, by table and column that a topic names."""
+    rows_in_bag: dict[tuple[str, str], NDArray[np.bool_]] = {}
+    for converter, messages in pairs:
+        name = converter.plan.entry.table or ''
+        for column in converter.plan.entry.columns:
+            if column in used[name].columns:
+                none = np.zeros(len(used[name]), dtype=np.bool_)
+                rows_in_bag.setdefault((name, column), none)[messages.rows] = True
+    return rows_in_bag
 
 
 def _convert_topic(

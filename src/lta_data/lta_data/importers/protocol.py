@@ -26,6 +26,8 @@ class LogTable:
     # shape (n,)
     order: Times
     columns: Mapping[str, Numbers]  # numbers as logged; NaN if missing, shape (n,)
+    # Mask of the empty cells, for columns that have some, shape (n,)
+    empty: Mapping[str, NDArray[np.bool_]] = field(default_factory=dict)
 
     def __len__(self) -> int:
         """Return the number of rows."""
@@ -40,6 +42,7 @@ class LogTable:
             self.log_times[rows],
             self.order[rows],
             {name: column[rows] for name, column in self.columns.items()},
+            {name: holes[rows] for name, holes in self.empty.items()},
         )
 
 

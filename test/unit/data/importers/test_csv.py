@@ -151,11 +151,26 @@ def test_what_is_odd_is_kept_and_named(bring, tmp_path):
     for sentence in (
         'The time goes back once, first in row 3; these rows are kept.',
         'The time repeats once; these rows are kept.',
-        "Column 'x' lacks a number 4 times; the bag has NaN there.",
+        "Column 'x' lacks a number 2 times; the bag has NaN there.",
         f'2 rows have no values for {ODOM} and are left out there.',
         'The mapping does not use these columns of the log: u.',
     ):
         assert sentence in found.notes
+
+
+def test_a_command_that_is_nan_ends_the_one_before_it(bring, tmp_path):
+    """As PX4 has it at rest; an empty cell is no command, as between rows of other topics."""
+    mapping = POSE + '  - topic: motors\n    actuators: {left: {effort: {column: u}}}\n'
+    source = text(tmp_path / 'a.csv', 't,x,y,z,u', '5,1,2,3,0.7', '6,1,2,3,nan', '7,1,2,3,',
+                  '8,nan,nan,nan,nan')  # fmt: skip
+    found = bring(source, mapping)
+    efforts = [message.effort[0] for message in found.messages['/lta1/motors']]
+    assert efforts[0] == 0.7
+    assert np.isnan(efforts[1:]).tolist() == [True, True]
+    assert found.stamps('/lta1/motors') == [5 * 10**9, 6 * 10**9, 8 * 10**9]
+    assert found.stamps(ODOM) == [5 * 10**9, 6 * 10**9, 7 * 10**9]
+    assert "Column 'u' lacks a number 2 times; the bag has NaN there." in found.notes
+    assert "Column 'x' lacks" not in found.notes
 
 
 def test_compressed_text_comments_blanks_and_names_with_spaces(bring, tmp_path):

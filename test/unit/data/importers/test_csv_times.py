@@ -1,5 +1,7 @@
 """Times of a text with columns: every nanosecond, dates, and what is no time."""
 
+from datetime import datetime
+
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.errors import BadInput
@@ -92,11 +94,40 @@ def test_a_month_that_comes_first_is_told_by_the_day_of_a_later_row():
     assert 'are read as month and day' in ' '.join(times.assumed)
 
 
+@pytest.mark.parametrize('texts', [
+    # A number above 12 is a day, whatever AM and PM say
+    ('13/11/2026 1:25:48 PM', '13/11/2026 1:25:49 PM'),
+    # Without one, midnight is no leap by a month
+    ('5/11/2026 11:59:59 PM', '6/11/2026 12:00:00 AM'),
+    ('5/11/2026 23:59:59', '6/11/2026 00:00:00'),
+    ('11/5/2026 11:59:59 p.m.', '11/6/2026 12:00:00 a.m.'),
+    ('1/2/2026 1:25:48 p.m.', '1/2/2026 1:25:49 p.m.'),
+    ('59:59.5', '60:00.5'), ('59:59.9', '1:00:00.9'), ('59.9 s', '1:00.9'),
+    ('23:59:59.5', '24:00:00.5'), ('100:59.9', '6060.9 sec'),
+])  # fmt: skip
+def test_a_second_passes_over_midnight_and_the_full_hour(texts: tuple[str, str]) -> None:
+    times = parse_exact_times([*texts], 's', 't').times
+    assert np.diff(times).tolist() == [10**9]
+
+
+@pytest.mark.parametrize(('text', 'iso'), [
+    ('1/2/2026 1:25:48 p.m.', '2026-01-02T13:25:48'),  # on one day, as Americans write
+    ('1/2/2026 13:25:48', '2026-02-01T13:25:48'),
+    ('13/11/2026 12:25:48 AM', '2026-11-13T00:25:48'),
+    ('20261120T132548.5-0130', '2026-11-20T13:25:48.5-01:30'),
+    ('2026-11-20 13:25:48+0545', '2026-11-20T13:25:48+05:45'),
+])  # fmt: skip
+def test_a_date_is_that_of_the_calendar(text: str, iso: str) -> None:
+    expected = datetime.fromisoformat(iso if iso[-6] in '+-' else f'{iso}+00:00').timestamp()
+    assert parse_exact_times([text], 's', 't').times.tolist() == [round(1e9 * expected)]
+
+
 @pytest.mark.parametrize(
     ('times', 'sentence'),
     [
         (('2026-11-20T13:25:48Z', '12.5'), "Column 't' has '12.5' in row 2, which is not a time"),
         (('12.5', '2026-11-20T13:25:48Z'), "'2026-11-20T13:25:48Z' in row 2, which is not a time"),
+        (('2026-11-20T24:25:48Z',), "'2026-11-20T24:25:48Z' in row 1, which is not a time"),
         (('2026-02-30T13:25:48Z',), "'2026-02-30T13:25:48Z' in row 1, which is not a time"),
     ],
 )

@@ -5,6 +5,7 @@ Each is drafted from names and motion, imported, and compared with the flight th
 from; where nothing tells a reading, the draft asks or leaves it out.
 """
 
+from collections.abc import Callable
 from pathlib import Path
 
 from lta_config.errors import BadInput
@@ -13,7 +14,10 @@ from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import open_flight
 from lta_data.bag.table import stack_components
 from lta_data.data_quality.registry import run_checks
+from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.draft_mapping import draft_mapping
+from lta_data.importers.draft.motion_draft import draft_motion, MotionDraft
+from lta_data.interpretation.column_group import ColumnGroup, GEODETIC
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -248,6 +252,133 @@ def test_a_place_and_an_attitude_in_two_tables_become_one_pose(tmp_path: Path) -
     assert asked == []
     assert topics['ground_truth/odom']['join'] == ['attitude_0']  # type: ignore[index]
     check_flight(folder, f, tmp_path)
+
+
+def write_tables(folder: Path, f: Flight, **other: Array) -> Path:
+    """Write places and other columns as two tables of a folder."""
+    folder.mkdir()
+    write_csv(folder / 'mocap.csv', timed(f) | place(f))
+    write_csv(folder / 'attitude.csv', other)
+    return folder
+
+
+@pytest.mark.parametrize(
+    'clock',
+    [
+        lambda t: t + 1_000.0,
+        lambda t: 1e3 * t,
+        lambda t: 0.5 * t,  # ends early
+    ],
+    ids=['other', 'ms', 'ends'],
+)
+def test_tables_on_other_clocks_stay_apart(
+    clock: Callable[[Array], Array], tmp_path: Path
+) -> None:
+    f = lab_flight()
+    source = write_tables(tmp_path / 'log', f, t=clock(f['t']), **quaternion(f))
+    draft = draft_mapping(source, {})
+    assert 'join' not in draft.text
+    assert 'position' in draft.text  # worth more than an attitude alone
+    left = {one.reading for one in draft.choices.reasons if 'same times' in one.reason}
+    assert left == {'left out'}
+
+
+def test_an_attitude_stays_beside_the_rates_that_tell_how_to_read_it(tmp_path: Path) -> None:
+    f = lab_flight()
+    imu = {'t': f['t'], **quaternion(f), **three('gyro_', f['w']), **three('acc_', f['a'])}
+    assert 'join' not in draft_mapping(write_tables(tmp_path / 'log', f, **imu), {}).text
+
+
+@pytest.mark.parametrize('name', ['vehicle_odometry_0', 'log_3_vehicle_local_position'])
+@pytest.mark.parametrize('has_attitude', [False, True])
+def test_heights_above_a_floor_contradict_the_name_of_a_table(
+    name: str, has_attitude: bool, tmp_path: Path
+) -> None:
+    f = lab_flight()
+    folder = tmp_path / 'log'
+    folder.mkdir()
+    write_csv(folder / 'battery.csv', timed(f, voltage=np.full(len(f['t']), 3.9)))
+    table = timed(f) | place(f) | three('v', world_velocity(f))
+    write_csv(folder / f'{name}.csv', table | (quaternion(f) if has_attitude else {}))
+    assert draft_topics(folder)[1] == ['world.up']
+    (folder / f'{name}.csv').rename(folder / f'{name}_enu.csv')
+    assert draft_topics(folder)[1] == []
+
+
+@pytest.mark.parametrize(('name', 'cells'), [
+    ('exposure', ['5 ms'] * 1500), ('latency', [f'{k + 1} ms' for k in range(1500)]),
+    ('battery_left', [f'{9 - k // 600:02}:{59 - k // 10 % 60:02}.{9 - k % 10}'
+                      for k in range(1500)]),
+])  # fmt: skip
+def test_a_duration_is_no_time_beside_a_column_of_times(
+    name: str, cells: list[str], tmp_path: Path
+) -> None:
+    f = lab_flight()
+    source = write_csv(tmp_path / 'log.csv', timed(f) | place(f) | quaternion(f))
+    lines = source.read_text().splitlines()
+    source.write_text('\n'.join(
+        f'{cell},{line}' for cell, line in zip([name, *cells], lines, strict=True)
+    ))  # fmt: skip
+    check_flight(source, f, tmp_path)
+
+
+def test_durations_are_the_time_without_another(tmp_path: Path) -> None:
+    f = lab_flight()
+    source = write_csv(tmp_path / 'log.csv', timed(f) | place(f) | quaternion(f))
+    head, *rows = source.read_text().splitlines()
+    cells = [row.partition(',') for row in rows]
+    source.write_text('\n'.join([head, *(f'{one[0]} sec,{one[2]}' for one in cells)]))
+    check_flight(source, f, tmp_path)
+    readings = {one.reading for one in draft_mapping(source, {}).choices.reasons}
+    assert 'durations' in readings
+    assert 'dates' not in readings
+
+
+def draft_place(seconds: Array, place_: Array) -> MotionDraft:
+    """Return the draft of positions in mm."""
+    group = ColumnGroup('position', '', ('x', 'y', 'z'), ('x', 'y', 'z'), 'mm', '')
+    groups, numbers = {'position': group}, {'position': place_}
+    return draft_motion('ground_truth/odom', seconds, groups, numbers, DraftChoices({}))
+
+
+def test_a_smooth_flight_in_millimetres_has_no_jumps() -> None:
+    seconds = np.arange(0.0, 60.0, 0.01)
+    place_mm = 1000.0 * np.stack(
+        [np.cos(seconds), np.sin(2.0 * seconds), 1.0 + 0.3 * np.sin(0.5 * seconds)], axis=1
+    )
+    place_mm[3000] += 5.0  # noise that is no jump
+    found = draft_place(seconds, place_mm).evidence.position
+    assert found is not None
+    np.testing.assert_allclose(found, 1e-3 * place_mm, rtol=1e-12)
+
+
+def test_a_jump_of_a_tracker_is_left_out_where_the_time_steps_back() -> None:
+    seconds = np.arange(0.0, 60.0, 0.01)
+    place_mm = 1000.0 * np.stack([np.cos(0.3 * seconds), np.sin(0.3 * seconds), seconds**0], 1)
+    jumped = place_mm.copy()
+    jumped[900:910] += 800.0
+    seconds[1000:] -= 5.0
+    found = draft_place(seconds, jumped).evidence.position
+    assert found is not None
+    np.testing.assert_allclose(found, 1e-3 * place_mm, atol=1e-3)
+
+
+@pytest.mark.parametrize('seed', range(10))
+def test_a_velocity_beside_a_fix_is_north_east_down_only_if_that_is_clear(seed: int) -> None:
+    """On a way to the north-east both orders fit, and noise must not decide."""
+    rng = np.random.default_rng(seed)
+    seconds = np.arange(0.0, 30.0, 0.02)
+    speed = np.outer(1.0 + np.sin(seconds), [1.0, 1.0, 0.0])
+    fix = np.cumsum(0.02 * speed, axis=0) + rng.normal(0.0, 0.005, speed.shape)
+    columns = ('lat', 'lon', 'alt')
+    groups = {
+        'position': ColumnGroup('position', '', columns, GEODETIC, 'm', ''),
+        'velocity': ColumnGroup('velocity', '', ('vx', 'vy', 'vz'), ('x', 'y', 'z'), '', ''),
+    }
+    numbers = {'position': fix, 'velocity': speed + rng.normal(0.0, 0.05, speed.shape)}
+    turn = Rotation.from_rotvec(np.outer(0.1 * seconds, [0.0, 0.0, 1.0]))
+    found = draft_motion('ground_truth/odom', seconds, groups, numbers, DraftChoices({}), turn)
+    assert found.parts['velocity']['columns'] == ['vx', 'vy', 'vz']
 
 
 def test_what_is_known_beside_an_unknown_part_is_judged(tmp_path: Path) -> None:

@@ -65,7 +65,8 @@ def share_axes(motion: PoseMotion, vector: MeasuredVector) -> list[SharedQuantit
     weights = hann_kernel(limits.KERNEL, median_period(seconds))
     derived = smooth_columns(motion.derive(vector.kind), weights)
     measured = smooth_columns(vector.values, weights)
-    # The ends of what was derived are often zero, which a trial drift would hide
+    # Derivatives of a pose are often zero in the first and last rows. These would look like a
+    # drift of the clock, so they are left out.
     cut = len(weights) if len(seconds) > 4 * len(weights) else 0
     inner = slice(cut, len(seconds) - cut)
     seconds, derived, measured = seconds[inner], derived[inner], measured[inner]

@@ -180,7 +180,7 @@ def draft_mapping(
             if any(column.startswith(f'{other}.') for column in list_columns(entry)):
                 entry['join'] = [other]
     check_wrenches(source.tables, drafts, clocks, choices)
-    content = _build_content(source, drafts, path)
+    content = _build_content(source, drafts, path, choices)
     choices.refuse_unused()
     left_out = {
         f'{name}.{column}' if name else column: source.tables[name][column]
@@ -248,7 +248,7 @@ def _build_head(source: SourceTables, path: Path) -> dict[str, Any]:
 
 
 def _build_content(
-    source: SourceTables, drafts: Mapping[str, TableDraft], path: Path
+    source: SourceTables, drafts: Mapping[str, TableDraft], path: Path, choices: DraftChoices
 ) -> dict[str, Any]:
     """Return the mapping as plain data."""
     content = _build_head(source, path)
@@ -270,16 +270,24 @@ def _build_content(
     # What is joined has no entry with a time of its own
     if same or joining:
         content['time'] = [*joining, *times][0]
+    fillers: dict[str, dict[str, Any]] = {}  # the entry that fills a topic
+    tables: dict[str, str] = {}
+    for name, draft in used.items():
+        for entry in draft.entries:
+            topic = entry['topic']
+            # A place is worth more than an attitude alone
+            if topic not in fillers or ('position' in entry and 'position' not in fillers[topic]):
+                fillers[topic], tables[topic] = entry, name
     # The table with the most parts of a motion decides on the axes
-    axes = next((draft.axes for draft in sorted(
-        used.values(), key=lambda draft: -len(draft.groups)) if draft.axes), None)  # fmt: skip
+    axes = next((draft.axes for name, draft in sorted(
+        used.items(), key=lambda one: -len(one[1].groups)
+    ) if draft.axes and name in tables.values()), None)  # fmt: skip
     if axes is not None and axes.world != 'ENU':
         content['world'] = axes.world
     if axes is not None and axes.body != 'FLU':
         content['body'] = axes.body
     content['topics'] = []
-    filled: set[str] = set()
-    for draft in used.values():
+    for name, draft in used.items():
         for entry in draft.entries:
             own = {} if same else {'time': draft.time.entry}
             body: dict[str, Any] = {}
@@ -290,9 +298,16 @@ def _build_content(
             elif entry['topic'] == 'wrench_command' and axes is not None and axes.body == 'Y_UP':
                 # Only the tracker has y up
                 body = {'body': 'FLU'}
-            if entry['topic'] not in filled:
+            if entry is fillers[entry['topic']]:
                 content['topics'].append(entry | own | body)
-                filled.add(entry['topic'])
+            elif name != tables[entry['topic']]:
+                why = f"the table '{tables[entry['topic']]}' fills this topic"
+                if 'orientation' in entry:
+                    why += (
+                        '; an attitude of another table joins it only if both have rows at the '
+                        'same times, and no rates are beside it'
+                    )
+                choices.add_reason(entry['topic'], list_columns(entry), 'left out', why)
     return content
 
 

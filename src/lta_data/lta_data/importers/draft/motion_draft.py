@@ -10,6 +10,7 @@ from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.column_groups import LENGTH_SCALES
 from lta_data.importers.draft.vertical import (
     choose_reading,
+    DECIDING_ADVANTAGE,
     EQUAL_SCORES,
     FORWARD_SHARE,
     FORWARDNESS_GAIN,
@@ -48,6 +49,8 @@ UNLIKE: Final = 1.3  # times as much unexplained decides between two frames
 # Between body and world axes; below it, the better of two is taken [deg]
 FRAMES_APART: Final = 15.0
 EXTENTS: Final = (0.3, 30.0)  # usual extents of a flight in a laboratory [m]
+USUAL_EXTENT: Final = 3.0  # in the middle of these [m]
+INNER: Final = [2.0, 98.0]  # percentiles that a few wild positions do not move
 IMPOSSIBLE: Final = 60.0  # speed of no vehicle in a laboratory [m/s]
 GRAVITY_TOLERANCE: Final = 0.12  # a slow vehicle accelerates little; 8192 is no number of mm/s2
 MOST_DEGREES: Final = 400.0  # of a roll or pitch; larger ones are in another unit
@@ -85,7 +88,8 @@ def draft_motion(
         speed, turned = differentiate(rows['position'], seconds), _turn_rows(rows['velocity'])
         shares = [fit_scale(one, speed, seconds, FILTER_DELAY).share
                   for one in (turned, rows['velocity'])]  # fmt: skip
-        if velocity.axes == NORTH_EAST_DOWN or shares[0] > max(shares[1], AGREEING_SHARE):
+        clearly = max(shares[1] + DECIDING_ADVANTAGE, AGREEING_SHARE)
+        if velocity.axes == NORTH_EAST_DOWN or shares[0] > clearly:
             groups = {**groups, 'velocity': _turn_names(velocity)}
             rows['velocity'] = turned
     parts: dict[str, Any] = {}
@@ -113,28 +117,16 @@ def draft_motion(
         # The accelerometer in the axes of the attitude
         axes, _ = find_sensor_axes(raw.sensed, turn, seconds)
         raw = raw._replace(acceleration=raw.acceleration @ axes.T)
-    ned = [kind for kind in ('position', 'velocity')
-           if kind in groups and groups[kind].axes == NORTH_EAST_DOWN]  # fmt: skip
-    mirror, is_turned = 1.0, False
-    if 'attitude' in groups and 'position' in groups and _is_mirrored(turn, raw):
-        ned = ned or [kind for kind in ('position', 'velocity') if kind in groups]
-        other, answer = ('east, north, up', 'north, east, down'), 'world'
-        if groups['position'].axes != NORTH_EAST_DOWN:
-            other, is_turned = other[::-1], True
-            options = [
-                ('world', 'the attitude is that of axes north, east, down, the place east, north, '
-                 'up'), ('mirrored', 'y of the place counts the other way'),
-                ('sideways', 'it flies sideways'),
-            ]  # fmt: skip
-            question = 'The vehicle moves where it points only in other axes of its place.'
-            answer = choices.decide(f'{topic}.position.axes', options, question)
-        if answer == 'world':
-            groups = {**groups, **{kind: _turn_names(groups[kind]) for kind in ned}}
-            raw = raw._replace(**{kind: _turn_rows(getattr(raw, kind)) for kind in ned})
-            choices.add_reason(f'{topic}: position', groups['position'].columns, other[1],
-                               f'the attitude turns in axes {other[0]}')  # fmt: skip
-        is_turned &= answer == 'world'
-        mirror = -1.0 if answer == 'mirrored' else 1.0
+    placed = groups.get('position')
+    mirror = 1.0
+    if 'attitude' in groups and placed is not None and _is_mirrored(turn, raw):
+        groups, raw, mirror = _place_as_attitude(topic, groups, raw, choices)
+    # An attitude in axes north, east, down, to which the place was turned
+    is_turned = (
+        placed is not None
+        and placed.axes != NORTH_EAST_DOWN
+        and groups['position'].axes == EAST_NORTH_DOWN
+    )
     scales['rates'] = _draft_rates(topic, groups, raw, turn, parts, choices)
     if is_mirrored:
         usual = parts['rates'].get('scale', 1.0)
@@ -166,6 +158,37 @@ def draft_motion(
     )
 
 
+def _place_as_attitude(
+    topic: str,
+    groups: Mapping[str, ColumnGroup],
+    raw: MotionEvidence,
+    choices: DraftChoices,
+) -> tuple[Mapping[str, ColumnGroup], MotionEvidence, float]:
+    """
+    Return position and velocity in the axes of an attitude that has others.
+
+    A name tells it, or the user is asked. The last result is the sign of the position's y.
+    """
+    both = [kind for kind in ('position', 'velocity') if kind in groups]
+    ned = [kind for kind in both if groups[kind].axes == NORTH_EAST_DOWN]
+    other, answer = ('east, north, up', 'north, east, down'), 'world'
+    if groups['position'].axes != NORTH_EAST_DOWN:
+        other = other[::-1]
+        options = [
+            ('world', 'the attitude is that of axes north, east, down, the place east, north, '
+             'up'), ('mirrored', 'y of the place counts the other way'),
+            ('sideways', 'it flies sideways'),
+        ]  # fmt: skip
+        question = 'Position and attitude are in different axes: which?'
+        answer = choices.decide(f'{topic}.position.axes', options, question)
+    if answer == 'world':
+        groups = {**groups, **{kind: _turn_names(groups[kind]) for kind in ned or both}}
+        raw = raw._replace(**{kind: _turn_rows(getattr(raw, kind)) for kind in ned or both})
+        choices.add_reason(f'{topic}: position', groups['position'].columns, other[1],
+                           f'the attitude turns in axes {other[0]}')  # fmt: skip
+    return groups, raw, -1.0 if answer == 'mirrored' else 1.0
+
+
 def _list_unusable(
     groups: Mapping[str, ColumnGroup], numbers: Mapping[str, Numbers]
 ) -> Iterator[tuple[str, str]]:
@@ -183,7 +206,7 @@ def _list_unusable(
 
 
 def _wraps_at(angles: Numbers) -> float:
-    """Return the turn at which angles from zero begin anew, 0.0 if they do not."""
+    """Return the full turn, in the unit of the angles; 0.0 if they do not begin anew at zero."""
     back = float(np.max(np.abs(np.diff(angles)), initial=0.0))
     return back if angles.min() >= 0.0 and back > 0.9 * angles.max() else 0.0
 
@@ -251,8 +274,11 @@ def _blank_lost_rows(rows: Mapping[str, Numbers], seconds: Numbers) -> Numbers |
     position = np.where(lost[:, None] & ~lost.all(), np.nan, rows['position'])
     rising = np.diff(np.fmax.accumulate(seconds), prepend=-np.inf) > 0.0
     jumped = np.zeros(len(seconds), dtype=np.bool_)
-    jumped[rising] = find_tracker_jumps(seconds[rising], position[rising])
-    steady = ~jumped & np.isfinite(position).all(axis=1)
+    # Jumps are sought in m, before the unit is known: a flight is not much longer than usual
+    extent = np.ptp(np.nanpercentile(position, INNER, axis=0), axis=0).max()
+    scale = USUAL_EXTENT / max(extent, USUAL_EXTENT)
+    jumped[rising] = find_tracker_jumps(seconds[rising], scale * position[rising])
+    steady = rising & ~jumped & np.isfinite(position).all(axis=1)
     for column in position.T if jumped.any() else ():
         column[jumped] = np.interp(seconds[jumped], seconds[steady], column[steady])
     return position

@@ -35,8 +35,10 @@ WRENCH_UNITS: Final = {'force': 'N', 'torque': 'N m'}
 INERTIAL_WORDS: Final = frozenset(
     ['imu', 'gyro', 'gyr', 'gyros', 'gyroscope', 'g', 'acc', 'accel', 'accelerometer']
 )
-# Topics whose axes PX4 fixes
-PX4_POSES: Final = re.compile('vehicle_(local_position|odometry)')
+# Topics whose axes PX4 fixes; a program that exports them writes the name of the log before them
+PX4_POSES: Final = re.compile(r'(.*_)?vehicle_(local_position|odometry)(_\d+)?')
+FRESH_PERIODS: Final = 5.0  # age of an attitude that still is that of a place
+FRESH_SHARE: Final = 0.95  # of the rows of two tables on one clock, at least
 SHARED_ROWS: Final = 0.1  # share of the rows of a sensor with a pose; fewer are coincidence
 MOTION_PARTS: Final = frozenset(['position', 'attitude', 'velocity'])
 Groups = dict[str, ColumnGroup]
@@ -112,8 +114,8 @@ def draft_table(
         if topic != ROLE_TOPICS['setpoint'] and primary is None:
             primary = drafted
             if drafted.turn is not None or drafted.evidence.position is not None:
-                letters = 'px4' if PX4_POSES.search(name) else drafted.axis_names
-                axes = find_axes(drafted.evidence, drafted.turn, letters, choices)
+                convention = 'px4' if PX4_POSES.fullmatch(name) else drafted.axis_names
+                axes = find_axes(drafted.evidence, drafted.turn, convention, choices)
         parts = {k: v for k, v in drafted.parts.items() if k != 'acceleration'}
         if parts:
             entries.append({'topic': topic} | parts)
@@ -158,6 +160,7 @@ def join_pose_tables(
     """
     Return tables in which that of the places also has the attitudes, if another table has them.
 
+    Only if both have one clock: nearly every row of one has a row of the other shortly before it.
     Each row gets the latest attitude before it, in columns 'other.column'; the second result has
     the name of that other table by the name of the first. As PX4's topics are exported.
     """
@@ -172,6 +175,9 @@ def join_pose_tables(
     if len(placed) != 1 or len(turned) != 1 or placed == turned:
         return {**tables}, {}
     name, other = placed[0], turned[0]
+    # Rates and gravity tell how to read an attitude, and stay beside it
+    if any(one.kind in ('rates', 'acceleration') for one in groups[other]):
+        return {**tables}, {}
     clocks = [find_time_column(tables[one], groups[one]) for one in (name, other)]
     columns = [c for one in groups[other] if one.kind in ATTITUDES for c in one.columns]
     if (
@@ -181,12 +187,24 @@ def join_pose_tables(
     ):
         return {**tables}, {}
     times, theirs = (tables[one][clocks[0]] for one in (name, other))
+    if not (_has_fresh_rows(times, theirs) and _has_fresh_rows(theirs, times)):
+        return {**tables}, {}
     rows = np.searchsorted(theirs, times, side='right') - 1
     attitudes = {
         f'{other}.{c}': np.where(rows >= 0, tables[other][c][rows], np.nan) for c in columns
     }
     rest = {c: cells for c, cells in tables[other].items() if c not in columns}
     return {**tables, name: tables[name] | attitudes, other: rest}, {name: other}
+
+
+def _has_fresh_rows(times: Numbers, theirs: Numbers) -> bool:
+    """Return whether nearly every time has one of theirs, which rise, shortly before it."""
+    steps = np.diff(theirs)
+    if not len(steps) or not (steps > 0).all():
+        return False
+    ages = times - theirs[np.maximum(np.searchsorted(theirs, times, side='right') - 1, 0)]
+    fresh = (ages >= 0) & (ages <= FRESH_PERIODS * np.median(steps))
+    return bool(np.mean(fresh) >= FRESH_SHARE)
 
 
 def _sort_groups(

@@ -6,7 +6,7 @@ from lta_config.errors import BadInput
 from lta_config.quantity import SI_UNITS
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.protocol import Numbers
-from lta_data.importers.readers.column_log import is_time, parse_exact_times
+from lta_data.importers.readers.column_log import is_date, is_time, parse_exact_times
 from lta_data.interpretation.column_group import ColumnGroup, Columns
 from lta_data.interpretation.column_names import parse_column_name, TIME_WORDS, UNIT_WORDS
 import numpy as np
@@ -18,7 +18,11 @@ DAYS: Final = ((30_000, 60_000), (720_000, 760_000))  # of today, in spreadsheet
 FRAMES: Final = frozenset(
     ['frame', 'frames', 'index', 'idx', 'row', 'sample', 'samples', 'unnamed']
 )
+RISING_SHARE: Final = 0.9  # of the rows in which a time rises, more than
 REPEATED: Final = 0.3  # least share of rows in which a time rises
+# Ranks of a column as the time
+UNREADABLE: Final = 4
+NO_TIME: Final = 5
 RESTART: Final = 0.1  # of what passed; a time that falls back to less of it begins anew
 # Words for the parts of a time: whole seconds, and what is left of a second
 SECOND_WORDS: Final = frozenset(['s', 'sec', 'secs', 'second', 'seconds'])
@@ -141,7 +145,7 @@ def _describe_times(table: Columns) -> str:
         name = parse_column_name(column)
         if not (name.words | {name.axis}) & TIME_WORDS:
             continue
-        if cells.dtype.kind in 'fiub':
+        if cells.dtype.kind in 'fiub' or is_time(str(cells[0])):
             return f"Column '{column}' does not rise from row to row, so it is no time."
         return f"Column '{column}' has cells such as '{cells[0]}', neither numbers nor dates."
     return 'No column is a time.'
@@ -150,34 +154,54 @@ def _describe_times(table: Columns) -> str:
 def find_time_column(table: Columns, groups: list[ColumnGroup]) -> str:
     """Return the name of the time column, '' if there is none."""
     taken = {column for group in groups for column in group.columns}
-    rising = [
-        column
-        for column, cells in table.items()
-        if column not in taken
-        and (cells.dtype.kind not in 'fiub' or (_rises(cells) and not _counts(column, cells)))
-    ]
-    for column in rising:
-        name = parse_column_name(column)
-        dated = table[column].dtype.kind not in 'fiub'
-        if dated and is_time(str(table[column][0])):
-            return column
-        if not dated and name.words & TIME_WORDS:
-            return column
-    for column, cells in table.items():
-        named = parse_column_name(column).words & TIME_WORDS and column not in taken
-        # Rows that were written several times have one time
-        if named and cells.dtype.kind in 'fiu' and _rises(np.unique(cells)) and _repeats(cells):
-            return column
-    numbers = [column for column in rising if table[column].dtype.kind in 'fiub']
+    ranks = {column: _rank_as_time(column, cells) for column, cells in table.items()
+             if column not in taken}  # fmt: skip
+    best = min(ranks, key=lambda column: ranks[column], default='')
     first = next(iter(table))
+    if best and ranks[best] < UNREADABLE:
+        return best
     # Without a name: the first column, if it rises evenly
-    return first if first in numbers and _is_even(table[first]) else ''
+    if first in ranks and _is_rising_number(first, table[first]) and _is_even(table[first]):
+        return first
+    return best if best and ranks[best] == UNREADABLE else ''
+
+
+def _rank_as_time(column: str, cells: Numbers) -> int:
+    """Return how clearly a column is the time: 0 is the clearest, `NO_TIME` no time."""
+    is_named = bool(parse_column_name(column).words & TIME_WORDS)
+    if cells.dtype.kind in 'fiub':
+        if not is_named:
+            return NO_TIME
+        if _is_rising_number(column, cells):
+            return 0
+        # Rows that were written several times have one time
+        repeats = cells.dtype.kind in 'fiu' and _rises(np.unique(cells)) and _repeats(cells)
+        return 2 if repeats else NO_TIME
+    if not is_time(str(cells[0])):
+        return NO_TIME
+    try:
+        times = parse_exact_times([str(cell) for cell in cells], 's', column).times
+    except BadInput:
+        # To read it says which row is wrong
+        return UNREADABLE if is_named else NO_TIME
+    if _rises((times - times[0]).astype(np.float64)):
+        return 0 if is_date(str(cells[0])) else 1
+    # To a second only
+    is_coarse = times[-1] > times[0] and np.mean(np.diff(times) >= 0) > RISING_SHARE
+    return 3 if is_coarse else NO_TIME
+
+
+def _is_rising_number(column: str, cells: Numbers) -> bool:
+    """Return whether a column has numbers that rise, and are not those of frames."""
+    return cells.dtype.kind in 'fiub' and _rises(cells) and not _counts(column, cells)
 
 
 def _rises(cells: Numbers) -> bool:
     """Return whether numbers rise nearly everywhere."""
     good = cells[np.isfinite(cells)]
-    return len(good) > 1 and bool(np.mean(np.diff(good) > 0.0) > 0.9) and good[-1] > good[0]
+    if len(good) < 2 or good[-1] <= good[0]:
+        return False
+    return bool(np.mean(np.diff(good) > 0.0) > RISING_SHARE)
 
 
 def _repeats(cells: Numbers) -> bool:
@@ -207,7 +231,10 @@ def _read_time_column(
     if cells.dtype.kind not in 'fiub':
         times = parse_exact_times([str(cell) for cell in cells], 's', column).times
         seconds = times.astype(np.float64) * 1e-9
-        choices.add_reason(f'{prefix}time', [column], 'dates', 'dates with time of day')
+        reading, why = ('durations', 'times of day, or what has passed')
+        if is_date(str(cells[0])):
+            reading, why = 'dates', 'dates with time of day'
+        choices.add_reason(f'{prefix}time', [column], reading, why)
         return TimeBase(seconds - seconds[0], {'column': column}, float(seconds[0]))
     unit, why = _find_time_unit(column, cells, table, groups)
     if not unit:

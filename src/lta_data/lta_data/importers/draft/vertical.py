@@ -67,7 +67,7 @@ class _Vertical(NamedTuple):
 
 
 def find_axes(
-    evidence: MotionEvidence, turn: Rotation | None, axis_names: str, choices: DraftChoices
+    evidence: MotionEvidence, turn: Rotation | None, convention: str, choices: DraftChoices
 ) -> VerticalAxes:
     """
     Return the axes of a log.
@@ -78,21 +78,22 @@ def find_axes(
         In SI units, in the axes of the log.
     turn : Rotation or None
         From body to world, both of the log.
-    axis_names : str
-        Letters in the names of the position's columns, such as 'ned', or 'px4'.
+    convention : str
+        Letters in the names of the position's columns, such as 'ned', or 'px4' by the name of
+        the table, which heights can contradict.
     choices : DraftChoices
         For the question that remains.
 
     """
     # A heading alone, without roll and pitch, says nothing of the vertical
     if turn is None or turn.as_matrix()[:, 2, 2].min() > 1.0 - LEVEL_TOLERANCE:
-        axes = _find_without_attitude(evidence, axis_names, choices)
+        axes = _find_without_attitude(evidence, convention, choices)
         down = axes.world in ('NED', DOWNWARDS[2])
         # A heading alone is that of a level vehicle, about z of the world
         return axes if turn is None or not down else axes._replace(body='FRD')
     vertical = _find_vertical(evidence, turn)
     floats = choices.vehicle is not None and choices.vehicle.floats
-    sign, why = _vote_up(evidence, turn, vertical, '' if vertical.world != 2 else axis_names,
+    sign, why = _vote_up(evidence, turn, vertical, '' if vertical.world != 2 else convention,
                          with_tilt=not floats)  # fmt: skip
     usual = choices.settled.get(CONFLICT, '')
     letter = 'xyz'[vertical.world]
@@ -107,7 +108,7 @@ def find_axes(
         sign, why = (1 if answer == 'up' else -1), choices.explain(CONFLICT)
     sign = {'up': 1, 'down': -1}.get(choices.override(CONFLICT, ''), sign)
     world = (UPWARDS if sign > 0 else DOWNWARDS)[vertical.world]
-    if axis_names in NORTH_EAST_DOWN and vertical.world == 2 and sign < 0:
+    if convention in NORTH_EAST_DOWN and vertical.world == 2 and sign < 0:
         world = 'NED'
     if world == 'Y_UP' and evidence.rates is None and 'rate' not in choices.settled:
         why += '; left-handed axes, as of Unity, would come out mirrored, which nothing here tells'
@@ -173,7 +174,7 @@ def _vote_up(
     evidence: MotionEvidence,
     turn: Rotation,
     vertical: _Vertical,
-    axis_names: str,
+    convention: str,
     *,
     with_tilt: bool,
 ) -> tuple[int, str]:
@@ -184,7 +185,7 @@ def _vote_up(
     of the vehicle may say it.
     """
     letter = 'xyz'[vertical.world]
-    by_name, named = UP_BY_NAME.get(axis_names, (0, ''))
+    by_name, named = UP_BY_NAME.get(convention, (0, ''))
     by_height, heights = judge_heights(evidence.position, vertical.world)
     if (pull := _mean_pull(evidence, turn)) is not None:
         felt = float(pull[vertical.world])
@@ -200,6 +201,8 @@ def _vote_up(
             f'{words}; but {named or heights}. The accelerometer, or the position, can have '
             'the other sign.'
         )
+    if convention == 'px4' and by_height > 0:
+        return 0, f'{named}, but {heights}.'
     if by_name:
         return by_name, named
     by_tilt, share = (0, 0.0)
@@ -244,7 +247,7 @@ def _judge_tilt(evidence: MotionEvidence, turn: Rotation, same: bool) -> tuple[i
 
 
 def _find_without_attitude(
-    evidence: MotionEvidence, axis_names: str, choices: DraftChoices
+    evidence: MotionEvidence, convention: str, choices: DraftChoices
 ) -> VerticalAxes:
     """Return the axes by gravity in the body, and by heights in the world."""
     body: Axes = 'FLU'
@@ -256,19 +259,24 @@ def _find_without_attitude(
         choices.add_reason('axes: body', [], _format_axes(body), why)
     world: Axes = 'ENU'
     if evidence.position is not None:
-        sign, why = UP_BY_NAME.get(axis_names) or judge_heights(evidence.position)
+        sign, heights = judge_heights(evidence.position)
+        question = f'No attitude is there, and {describe_heights(evidence.position)}.'
+        by_name, why = UP_BY_NAME.get(convention, (0, heights))
         options = [('up', 'z points up'), ('down', 'z points down')]
-        if axis_names not in UP_BY_NAME and _can_be_y_up(evidence.position, sign):
+        if convention == 'px4' and sign > 0:
+            sign, question = 0, f'{why}, but {heights}.'
+        else:
+            sign = by_name or sign
+        if convention not in UP_BY_NAME and _can_be_y_up(evidence.position, sign):
             options.append(('y', 'y points up, as in files of Motive'))
             sign = 0
         answer = choices.override(CONFLICT, '')
         if not sign:
-            why = f'No attitude is there, and {describe_heights(evidence.position)}.'
-            answer = choices.decide(CONFLICT, options, why)
+            answer = choices.decide(CONFLICT, options, question)
             why = choices.explain(CONFLICT)
         sign = {'up': 1, 'down': -1, 'y': 1}.get(answer, sign)
         world = (UPWARDS if sign > 0 else DOWNWARDS)[1 if answer == 'y' else 2]
-        if axis_names in NORTH_EAST_DOWN and sign < 0:
+        if convention in NORTH_EAST_DOWN and sign < 0:
             world = 'NED'
         choices.add_reason('axes: world', [], _format_axes(world), why)
     return VerticalAxes(world, body, '')
@@ -284,7 +292,8 @@ def _can_be_y_up(position: Numbers, sign: int) -> bool:
 DECIDING_ADVANTAGE: Final = 0.05  # advantage of a reading that decides
 SAME_ATTITUDE: Final = 3.0  # readings that differ by less are the same in this flight [deg]
 EQUAL_SCORES: Final = 0.02  # scores of readings that agree equally well
-# Times as much as the best leaves unexplained, beside the noise, tells two readings apart
+# Two readings whose scores differ by more than so many times what the better one leaves
+# unexplained (1 - score), and more than noise, do not agree equally well
 MORE_UNEXPLAINED: Final = 3.0
 MEASURED_SCORE: Final = 1e-3  # of a score, that noise may change
 FORWARD_SHARE: Final = 0.85  # of the way is along one direction of the body of an airship
@@ -314,9 +323,9 @@ def choose_reading(
     scored = [score_attitude(reading.turn, evidence) for reading in readings]
     scored = [(score - one.cost, why) for (score, why), one in zip(scored, readings, strict=True)]
     # At a similar score, the conventional reading is the first
-    most = max(score for score, _ in scored)
-    least = most - min(EQUAL_SCORES, MORE_UNEXPLAINED * (1.0 - most) + MEASURED_SCORE)
-    best = next(i for i, (score, _) in enumerate(scored) if score >= least)
+    top_score = max(score for score, _ in scored)
+    tolerance = min(EQUAL_SCORES, MORE_UNEXPLAINED * (1.0 - top_score) + MEASURED_SCORE)
+    best = next(i for i, (score, _) in enumerate(scored) if score >= top_score - tolerance)
     first = readings[best]
     rivals = [
         reading for i, reading in enumerate(readings)

@@ -6,8 +6,9 @@ which column is the time, for all tables or for one.
 """
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from datetime import datetime, timedelta, UTC
+from datetime import date
 from decimal import Decimal
+from functools import partial
 from pathlib import Path
 import re
 from typing import Any, Final, final, NamedTuple
@@ -41,18 +42,24 @@ import pyarrow as pa
 
 SECOND_NS: Final = 1_000_000_000
 READABLE_TIME: Final = 2**62  # ns; the sum of two such times fits an int64
-EPOCH_DATE: Final = datetime(1970, 1, 1, tzinfo=UTC)
-# Date and time of day, to the second at least; the fraction is a separate group
-TIME_OF_DAY: Final = r'(\d\d?)(:\d\d:\d\d)(?:[.,](\d+))?(?:\s*([AaPp])\.?[Mm]\.?)?'
+EPOCH_DAY: Final = date(1970, 1, 1)
+LAST_HOUR: Final = 23  # of a day
+MONTHS: Final = 12
+# Date and time of day, to the second at least
+TIME_OF_DAY: Final = (
+    r'(?P<hour>\d\d?):(?P<minute>[0-5]\d):(?P<second>[0-5]\d(?:[.,]\d+)?)'
+    r'(?:\s*(?P<half>[AaPp])\.?[Mm]\.?)?'
+)
 DATE: Final = re.compile(
-    r'(\d{4}[-/]\d\d[-/]\d\d|\d\d?[./]\d\d?[./]\d{4})[T ,]\s*' + TIME_OF_DAY +
-    r'\s*(Z|z|UTC|[+-]\d\d:?\d\d|)'
-)  # fmt: skip
-COMPACT_DATE: Final = re.compile(r'(\d{8}T\d{6})(?:[.,](\d+))?\s*(Z|z|UTC|[+-]\d\d:?\d\d|)')
+    r'(?:(?P<year>\d{4})[-/](?P<month>\d\d)[-/](?P<day>\d\d)'
+    r'|(?P<first>\d\d?)(?P<mark>[./])(?P<next>\d\d?)[./](?P<last>\d{4}))'
+    r'[T ,]\s*' + TIME_OF_DAY + r'\s*(?P<zone>Z|z|UTC|[+-]\d\d:?\d\d|)'
+)
+COMPACT_DATE: Final = re.compile(r'(\d{4})(\d\d)(\d\d)T(\d\d)(\d\d)(\d\d)')
 # A time of day without a date, or what has passed, as pandas writes it
-CLOCK_TIME: Final = re.compile(r'(?:(\d{1,4}) days?,? )?' + TIME_OF_DAY)
+CLOCK_TIME: Final = re.compile(r'(?:(?P<days>\d{1,4}) days?,? )?' + TIME_OF_DAY)
 # Minutes and seconds, as spreadsheets show a time
-MINUTES: Final = re.compile(r'(\d\d?):(\d\d)[.,](\d+)')
+MINUTES: Final = re.compile(r'(?P<minute>\d+):(?P<second>[0-5]\d[.,]\d+)')
 # A number with its unit, as MATLAB writes durations
 DURATION: Final = re.compile(r'([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*(s|sec|ms|min|hr)')
 DURATION_UNITS: Final = {'s': '1', 'sec': '1', 'ms': '0.001', 'min': '60', 'hr': '3600'}
@@ -98,15 +105,19 @@ def _check_readable(seconds: NDArray[np.float64], rows: Times) -> None:
 
 def parse_exact_times(texts: list[str], unit: str, column: str) -> ParsedTimes:
     """
-    Parse decimals or dates with time of day to integer nanoseconds.
+    Parse decimals, dates with time of day or durations to integer nanoseconds.
 
     A date without a zone counts as UTC. `unit` is the unit of decimals.
 
     Raise `BadInput` if a cell is not a time; the message names the row.
     """
-    # The first cell decides between dates, durations and decimals
-    dates = bool(texts) and split_date(texts[0]) is not None
-    reading = build_date_parser(texts) if dates else build_decimal_parser(unit)
+    # The first cell decides between plain numbers and the rest
+    is_text = bool(texts) and is_time(texts[0])
+    dates = [one for text in texts if (one := match_date(text))] if is_text else []
+    month_first = is_month_first(dates)
+    reading = (
+        partial(parse_time, month_first=month_first) if is_text else build_decimal_parser(unit)
+    )
     times = np.empty(len(texts), dtype=np.int64)
     for index, text in enumerate(texts):
         try:
@@ -122,95 +133,105 @@ def parse_exact_times(texts: list[str], unit: str, column: str) -> ParsedTimes:
                 f"Column '{column}' has {content} in row {index + 1}, which is not a "
                 'time; correct the row or remove it.'
             ) from None
-    assumed = [ZONELESS] * (dates and any(find_time_zone(text) == '' for text in texts))
-    if dates and texts[0].count('/') == 2 and texts[0].find('/') < 3:
-        order = 'month and day' if is_month_first(texts) else 'day and month'
+    assumed = [ZONELESS] * any(not one['zone'] for one in dates)
+    if dates and dates[0]['mark'] == '/':
+        order = 'month and day' if month_first else 'day and month'
         assumed.append(f"Dates such as '{texts[0]}' are read as {order}.")
     return ParsedTimes(times, tuple(assumed))
 
 
-def split_date(text: str, *, month_first: bool = False) -> tuple[str, str, str] | None:
-    """
-    Return a date to the second, the fraction of the second and the time zone; None for other text.
-
-    A time of day, or what has passed, is one of 1970. `month_first`: of dates with slashes.
-    """
-    text = text.strip()
-    if match := COMPACT_DATE.fullmatch(text):
-        return match[1], match[2] or '0', match[3]
-    if match := DATE.fullmatch(text):
-        day, *time, zone = match.groups()
-        parts = re.split('[-./]', day)
-        if len(parts[0]) < 4:
-            middle_first = '/' in day and month_first
-            parts = [parts[2], *(parts[:2] if middle_first else parts[1::-1])]
-        date = '-'.join(part.zfill(2) for part in parts)
-    elif match := CLOCK_TIME.fullmatch(text):
-        days, *time = match.groups()
-        date, zone = str(EPOCH_DATE.date() + timedelta(days=int(days or 0))), 'Z'
-    elif match := MINUTES.fullmatch(text):
-        return f'1970-01-01T00:{int(match[1]):02}:{match[2]}', match[3], 'Z'
-    else:
-        return None
-    hour, rest, fraction, half = time
-    if half:  # noon is 12 PM, midnight 12 AM
-        hour = str(int(hour) % 12 + 12 * (half.lower() == 'p'))
-    return f'{date}T{hour.zfill(2)}{rest}', fraction or '0', zone
+def match_date(text: str) -> re.Match[str] | None:
+    """Return the parts of a date with time of day; None for other text."""
+    return DATE.fullmatch(COMPACT_DATE.sub(r'\1-\2-\3T\4:\5:\6', text.strip(), count=1))
 
 
-def is_month_first(texts: Sequence[str]) -> bool:
-    """Return whether dates with slashes begin with the month: by a half of the day, or a day."""
-    if texts[0].strip().endswith(('M', 'm')):
-        return True
-    days = [text.split('/')[1:2] for text in texts]
-    return any(len(day[0]) == 2 and '12' < day[0] <= '31' for day in days if day)
+def is_date(text: str) -> bool:
+    """Return whether a text is a date with a time of day."""
+    return match_date(text) is not None
 
 
 def is_time(text: str) -> bool:
-    """Return whether a text is a date with a time of day, or a duration with its unit."""
-    return split_date(text) is not None or DURATION.fullmatch(text.strip()) is not None
+    """Return whether a text is a date, a time of day or a duration, and no mere number."""
+    return is_date(text) or any(
+        form.fullmatch(text.strip()) for form in (CLOCK_TIME, MINUTES, DURATION)
+    )
 
 
-def find_time_zone(text: str) -> str | None:
-    """Return the time zone of a date as written, '' without one; None if it is not a date."""
-    parts = split_date(text)
-    return None if parts is None else parts[2]
+def parse_time(text: str, *, month_first: bool = False) -> int:
+    """
+    Return a date since 1970, a time of day or a duration, with all digits. [ns]
+
+    `month_first`: of dates with slashes. Raise `ValueError` for other text.
+    """
+    text, days = text.strip(), 0
+    if match := DURATION.fullmatch(text):
+        return _round_to_nanoseconds(Decimal(match[1]) * Decimal(DURATION_UNITS[match[2]]))
+    parts = MINUTES.fullmatch(text) or CLOCK_TIME.fullmatch(text)
+    if dated := match_date(text):
+        parts = dated
+        days = (_read_day(dated, month_first=month_first) - EPOCH_DAY).days
+        if int(dated['hour']) > LAST_HOUR:
+            raise ValueError(text)
+    if parts is None:
+        raise ValueError(text)
+    fields = parts.groupdict()
+    hour = int(fields.get('hour') or 0)
+    if half := fields.get('half'):  # noon is 12 PM, midnight 12 AM
+        hour = hour % 12 + 12 * (half.lower() == 'p')
+    minutes = 60 * (24 * (days + int(fields.get('days') or 0)) + hour) + int(fields['minute'])
+    if (zone := fields.get('zone') or 'Z')[0] in '+-':
+        minutes -= int(f'{zone[0]}1') * (60 * int(zone[1:3]) + int(zone[-2:]))
+    return _round_to_nanoseconds(60 * minutes + Decimal(fields['second'].replace(',', '.')))
+
+
+def _read_day(parts: re.Match[str], *, month_first: bool) -> date:
+    """Return the day of a date; raise `ValueError` if the calendar has none such."""
+    if parts['year']:
+        return date(*(int(parts[key]) for key in ('year', 'month', 'day')))
+    day, month = int(parts['first']), int(parts['next'])
+    if month_first and parts['mark'] == '/':
+        day, month = month, day
+    return date(int(parts['last']), month, day)
+
+
+def is_month_first(dates: Sequence[re.Match[str]]) -> bool:
+    """
+    Return whether dates with slashes begin with the month.
+
+    A number above 12 is a day. Else the order is right in which the days follow each other most
+    closely; on a single day, AM and PM show the American order.
+    """
+    slashed = [one for one in dates if one['mark'] == '/']
+    days = {(int(one['first']), int(one['next'])) for one in slashed}
+    if any(first > MONTHS for first, _ in days):
+        return False
+    if any(second > MONTHS for _, second in days):
+        return True
+    if len(days) > 1:
+        steps = [
+            np.abs(
+                np.diff([_read_day(one, month_first=order).toordinal() for one in slashed])
+            ).max()
+            for order in (False, True)
+        ]
+        if steps[0] != steps[1]:
+            return bool(steps[1] < steps[0])
+    return any(one['half'] for one in slashed)
+
+
+def _round_to_nanoseconds(seconds: Decimal) -> int:
+    """Return seconds in whole nanoseconds; raise `OverflowError` if they are huge."""
+    # An int of 1e999999 would take long
+    if abs(seconds) >= READABLE_TIME // SECOND_NS:
+        raise OverflowError(seconds)
+    return int((seconds * SECOND_NS).to_integral_value())
 
 
 def build_decimal_parser(unit: str) -> Callable[[str], int]:
     """Return a function that parses decimals in a unit of time. [ns]"""
     # Decimal: float64 has too few digits for nanoseconds since 1970
-    factor = Decimal(str(SI_UNITS[unit][1])) * SECOND_NS
-
-    def parse(text: str) -> int:
-        if match := DURATION.fullmatch(text.strip()):
-            time = Decimal(match[1]) * Decimal(DURATION_UNITS[match[2]]) * SECOND_NS
-        else:
-            time = Decimal(text) * factor
-        # An int of 1e999999 would take long
-        if abs(time) >= READABLE_TIME:
-            raise OverflowError(text)
-        return int(time.to_integral_value())
-
-    return parse
-
-
-def build_date_parser(texts: Sequence[str]) -> Callable[[str], int]:
-    """Return a function that parses dates like these since 1970, with all digits. [ns]"""
-    month_first = is_month_first(texts)
-
-    def parse(text: str) -> int:
-        parts = split_date(text, month_first=month_first)
-        if parts is None:
-            raise ValueError(text)
-        whole, fraction, zone = parts
-        zone = '+00:00' if zone in ('', 'Z', 'z', 'UTC') else zone
-        passed = datetime.fromisoformat(whole + zone) - EPOCH_DATE
-        # Apart from the whole seconds, since datetime resolves microseconds only
-        nanoseconds = int(Decimal(f'0.{fraction}').scaleb(9).to_integral_value())
-        return (passed.days * 86_400 + passed.seconds) * SECOND_NS + nanoseconds
-
-    return parse
+    factor = Decimal(str(SI_UNITS[unit][1]))
+    return lambda text: _round_to_nanoseconds(Decimal(text) * factor)
 
 
 def choose_time_offset(first: int, notes: list[str], facts: dict[str, str]) -> int:
@@ -268,16 +289,18 @@ class ColumnLog:
         for name, columns in selection.items():
             at = stamps[name] + shift
             table = self._tables[name]
-            numbers = {}
+            numbers, empty = {}, {}
             for column in self.columns[name]:
                 cells = table[column]
                 if isinstance(cells, pa.ChunkedArray) and column not in columns:
                     continue
                 numbers[column] = self._convert(column, cells)
+                if isinstance(cells, pa.ChunkedArray) and cells.null_count:
+                    empty[column] = cells.is_null().to_numpy()
             rows = np.arange(len(at), dtype=np.int64)
             # Several tables are merged by time, a single one keeps its order
             order = rows if len(selection) == 1 else at
-            tables[name] = LogTable(at, at, order, numbers)
+            tables[name] = LogTable(at, at, order, numbers, empty)
         return tables
 
     def _convert(self, column: str, cells: Cells | Column) -> NDArray[np.float64]:
