@@ -16,7 +16,7 @@ from rich.progress import (
 )
 
 LINE_PERIOD: Final = 60.0  # wall s between two lines without a terminal
-LEAST_SHARE: Final = 0.02  # done, below which the first steps (compiling, loading) tell no pace
+PACE_SHARE: Final = 0.02  # done, below which the first steps (compiling, loading) tell no pace
 
 
 class ProgressBar:
@@ -119,7 +119,7 @@ class ProgressBar:
         # By the pace up to the last progress: a long step without one, such as a compilation, does
         # not make the rest longer. When that time is over, nothing is known.
         done = share - self._before
-        if done < LEAST_SHARE:
+        if done < PACE_SHARE:
             return text
         pace = done / max(self._moved - self._begun, 1e-9)
         left = (1.0 - share) / pace - (time.monotonic() - self._moved)

@@ -31,7 +31,7 @@ CONSTANT_FIELDS = {  # constant fields by message type
     'sensor_msgs/msg/BatteryState': {'present': 1},
     'sensor_msgs/msg/Range': {'radiation_type': 1},  # infrared, as all sensors on this topic
 }
-COMMANDS = ('motors', 'wrench_command', 'setpoint/', 'cmd_vel')  # begin so
+HELD_TOPICS = ('motors', 'wrench_command', 'setpoint/', 'cmd_vel')  # begin so
 NOBODY = {'sensor_msgs/msg/BatteryState': ('design_capacity',)}  # NaN, since no log has it
 
 
@@ -125,7 +125,7 @@ class TopicConverter:
         # Rows without any value: logs with several rates leave the other columns empty. A command
         # that is NaN, as that of PX4's motors at rest, ends the one before it
         none = np.zeros(len(table), dtype=np.bool_)
-        is_command = entry.topic.startswith(COMMANDS)
+        is_command = entry.topic.startswith(HELD_TOPICS)
         nothing = np.logical_and.reduce([
             table.empty.get(name, none) if is_command else np.isnan(table.columns[name])
             for name in columns

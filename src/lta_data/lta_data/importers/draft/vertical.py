@@ -44,7 +44,7 @@ UP_BY_NAME: Final = {
     'ned': (-1, 'the names north, east, down'), 'latlonalt': (1, 'altitudes count up'),
     'px4': (-1, 'the axes of PX4 are north, east, down'),
 }  # fmt: skip
-NORTH_EAST_DOWN: Final = ('ned', 'px4')
+DOWNWARD_CONVENTIONS: Final = ('ned', 'px4')
 CONFLICT: Final = 'world.up'
 
 
@@ -108,7 +108,7 @@ def find_axes(
         sign, why = (1 if answer == 'up' else -1), choices.explain(CONFLICT)
     sign = {'up': 1, 'down': -1}.get(choices.override(CONFLICT, ''), sign)
     world = (UPWARDS if sign > 0 else DOWNWARDS)[vertical.world]
-    if convention in NORTH_EAST_DOWN and vertical.world == 2 and sign < 0:
+    if convention in DOWNWARD_CONVENTIONS and vertical.world == 2 and sign < 0:
         world = 'NED'
     if world == 'Y_UP' and evidence.rates is None and 'rate' not in choices.settled:
         why += '; left-handed axes, as of Unity, would come out mirrored, which nothing here tells'
@@ -276,7 +276,7 @@ def _find_without_attitude(
             why = choices.explain(CONFLICT)
         sign = {'up': 1, 'down': -1, 'y': 1}.get(answer, sign)
         world = (UPWARDS if sign > 0 else DOWNWARDS)[1 if answer == 'y' else 2]
-        if convention in NORTH_EAST_DOWN and sign < 0:
+        if convention in DOWNWARD_CONVENTIONS and sign < 0:
             world = 'NED'
         choices.add_reason('axes: world', [], _format_axes(world), why)
     return VerticalAxes(world, body, '')

@@ -59,7 +59,7 @@ COMPACT_DATE: Final = re.compile(r'(\d{4})(\d\d)(\d\d)T(\d\d)(\d\d)(\d\d)')
 # A time of day without a date, or what has passed, as pandas writes it
 CLOCK_TIME: Final = re.compile(r'(?:(?P<days>\d{1,4}) days?,? )?' + TIME_OF_DAY)
 # Minutes and seconds, as spreadsheets show a time
-MINUTES: Final = re.compile(r'(?P<minute>\d+):(?P<second>[0-5]\d[.,]\d+)')
+ELAPSED_MINUTES: Final = re.compile(r'(?P<minute>\d+):(?P<second>[0-5]\d[.,]\d+)')
 # A number with its unit, as MATLAB writes durations
 DURATION: Final = re.compile(r'([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*(s|sec|ms|min|hr)')
 DURATION_UNITS: Final = {'s': '1', 'sec': '1', 'ms': '0.001', 'min': '60', 'hr': '3600'}
@@ -153,7 +153,7 @@ def is_date(text: str) -> bool:
 def is_time(text: str) -> bool:
     """Return whether a text is a date, a time of day or a duration, and no mere number."""
     return is_date(text) or any(
-        form.fullmatch(text.strip()) for form in (CLOCK_TIME, MINUTES, DURATION)
+        form.fullmatch(text.strip()) for form in (CLOCK_TIME, ELAPSED_MINUTES, DURATION)
     )
 
 
@@ -166,7 +166,7 @@ def parse_time(text: str, *, month_first: bool = False) -> int:
     text, days = text.strip(), 0
     if match := DURATION.fullmatch(text):
         return _round_to_nanoseconds(Decimal(match[1]) * Decimal(DURATION_UNITS[match[2]]))
-    parts = MINUTES.fullmatch(text) or CLOCK_TIME.fullmatch(text)
+    parts = ELAPSED_MINUTES.fullmatch(text) or CLOCK_TIME.fullmatch(text)
     if dated := match_date(text):
         parts = dated
         days = (_read_day(dated, month_first=month_first) - EPOCH_DAY).days
