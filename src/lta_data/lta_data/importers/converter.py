@@ -31,7 +31,7 @@ CONSTANT_FIELDS = {  # constant fields by message type
     'sensor_msgs/msg/BatteryState': {'present': 1},
     'sensor_msgs/msg/Range': {'radiation_type': 1},  # infrared, as all sensors on this topic
 }
-HELD_TOPICS = ('motors', 'wrench_command', 'setpoint/', 'cmd_vel')  # begin so
+HELD_TOPICS = ('motors', 'wrench_command', 'setpoint/', 'cmd_vel')  # the newest value is held
 NOBODY = {'sensor_msgs/msg/BatteryState': ('design_capacity',)}  # NaN, since no log has it
 
 
