@@ -218,10 +218,12 @@ def try_alone(name: str, case: Case, words: Sequence[str], patience: float) -> R
     """Return the row of a case in a process of its own, of which nothing is left."""
     command = [sys.executable, '-m', 'campaigns', name, *words, '--trial', case.kind]
     mark = uuid.uuid4().hex
+    # Under pytest, the packages are on the path of this process alone
+    places = {'PYTHONPATH': os.pathsep.join(sys.path)}
     try:
         done = subprocess.run(
             [*command, str(case.number)], cwd=ROOT, capture_output=True, text=True,
-            timeout=patience, env=os.environ | {MARK: mark},
+            timeout=patience, env=os.environ | places | {MARK: mark},
         )  # fmt: skip
     except subprocess.TimeoutExpired:
         return {'wrong': 'it hung'}
