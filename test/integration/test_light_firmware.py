@@ -17,6 +17,7 @@ from lta_emulation.teensy.emulated_board import Cable
 from lta_model.light.lamp import SquareWave
 import numpy as np
 import pytest
+from square_waves import sample_wave
 from waiting import PATIENCE
 
 FIRMWARE = Path(__file__).resolve().parents[2] / 'firmware/light_board'
@@ -27,11 +28,6 @@ DRIFT = 80e-6
 pytestmark = pytest.mark.skipif(
     not (shutil.which('gcc') and shutil.which('make')), reason='the firmware needs gcc and make'
 )
-
-
-def sample_wave(wave, times):
-    """Return the wave, 0 or 1."""
-    return (wave.phase_in_cycles(times) < wave.duty).astype(float)
 
 
 @pytest.fixture(scope='module')

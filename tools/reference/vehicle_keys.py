@@ -5,8 +5,10 @@ import inspect
 import re
 from typing import Any, Final, get_args, get_origin, Literal, Union
 
-from lta_config.quantity import Quantity
+from lta_config.quantity import format_bounds as format_quantity_bounds
+from lta_config.quantity import Quantity, SI_UNITS
 from lta_config.schema.vehicle_file import VehicleFile
+from lta_config.settings import format_bounds
 from pydantic import BaseModel, WrapValidator
 
 HEAD: Final = """# Every key of a vehicle file
@@ -18,8 +20,7 @@ are asked for. Any unit that converts to the one in brackets will do. An assumed
 have a `range: [low, high]` and a `range_source`. `NAME` stands for a name of your own. Keys in
 **bold** must be there; the others have a default, or switch something on. `./lta vehicle new`
 writes a file from size, mass and motors, `./lta vehicle check` names what is wrong with one, and
-the bounds of a number that is out of them; [the tutorial](tutorials/your_vehicle.md) shows how to
-change it.
+[the tutorial](tutorials/your_vehicle.md) shows how to change it.
 
 """
 Entry = tuple[str, Any]
@@ -39,6 +40,7 @@ def _iterate_sections(path: str, model: type[BaseModel]) -> Iterator[str]:
         alias = field.validation_alias
         key = 'schema' if alias is not None else name
         kind, inner, steps = _describe_type(field.annotation, field.metadata)
+        bounds = format_bounds(field) if kind == 'number' else ''
         label = f'**`{key}`**' if field.is_required() else f'`{key}`'
         text = comments.get(name, '')
         if key == 'effects':
@@ -52,7 +54,8 @@ def _iterate_sections(path: str, model: type[BaseModel]) -> Iterator[str]:
             kind = f'[block](#{place.lower().replace(".", "")})'
             if not path:  # others stand right above the section that says it
                 text = text or inspect.cleandoc(inner.__doc__ or '').splitlines()[0]
-        rows.append(f'- {label} ({kind}){f": {text}" if text else ""}\n')
+        cell = ', '.join(filter(None, (kind, bounds)))
+        rows.append(f'- {label} ({cell}){f": {text}" if text else ""}\n')
     about = inspect.cleandoc(model.__doc__ or '').split('\n\nAttributes\n')[0]
     title = f'## {path}\n{about}\n\n' if path else ''
     yield f'{title}{"".join(rows)}'
@@ -90,11 +93,21 @@ def _describe_type(
 
 
 def _describe_quantity(validator: WrapValidator) -> str:
-    """Return the unit and count of a quantity, which its validator encloses."""
+    """Return the unit, count and bounds of a quantity, which its validator encloses."""
     limits = inspect.getclosurevars(validator.func).nonlocals
+    unit = limits['dimension']
     # Charges are written in mA h
-    unit = 'mA h' if limits['dimension'] == 'C' else limits['dimension']
-    return f'{limits["length"]} numbers [{unit}]' if limits['length'] > 1 else f'number [{unit}]'
+    unit_label = 'mA h' if unit == 'C' else unit
+    low = limits['low'] if limits['above'] is None else None
+    file_unit = next(
+        word
+        for word, (kind, factor) in SI_UNITS.items()
+        if (kind == unit and factor == 1.0) or word == unit_label
+    )
+    bounds = format_quantity_bounds(low, limits['above'], limits['high'], file_unit)
+    bounds = bounds if bounds.strip() not in {'', file_unit} else ''
+    count = f'{limits["length"]} numbers' if limits['length'] > 1 else 'number'
+    return ', '.join(filter(None, (f'{count} [{unit_label}]', bounds)))
 
 
 def _read_comments(model: type[BaseModel]) -> dict[str, str]:

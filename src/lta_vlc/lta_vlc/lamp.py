@@ -32,17 +32,17 @@ class Direction:
 
     @property
     def azimuth(self) -> float:
-        """Counter-clockwise from forward. [rad]."""
+        """Angle counter-clockwise from forward. [rad]"""
         return math.atan2(self.y, self.x)
 
     @property
     def elevation(self) -> float:
-        """Upwards from the plane of forward and left. [rad]."""
+        """Angle above the plane of forward and left. [rad]"""
         return math.atan2(self.z, math.sqrt(self.x * self.x + self.y * self.y))
 
     @property
     def covariance(self) -> NDArray[np.float64]:
-        """Of azimuth and elevation, shape (2, 2). [rad2]."""
+        """Covariance of azimuth and elevation, shape (2, 2). [rad2]"""
         cross = self.cross_variance
         return np.array([[self.azimuth_variance, cross], [cross, self.elevation_variance]])
 

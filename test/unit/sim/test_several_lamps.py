@@ -10,6 +10,7 @@ from lta_model.light.lamp import BeaconLamp, DriftingClock, lambertian_order, Sq
 from lta_model.sensors.photodiode import PhotodiodeArray
 import numpy as np
 import pytest
+from square_waves import sample_wave
 
 from .even_light import synthesise
 from .lamp_room import build, fly
@@ -38,11 +39,6 @@ def tone(counts, frequency, rate=RATE):
     """Return the amplitude of a frequency in the counts of the first diode, by its definition."""
     turn = np.exp(-2j * math.pi * frequency * np.arange(len(counts)) / rate)
     return 2.0 * abs(np.mean(counts[:, 0] * turn))
-
-
-def sample_wave(wave, times):
-    """Return the wave, 0 or 1."""
-    return (wave.phase_in_cycles(times) < wave.duty).astype(float)
 
 
 def test_each_lamp_is_heard_at_its_own_frequency():

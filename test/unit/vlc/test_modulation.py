@@ -6,6 +6,7 @@ import math
 from lta_model.light.lamp import phase_in_cycles, SquareWave
 import numpy as np
 import pytest
+from square_waves import sample_wave
 
 EPOCH = 1_763_000_000_123_456_789  # ns, a date in 2025
 
@@ -14,11 +15,6 @@ def exact_cycles(time: int, frequency: float, phase: float) -> float:
     """Return the position in the period by rational arithmetic alone."""
     position = Fraction(time, 10**9) * Fraction(frequency) + Fraction(phase)
     return float(position - math.floor(position))
-
-
-def sample_wave(wave, times):
-    """Return the wave, 0 or 1."""
-    return (wave.phase_in_cycles(times) < wave.duty).astype(float)
 
 
 @pytest.mark.parametrize('frequency', [150.0, 149.9973, 100.0 / 3.0, 4999.0])

@@ -159,7 +159,7 @@ def test_what_is_odd_is_kept_and_named(bring, tmp_path):
 
 
 def test_a_command_that_is_nan_ends_the_one_before_it(bring, tmp_path):
-    """As PX4 has it at rest; an empty cell is no command, as between rows of other topics."""
+    """PX4 commands NaN to stopped motors. An empty cell is a row of another topic: no command."""
     mapping = POSE + '  - topic: motors\n    actuators: {left: {effort: {column: u}}}\n'
     source = text(tmp_path / 'a.csv', 't,x,y,z,u', '5,1,2,3,0.7', '6,1,2,3,nan', '7,1,2,3,',
                   '8,nan,nan,nan,nan')  # fmt: skip

@@ -162,7 +162,7 @@ def join_pose_tables(
 
     Only if both have one clock: nearly every row of one has a row of the other shortly before it.
     Each row gets the latest attitude before it, in columns 'other.column'; the second result has
-    the name of that other table by the name of the first. As PX4's topics are exported.
+    the name of that other table by the name of the first. Exports of PX4 have such tables.
     """
     groups: dict[str, list[ColumnGroup]] = {}
     for name, table in tables.items():
@@ -197,12 +197,16 @@ def join_pose_tables(
     return {**tables, name: tables[name] | attitudes, other: rest}, {name: other}
 
 
-def _has_fresh_rows(times: Numbers, theirs: Numbers) -> bool:
-    """Return whether nearly every time has one of theirs, which rise, shortly before it."""
-    steps = np.diff(theirs)
+def _has_fresh_rows(times: Numbers, others: Numbers) -> bool:
+    """
+    Return whether the rows of another table are recent at nearly all times.
+
+    The times of the other table have to rise.
+    """
+    steps = np.diff(others)
     if not len(steps) or not (steps > 0).all():
         return False
-    ages = times - theirs[np.maximum(np.searchsorted(theirs, times, side='right') - 1, 0)]
+    ages = times - others[np.maximum(np.searchsorted(others, times, side='right') - 1, 0)]
     fresh = (ages >= 0) & (ages <= FRESH_PERIODS * np.median(steps))
     return bool(np.mean(fresh) >= FRESH_SHARE)
 
