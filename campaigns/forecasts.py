@@ -2,9 +2,9 @@
 Compare calibrated models with forecasts that one writes in an evening.
 
 `lta calibrate` and two peers (`forecast_peers.py`) learn from the same training flights, and
-forecast the same held-out flights from the same starts, beside coasting and the vehicle file. The
-flights are those of a GT-MAB (github.com/gtfactslab/Kasmalkar_LCSS2024) and of RGBlimp
-(github.com/zhu-yj/ABNODE) in LTA_DATA, and three cases of the independent simulator.
+forecast the same held-out flights from the same starts, beside coasting, the vehicle file and a
+perfect model. The flights are those of a GT-MAB (github.com/gtfactslab/Kasmalkar_LCSS2024) and of
+RGBlimp (github.com/zhu-yj/ABNODE) in LTA_DATA, and three cases of the independent simulator.
 """
 
 from argparse import Namespace
@@ -43,7 +43,9 @@ REPEATS: Final = 4  # of each input
 SEED: Final = 2026  # of the drawn flights of RGBlimp, and of the simulated cases
 DRAWN: Final = 8  # inputs that teach, and others that are held out
 CASES: Final = (0, 1, 2)
-MODELS: Final = ('coasting', 'vehicle file', 'calibrated', 'physics', 'ridge')
+MODELS: Final = (
+    'coasting', 'vehicle file', 'calibrated', 'physics', 'ridge', 'perfect model',
+)  # fmt: skip
 MAPPING: Final = """
 schema: 1
 name: mocap_blimp
@@ -88,7 +90,7 @@ class ForecastRow(NamedTuple):
     @property
     def ratio(self) -> float:
         """Error of the calibrated vehicle by that of the better peer."""
-        return self.errors[2] / min(self.errors[3:])
+        return self.errors[2] / min(self.errors[3:5])
 
 
 def bring(
@@ -213,9 +215,12 @@ def compare(
             truth - by_physics[horizon],
             truth - ridge.forecast(starts),
         ])  # fmt: skip
-        off = off[:, ~np.isnan(off).any(axis=(0, 2))]
-        if off.shape[1]:
-            errors = np.sqrt(np.mean(np.sum(off**2, axis=2), axis=1))
+        known = ~np.isnan(off).any(axis=(0, 2))
+        # Deviations stand for the errors of a perfect model
+        least = np.concatenate([one.floor for one in told[1]])[rows, h, :3]
+        off = np.concatenate([off, least[None]])[:, known]
+        if known.any():
+            errors = np.sqrt(np.nanmean(np.sum(off**2, axis=2), axis=1))
             yield ForecastRow(title, horizon, off.shape[1], tuple(errors.tolist()))
 
 

@@ -21,6 +21,7 @@ COLOURS: Final = {
     'with what is named': TRUTH,
     'vehicle.yaml': GOOD,
 }
+PERFECT: Final = 'perfect model'
 TICKS: Final = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500]  # cm
 PLOT_AXES: Final = ('x', 'y', 'z')
 DIRECTIONS: Final = ('nose', 'side', 'up')  # as in `ForecastRms`
@@ -32,6 +33,8 @@ def build_error_tiles(main: HorizonErrors) -> Iterator[Tile]:
         value, _, unit = format_error(size).partition(' ')
         title = name if name.endswith('.yaml') else name.capitalize()
         yield Tile(title, value, unit, f'position error {main.horizon:g} s ahead, RMS')
+    value, _, unit = format_error(main.least.position).partition(' ')
+    yield Tile(PERFECT.capitalize(), value, unit, 'what sensors and still air leave open')
 
 
 def build_error_tables(
@@ -52,7 +55,7 @@ def build_error_tables(
         whole.append([
             ahead,
             *(f'{format_error(each.position, 3)}, {format_number(TO_DEG * each.attitude)}{DEGREE}'
-              for each in one.errors.values()),
+              for each in (*one.errors.values(), one.least)),
             str(one.forecasts),
         ])  # fmt: skip
         for side in DIRECTIONS:
@@ -61,10 +64,11 @@ def build_error_tables(
     note = (
         f'RMS errors of position and attitude. A forecast begins every {FORECAST_INTERVAL:g} s '
         'from past readings only, and a flight tells its lift and the strength of its commands on '
-        f'the way. {remark}'
+        f'the way. A {PERFECT} errs by what noisy readings and the smallest force of still air '
+        f'leave open. {remark}'
     ).strip()
     return [
-        TextTable('Forecasts', ('ahead', *names, 'forecasts'), whole, note),
+        TextTable('Forecasts', ('ahead', *names, PERFECT, 'forecasts'), whole, note),
         TextTable(
             'Forecasts by direction', ('ahead', 'direction', *names), parts,
             'RMS position errors by the heading in which each forecast begins.', printed=False,
@@ -81,6 +85,10 @@ def draw_errors(scores: Sequence[HorizonErrors], caption: str) -> Picture:
             y=[100.0 * one.errors[name].position for one in scores],
             name=name, mode='lines+markers', line={'color': COLOURS[name]},
         )  # fmt: skip
+    figure.add_scatter(
+        x=[one.horizon for one in scores], y=[100.0 * one.least.position for one in scores],
+        name=PERFECT, mode='lines', line={'color': WALL, 'dash': 'dot'},
+    )  # fmt: skip
     figure.update_xaxes(title='time ahead [s]')
     figure.update_yaxes(title='position error [cm]', type='log', tickvals=TICKS)
     return Picture('errors', 'Forecast errors', caption, figure)

@@ -235,6 +235,7 @@ def _encode_score(one: HorizonErrors) -> dict[str, Any]:
         'count': one.forecasts,
         'vehicle': one.errors[FILE_MODEL]._asdict(),
         'coasting': one.errors[COASTING]._asdict(),
+        'perfect': one.least._asdict(),
     }
 
 

@@ -127,7 +127,7 @@ def build_study(errors: list[list[float]]) -> ForecastStudy:
     coasting[..., 1] = 2.0
     starts, headings = 1.5 * np.arange(len(errors)), np.full(len(errors), 0.5 * np.pi)
     return ForecastStudy('mine', ('A',), (
-        FlightForecasts(starts, (1.0,), table, coasting, headings),
+        FlightForecasts(starts, (1.0,), table, coasting, headings, np.abs(table)),
     ))  # fmt: skip
 
 

@@ -57,7 +57,8 @@ def forecast(flight: MeasuredFlight, error: float, coast: float = COAST) -> Flig
     errors = np.zeros((len(starts), 2, 6))
     coasting = errors.copy()
     errors[..., 0], coasting[..., 0] = error, coast
-    return FlightForecasts(starts, (1.0, 3.0), errors, coasting, np.zeros(len(starts)))
+    headings = np.zeros(len(starts))
+    return FlightForecasts(starts, (1.0, 3.0), errors, coasting, headings, 0.1 * coasting)
 
 
 def make_study(

@@ -222,7 +222,8 @@ def _encode_score(one: HorizonErrors) -> dict[str, Any]:
     """Return a score as JSON data."""
     kinds = {'coast': COASTING, 'before': FILE_MODEL, 'after': CALIBRATED}
     errors = {key: one.errors[name]._asdict() for key, name in kinds.items()}
-    return {'horizon_s': one.horizon, **errors, 'count': one.forecasts}
+    least = one.least._asdict()
+    return {'horizon_s': one.horizon, **errors, 'perfect': least, 'count': one.forecasts}
 
 
 def encode_corrections(worth: Sequence[JudgedCorrection]) -> list[dict[str, Any]]:

@@ -277,6 +277,7 @@ def _encode_score(one: HorizonErrors) -> list[dict[str, Any]]:
             'horizon_s': one.horizon,
             **{key: getattr(one.errors[model], channel) for key, model in models.items()
                if model in one.errors},
+            'perfect': getattr(one.least, channel),
             'pieces': one.forecasts,
         }
         for channel, unit in (('position', 'm'), ('attitude', 'rad'))

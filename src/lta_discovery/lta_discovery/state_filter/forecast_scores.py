@@ -33,12 +33,21 @@ class ForecastRms(NamedTuple):
 
 
 @final
+class LeastRms(NamedTuple):
+    """RMS errors of the same forecasts by a perfect model, which sensors and still air allow."""
+
+    position: float  # [m]
+    attitude: float  # [rad]
+
+
+@final
 class HorizonErrors(NamedTuple):
     """RMS errors at one horizon, by the name of the model; that of coasting is among them."""
 
     horizon: float  # [s]
     errors: Mapping[str, ForecastRms]
     forecasts: int  # number
+    least: LeastRms
 
     @property
     def positions(self) -> dict[str, float]:
@@ -69,12 +78,15 @@ def score_forecasts(
         # The last model knows best where the nose is, if the markers are turned
         headings = np.concatenate([one.headings for one in [*forecasts.values()][-1]])
         measured = ~np.isnan(np.stack(list(tables.values()))).any(axis=(0, 2))
+        floor = np.concatenate([one.floor[:, h] for one in [*forecasts.values()][-1]])
         if measured.any():
             rms = {
                 name: _summarize_errors(table[measured], headings[measured])
                 for name, table in tables.items()
             }
-            out.append(HorizonErrors(horizon, rms, int(measured.sum())))
+            squares = np.nanmean(floor[measured] ** 2, axis=0).reshape(2, 3).sum(axis=1)
+            least = LeastRms(*np.sqrt(squares).tolist())
+            out.append(HorizonErrors(horizon, rms, int(measured.sum()), least))
     return tuple(out)
 
 

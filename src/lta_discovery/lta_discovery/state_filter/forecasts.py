@@ -34,10 +34,11 @@ from lta_discovery.state_filter.forecast_sums import (
     settle_own,
     weigh_errors,
 )
-from lta_discovery.state_filter.kalman import filter_flight
+from lta_discovery.state_filter.kalman import describe_noise, filter_flight
 from lta_discovery.state_filter.likelihood import ParameterPrior
 from lta_discovery.state_filter.linear_flight import FlightSystem, LinearFlight, POSE_SIZE
-from lta_discovery.state_filter.noise_model import NoiseModel
+from lta_discovery.state_filter.noise_model import NoiseModel, wrench_floor
+from lta_discovery.state_filter.smoothing import filter_run, WRENCH_STATES
 from lta_model.vehicle import Vehicle
 import numpy as np
 from numpy.typing import NDArray
@@ -65,6 +66,8 @@ class FlightForecasts:
     errors: Array
     coasting: Array  # the same at constant velocity and rates
     headings: Array  # of the nose at each start, shape (S,) [rad]
+    # Standard deviation of these errors with a perfect model, shape (S, H, 6)
+    floor: Array
 
 
 def forecast_flights(
@@ -147,7 +150,10 @@ def _forecast_flight(
         # So unstable that a filter loses it
         errors = np.where(np.isnan(coasting), np.nan, np.inf)
     headings = _compute_headings(linear.motion[starts])
-    return FlightForecasts(system.flight.time[starts], horizons, errors, coasting, headings)
+    # Whatever the model, a force of this size acts
+    quiet = replace(noise, wrench=wrench_floor(nominal))
+    floor = predict_deviations(linear, quiet, starts, horizons)
+    return FlightForecasts(system.flight.time[starts], horizons, errors, coasting, headings, floor)
 
 
 def _estimate_starts(
@@ -256,6 +262,44 @@ def _fly_forecasts(
             # Known poses that no finite forecast meets
             lost = np.isfinite(flight.position[at]).all() & ~np.isfinite(out[s, h])
             out[s, h][lost] = np.inf
+    return out
+
+
+def predict_deviations(
+    linear: LinearFlight,
+    noise: NoiseModel,
+    starts: NDArray[np.int64],
+    horizons: Sequence[float],
+) -> Array:
+    """
+    Return standard deviations of the errors of forecasts where model and noise are right.
+
+    A forecast begins at what noisy readings tell, unexplained forces go on to change, and it is
+    compared with a noisy reading. Shape (S, H, 6); NaN past the end of a run. [m, rad]
+    """
+    _, added, fading = describe_noise(noise)
+    out = np.full((len(starts), len(horizons), POSE_SIZE), np.nan)
+    no_columns = np.zeros((linear.moved.shape[2] + 1, 1))
+    for k, (begin, end) in enumerate(linear.runs):
+        spread = filter_run(linear, noise, k, no_columns).spread
+        for h, horizon in enumerate(horizons):
+            ahead = round(horizon / GRID_PERIOD)
+            which = np.flatnonzero((starts >= begin) & (starts + ahead < end))
+            last = starts[which] + ahead
+            # How the last reading depends on the state at a point further and further back
+            rows = np.zeros((len(which), POSE_SIZE, len(fading)))
+            rows[..., :STATE_WIDTH] = linear.read[last, :POSE_SIZE]
+            rows[..., WRENCH_STATES] = linear.felt[last, :POSE_SIZE]
+            rows[..., WRENCH_STATES.stop : -1] = np.eye(POSE_SIZE)
+            variance = noise.white[:POSE_SIZE] ** 2 / np.maximum(linear.count[last, None], 1.0)
+            for at in last - np.arange(1, ahead + 1)[:, None]:
+                variance += rows**2 @ added
+                motion = rows[..., :STATE_WIDTH]
+                rows = rows * fading
+                rows[..., WRENCH_STATES] += motion @ linear.push[at]
+                rows[..., :STATE_WIDTH] = motion @ linear.step[at]
+            variance += np.einsum('spi,sij,spj->sp', rows, spread[last - ahead - begin], rows)
+            out[which, h] = np.sqrt(variance)
     return out
 
 

@@ -38,6 +38,7 @@ from lta_discovery.state_filter.forecast_scores import (
     find_main_score,
     ForecastRms,
     HorizonErrors,
+    LeastRms,
 )
 from lta_model.effects.protocol import AXES
 from lta_model.vehicle import load_vehicle
@@ -296,7 +297,7 @@ def test_forecasts_that_diverge_are_no_numbers(
     """As those of a multirotor, which tips over without its controller."""
     sizes = {COASTING: 1.4, FILE_MODEL: math.inf, CALIBRATED: 2e19}
     errors = {name: ForecastRms(size, 0.5, size, size, size) for name, size in sizes.items()}
-    lost = HorizonErrors(3.0, errors, 9)
+    lost = HorizonErrors(3.0, errors, 9, LeastRms(0.01, 0.02))
     found = replace(calibrated[1], scores={'confirm': (lost,)})
     sentence = format_forecast_sentence(found)
     assert 'diverged with the vehicle file, diverged calibrated, 140 cm if' in sentence

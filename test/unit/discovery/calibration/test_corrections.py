@@ -65,7 +65,7 @@ def forecast(error: float) -> list[FlightForecasts]:
     starts = np.arange(0.0, 100.0, 1.5)
     errors = np.zeros((len(starts), 1, 6))
     errors[..., 0] = error
-    return [FlightForecasts(starts, (3.0,), errors, errors, np.zeros(len(starts)))]
+    return [FlightForecasts(starts, (3.0,), errors, errors, np.zeros(len(starts)), errors)]
 
 
 def test_the_correction_without_which_forecasts_are_worst_comes_first() -> None:

@@ -39,6 +39,7 @@ from lta_discovery.state_filter.forecast_scores import (
     find_main_score,
     ForecastRms,
     HorizonErrors,
+    LeastRms,
 )
 from lta_model.effects.protocol import AXES
 from lta_model.vehicle import load_vehicle, parse_vehicle, Vehicle
@@ -71,7 +72,7 @@ def make_score(*errors: tuple[float, float]) -> HorizonErrors:
     """Return a score from position and attitude errors of coasting, file and calibration."""
     rms = (ForecastRms(*each, *3 * [each[0] / 3.0**0.5]) for each in errors)
     names = (COASTING, FILE_MODEL, CALIBRATED)
-    return HorizonErrors(3.0, dict(zip(names, rms, strict=True)), 20)
+    return HorizonErrors(3.0, dict(zip(names, rms, strict=True)), 20, LeastRms(0.0, 0.0))
 
 
 def make_value(

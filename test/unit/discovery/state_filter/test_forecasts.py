@@ -250,9 +250,13 @@ def test_forecasts_that_were_not_measured_do_not_count() -> None:
     errors[:2, 0, 5] = 0.1
     errors[2, 0, 0] = np.nan
     # The nose points along y
-    flight = FlightForecasts(np.arange(3.0), (1.0,), errors, errors, np.full(3, 0.5 * np.pi))
+    floor = np.full((3, 1, 6), [0.01, 0.02, 0.02, 0.0, 0.0, 0.03])
+    floor[2] = np.nan
+    north = np.full(3, 0.5 * np.pi)
+    flight = FlightForecasts(np.arange(3.0), (1.0,), errors, errors, north, floor)
     (score,) = score_forecasts({FILE_MODEL: [flight]})
     assert score.errors[FILE_MODEL] == pytest.approx((0.05, 0.1, 0.04, 0.03, 0.0))
+    assert score.least == pytest.approx((0.03, 0.03))
     assert score.forecasts == 2
     lost = replace(flight, errors=np.full((3, 1, 6), np.nan))
     assert score_forecasts({FILE_MODEL: [lost]}) == ()

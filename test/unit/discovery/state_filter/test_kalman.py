@@ -4,6 +4,7 @@ from dataclasses import replace
 
 from lta_discovery.flights.measured_flight import GRID_PERIOD
 from lta_discovery.replay.variational_equation import STATE_WIDTH
+from lta_discovery.state_filter.forecasts import predict_deviations
 from lta_discovery.state_filter.kalman import filter_flight
 from lta_discovery.state_filter.noise_model import NoiseModel
 import numpy as np
@@ -90,6 +91,24 @@ def test_forecasts_are_those_of_a_filter_without_later_readings() -> None:
         wanted[:, :PARAMETERS] -= flight.read_moved[k]
         wanted[:, PARAMETERS] += flight.left[k]
         np.testing.assert_allclose(told.errors[0, h], wanted, rtol=1e-9, atol=1e-12)
+
+
+def test_errors_of_forecasts_have_the_variance_given_the_readings_up_to_their_start() -> None:
+    """Of a reading with its white noise, whatever was read after the start."""
+    flight = build_flight(8)
+    dense = build_dense(flight, NOISE)
+    found = predict_deviations(flight, NOISE, STARTS, HORIZONS)
+    for s, start in enumerate(STARTS):
+        some = dense.select(start - RUN[0] + 1)
+        for h, horizon in enumerate(HORIZONS):
+            k = start + round(horizon / GRID_PERIOD)
+            row = np.hstack([flight.read[k], flight.felt[k], np.eye(6), np.zeros((6, 1))])
+            at = k - RUN[0]
+            across = row @ dense.across[at][:, some]
+            inner = np.linalg.inv(dense.covariance[np.ix_(some, some)])
+            left = row @ dense.spread[at, :, at] @ row.T - across @ inner @ across.T
+            wanted = np.diag(left) + NOISE.white**2 / max(flight.count[k], 1.0)
+            np.testing.assert_allclose(found[s, h] ** 2, wanted, rtol=1e-7)
 
 
 def test_two_runs_of_a_flight_are_independent_but_for_the_parameters() -> None:
