@@ -184,6 +184,8 @@ class FlightReplay:
     def mean_thrusts(self, rows: ReplayRows) -> Array:
         """Return the mean thrust of each rotor in each step. [N]"""
         out = np.zeros((len(self._steps), ACTUATORS))
+        if self.flight.wrench is not None:
+            return out
         time = self.flight.commands.time
         load_actuator_kernel().chain(
             rows.actuators.copy(), rows.actuators_on, time + _command_delays(rows, time),

@@ -78,6 +78,7 @@ class _Point(NamedTuple, Generic[Sums]):
     values: Array
     flights: list[LinearFlight]
     sums: Sums
+    damping: int = 0  # of the step that led here, by DAMPINGS
 
 
 @final
@@ -102,7 +103,8 @@ class _Search(Generic[Sums]):
 
     def step(self, at: _Point[Sums], limit: float) -> _Point[Sums] | None:
         """Return a point whose cost is below a limit, after a step; None if no step gets there."""
-        for damping in DAMPINGS:
+        # What was too far at the last point is likely too far at this one
+        for k, damping in enumerate(DAMPINGS[at.damping :], at.damping):
             longest = self.longest if damping == 0.0 else math.inf
             after = at.sums.step(self.prior, at.values, damping, longest)
             try:
@@ -110,7 +112,7 @@ class _Search(Generic[Sums]):
             except BadInput:
                 continue
             if there.sums.cost < limit:
-                return there
+                return there._replace(damping=k)
             if self.has_settled(at.values, after):
                 break
         return None
