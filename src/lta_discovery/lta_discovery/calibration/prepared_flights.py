@@ -133,16 +133,33 @@ def fit_calibration(
 
     Where the marker frame is turned far, it was defined without regard to the nose, and may have
     any heading. Another heading than the file's has to be more probable after a whole fit: turned
-    by half a turn, a vehicle whose rotors push backwards is hardly another one.
+    by half a turn, a vehicle whose rotors push backwards is hardly another one. Of two such
+    headings, neither of which is the file's, rotors push forwards in the right one.
     """
     looks = _look_at_headings(prepared)
     own, best = looks[0], max(looks, key=lambda look: look[1].evidence)
     out = _fit_from_look(prepared, *own)
     if best[1].evidence > own[1].evidence + HEADING_EVIDENCE:
+        heading = find_index(prepared.parameters, MARKER_HEADING)
+        # A look takes too few steps to tell one from the other
+        both = [
+            one for one in looks[1:] if abs(math.cos(one[0][heading] - best[0][heading])) > 0.5
+        ]
+        best = max(both, key=lambda one: _count_forward(prepared.parameters, one[1].values))
         other = _fit_from_look(prepared, *best)
         if other[1].evidence > out[1].evidence + HEADING_EVIDENCE:
             return other
     return out
+
+
+def _count_forward(parameters: Sequence[FreeParameter], values: Array) -> int:
+    """Return how many rotors or commanded level forces push the way they are told."""
+    level = ('wrench_gain.surge', 'wrench_gain.sway')
+    return sum(
+        bool(value > -1.0)
+        for one, value in zip(parameters, values, strict=True)
+        if one.name in level or one.name.endswith('.thrust')
+    )
 
 
 def _look_at_headings(prepared: PreparedCalibration) -> list[tuple[Array, ParameterFit]]:
