@@ -26,6 +26,7 @@ from lta_discovery.state_filter.noise_model import NoiseModel
 from lta_discovery.state_filter.parameter_fit import (
     fit_likelihood,
     ParameterFit,
+    smooth_systems,
 )
 from lta_model.effects.protocol import AXES
 from lta_model.vehicle import Vehicle
@@ -136,6 +137,26 @@ def fit_calibration(
     by half a turn, a vehicle whose rotors push backwards is hardly another one. Of two such
     headings, neither of which is the file's, rotors push forwards in the right one.
     """
+    assumed, fit = _fit_any_heading(prepared)
+    return assumed, _widen(assumed, fit)
+
+
+def _widen(prepared: PreparedCalibration, fit: ParameterFit) -> ParameterFit:
+    """
+    Return a fit with what it knows of its values about the smoothed motion.
+
+    The measured motion has noise, which looks like knowledge of what depends on the motion: of a
+    heading by the wind, a third of the deviation.
+    """
+    systems = smooth_systems(prepared.systems, fit)
+    near = fit_likelihood(systems, prepared.nominal, fit.values, fit.noise, 0, (), is_near=True)
+    return replace(fit, covariance=near.covariance, own=near.own)
+
+
+def _fit_any_heading(
+    prepared: PreparedCalibration,
+) -> tuple[PreparedCalibration, ParameterFit]:
+    """Return the fit from the most probable heading."""
     looks = _look_at_headings(prepared)
     own, best = looks[0], max(looks, key=lambda look: look[1].evidence)
     out = _fit_from_look(prepared, *own)

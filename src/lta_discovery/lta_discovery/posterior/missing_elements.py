@@ -42,8 +42,7 @@ from lta_discovery.state_filter.likelihood import linearize_all, ParameterPrior
 from lta_discovery.state_filter.linear_flight import FlightSystem
 from lta_discovery.state_filter.noise_fit import log_prior_of_noise
 from lta_discovery.state_filter.noise_model import NoiseModel, wrench_floor
-from lta_discovery.state_filter.parameter_fit import fit_likelihood, ParameterFit
-from lta_discovery.state_filter.smoothing import smooth_flight
+from lta_discovery.state_filter.parameter_fit import fit_likelihood, smooth_systems
 from lta_model.vehicle import Vehicle
 import numpy as np
 from numpy.typing import NDArray
@@ -266,27 +265,8 @@ class MissingElementSearch:
             values,
             covariance,
             fit.noise,
-            self._smooth(begin.systems, fit, forces),
+            smooth_systems(begin.systems, fit, forces),
         )
-
-    def _smooth(
-        self,
-        begin: Sequence[FlightSystem],
-        fit: ParameterFit,
-        forces: Sequence[Array],
-    ) -> list[FlightSystem]:
-        """
-        Return flights that are linearized about the most probable motion of a fit.
-
-        `forces`: wrench of the forces of its model in each flight, shape (n, 6).
-        """
-
-        def smooth(k: int) -> FlightSystem:
-            flight = fit.flights[k]
-            smooth = smooth_flight(flight, fit.noise[k], fit.own[k][0])
-            return begin[k].with_motion(smooth.motion, smooth.wrench + forces[k], flight.nominal)
-
-        return map_parallel(smooth, range(len(begin)))
 
     def _look(self, about: '_FittedModel', noise: Sequence[NoiseModel]) -> ModelSearch:
         """Linearize the flights with all columns, and return a search among the models."""

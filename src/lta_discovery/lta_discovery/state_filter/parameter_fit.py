@@ -14,6 +14,7 @@ from typing import Final, final, Generic, NamedTuple, TypeVar
 
 from lta_config.errors import BadInput
 from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.parallel import map_parallel
 from lta_discovery.state_filter.forecast_noise import fit_forecast_noise
 from lta_discovery.state_filter.forecast_sums import (
     ForecastSum,
@@ -33,6 +34,7 @@ from lta_discovery.state_filter.likelihood import (
 from lta_discovery.state_filter.linear_flight import FlightSystem, LinearFlight
 from lta_discovery.state_filter.noise_fit import learn_noise
 from lta_discovery.state_filter.noise_model import NoiseModel
+from lta_discovery.state_filter.smoothing import smooth_flight
 import numpy as np
 from numpy.typing import NDArray
 
@@ -213,6 +215,24 @@ def fit_forecasts(
         return inverse @ (blocks.T @ blocks + inner) @ inverse
 
     return _complete(point, prior, noise, spread, -point.sums.cost)
+
+
+def smooth_systems(
+    systems: Sequence[FlightSystem], fit: ParameterFit, forces: Sequence[Array] | None = None
+) -> list[FlightSystem]:
+    """
+    Return flights that are linearized about the most probable motion of a fit.
+
+    `forces`: wrench of its terms in each flight (`FlightSystem.with_terms`), shape (n, 6).
+    """
+
+    def smooth(k: int) -> FlightSystem:
+        flight = fit.flights[k]
+        smooth = smooth_flight(flight, fit.noise[k], fit.own[k][0])
+        wrench = smooth.wrench if forces is None else smooth.wrench + forces[k]
+        return systems[k].with_motion(smooth.motion, wrench, flight.nominal)
+
+    return map_parallel(smooth, range(len(systems)))
 
 
 def _complete(

@@ -390,7 +390,7 @@ def test_a_wind_in_the_vehicle_file_makes_the_heading_a_number_to_be_fitted() ->
 @pytest.mark.long
 def test_a_wind_in_the_vehicle_file_shows_the_heading_of_the_tracker(tmp_path: Path) -> None:
     """Of a vehicle with all other calibrations hidden, too; the wind is that of the file."""
-    wind, heading = 0.15, 0.12
+    wind, heading = 0.4, 0.12
     hidden = {'steady_wind.x': wind, 'tracker_misalignment.yaw': heading}
     text = set_yaml_values(
         find_file('vehicle', 'gtmab').read_text(encoding='utf-8'),
@@ -403,7 +403,7 @@ def test_a_wind_in_the_vehicle_file_shows_the_heading_of_the_tracker(tmp_path: P
     assert one is not None
     assert one.is_known
     assert one.ci95[0] < heading < one.ci95[1]
-    assert one.deviation < 0.04
+    assert one.deviation < 0.06
 
 
 def test_the_mass_of_a_vehicle_with_a_moving_mass_is_written(tmp_path: Path) -> None:
