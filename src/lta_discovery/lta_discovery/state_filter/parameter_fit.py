@@ -16,15 +16,19 @@ from lta_config.errors import BadInput
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.state_filter.forecast_noise import fit_forecast_noise
 from lta_discovery.state_filter.forecast_sums import (
+    BLOCK,
     ForecastSum,
     HORIZONS,
+    list_starts,
     sum_forecasts,
 )
+from lta_discovery.state_filter.kalman import FilteredFlight
 from lta_discovery.state_filter.likelihood import (
     estimate_own,
     filter_all,
     LikelihoodSum,
     linearize_all,
+    list_pulls,
     ParameterPrior,
     SIMULATION_RAN_AWAY,
     spread_out,
@@ -62,6 +66,8 @@ class ParameterFit:
 
     values: Array  # shared, relative to the vehicle file, shape (K,)
     covariance: Array  # shape (K, K)
+    # Standard deviations by those of a right model, whose errors are independent, shape (K,)
+    excess: Array
     # What each flight has of its own, and its covariance; 0 for shared parameters
     own: tuple[tuple[Array, Array], ...]
     noise: tuple[NoiseModel, ...]  # of each flight
@@ -169,7 +175,23 @@ def fit_likelihood(
             point = point if after is None else after
         if has_settled and not left:
             break
-    return _complete(point, prior, noise, np.linalg.inv, point.sums.near_evidence)
+    starts = [list_starts(one.runs, BLOCK) for one in point.flights]
+    filtered = filter_all(point.flights, noise, starts)
+    pulls = np.concatenate([list_pulls(one, prior) for one in filtered])[:, prior.free]
+
+    def spread(inverse: Array) -> Array:
+        # From afar, where a fit ends early, pulls are no scatter
+        if not is_near:
+            return inverse
+        # What the model lacks pulls a parameter for longer than noise does, as moving air pulls a
+        # wind. Then independent pieces scatter more than their curvature tells (White,
+        # Econometrica 50, 1982).
+        precision = pulls.T @ pulls + np.diag(prior.precision[prior.free])
+        scatter = inverse @ precision @ inverse
+        wider = np.sqrt(np.maximum(np.diag(scatter) / np.diag(inverse), 1.0))
+        return inverse * np.outer(wider, wider)
+
+    return _complete(point, prior, filtered, noise, spread, point.sums.near_evidence)
 
 
 def fit_forecasts(
@@ -203,28 +225,32 @@ def fit_forecasts(
             point = after
     blocks = point.sums.blocks[:, prior.free]
 
-    def spread(inner: Array) -> Array:
+    def spread(inverse: Array) -> Array:
         # Errors of neighbouring forecasts are alike: the scatter of independent blocks tells how
         # well the values are known (White, Econometrica 48, 1980). Few blocks tell nothing of some
         # directions, so the curvature is added.
-        inverse = np.linalg.inv(inner)
-        return inverse @ (blocks.T @ blocks + inner) @ inverse
+        scatter: Array = inverse @ blocks.T @ blocks @ inverse + inverse
+        return scatter
 
-    return _complete(point, prior, noise, spread, -point.sums.cost)
+    filtered = filter_all(point.flights, noise)
+    return _complete(point, prior, filtered, noise, spread, -point.sums.cost)
 
 
 def _complete(
     point: _Point[Sums],
     prior: ParameterPrior,
+    filtered: Sequence[FilteredFlight],
     noise: Sequence[NoiseModel],
-    spread: Callable[[Array], NDArray[np.floating]],
+    spread: Callable[[Array], Array],
     evidence: float,
 ) -> ParameterFit:
-    """Return a fit with its covariance, `spread` of the precision, and what flights have alone."""
-    inner = point.sums.inner[np.ix_(prior.free, prior.free)]
-    covariance = spread_out(spread(inner), prior.free)
-    filtered = filter_all(point.flights, noise)
+    """Return a fit, and what flights have alone; `spread`: covariance by the inverse curvature."""
+    inverse = np.linalg.inv(point.sums.inner[np.ix_(prior.free, prior.free)])
+    inner = spread(inverse)
+    excess = np.ones(len(point.values))
+    excess[prior.free] = np.sqrt(np.diag(inner) / np.diag(inverse))
+    covariance = spread_out(inner, prior.free)
     own = tuple(estimate_own(one.products, prior, covariance) for one in filtered)
     return ParameterFit(
-        point.values, covariance, own, tuple(noise), evidence, tuple(point.flights)
+        point.values, covariance, excess, own, tuple(noise), evidence, tuple(point.flights)
     )
