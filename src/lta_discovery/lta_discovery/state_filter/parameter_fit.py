@@ -160,8 +160,13 @@ def fit_likelihood(
     point, left, has_settled = search.look(begin), list(learning), False
     for number in range(rounds):
         if left and (has_settled or (number >= left[0] and not is_near)):
-            noise = learn_noise(point.flights, prior, point.values, noise, is_near)
-            point = point._replace(sums=evaluate(point.flights, point.values))
+            before, noise = noise, learn_noise(point.flights, prior, point.values, noise, is_near)
+            sums = evaluate(point.flights, point.values)
+            if is_near and sums.near_evidence < point.sums.near_evidence:
+                # What suits the part that it was learned from does not suit the rest
+                noise = before
+            else:
+                point = point._replace(sums=sums)
             left, has_settled = left[1:], False
         # Prior deviations of what may be large are many times what the flights leave open
         if is_near and search.expect_gain(point) < SETTLED_GAIN:
