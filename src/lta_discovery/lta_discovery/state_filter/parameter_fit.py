@@ -113,6 +113,10 @@ class _Search(Generic[Sums]):
             after = at.sums.step(self.prior, at.values, damping, longest)
             try:
                 there = self.look(after)
+                if damping == 0.0 and longest == math.inf and not there.sums.cost < limit:
+                    # What can be scaled together lies along a curved valley: a step along it ends
+                    # on its slope, and the next one on its floor
+                    there = self.look(there.sums.step(self.prior, after, 0.0, longest))
             except BadInput:
                 continue
             if there.sums.cost < limit:
