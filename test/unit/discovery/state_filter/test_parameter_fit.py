@@ -116,6 +116,44 @@ def test_pieces_that_disagree_widen_the_interval(wander: float) -> None:
     assert (fit.excess[0] > 5.0) == (wander > 0.0)
 
 
+class ProductSystem(LinearSystem):
+    """A flight that tells the product of two factors, a lost share and a tolerance."""
+
+    def linearize_about(self, values: Array) -> LinearFlight:
+        """Return the flight as seen from some values."""
+        lost, more = values
+        slopes = np.zeros((*self._flight.left.shape, 2))
+        slopes[:, 0] = -1.0 - more, 1.0 - lost
+        left = self._flight.left - (1.0 - lost) * (1.0 + more)
+        return replace(
+            self._flight, left=left, read_moved=slopes, moved=np.zeros((len(left), 12, 2)),
+            begun=np.zeros((1, 12, 2)),
+        )  # fmt: skip
+
+
+def test_a_fit_follows_factors_whose_product_is_known() -> None:
+    """From the improbable one of two factors of 0.86 to the probable one."""
+    system: Any = ProductSystem(build_steady_flight(np.full(100, 0.86)))
+    system.parameters = [
+        replace(one, tolerance=deviation, low=low)
+        for one, deviation, low in zip(
+            system.parameters[:2], (0.2, 0.02), (0.0, -0.5), strict=True
+        )
+    ]
+    noise = replace(NOISE, white=np.full(6, 1e-2), correlated=np.full(6, 1e-9))
+    nominal: Any = SimpleNamespace()
+    begin = np.array([0.0, -0.14])
+    fit = fit_likelihood([system], nominal, begin, [noise], learning=(), is_near=True)
+
+    def cost(lost: float) -> float:
+        """Return the cost of the factor, with the other one as the product wants it."""
+        return float((lost / 0.2) ** 2 + ((0.86 / (1.0 - lost) - 1.0) / 0.02) ** 2)
+
+    wanted = float(minimize_scalar(cost, bounds=(0.0, 0.3), method='bounded').x)
+    assert fit.values[0] == pytest.approx(wanted, abs=3e-4)
+    assert (1.0 - fit.values[0]) * (1.0 + fit.values[1]) == pytest.approx(0.86, abs=1e-4)
+
+
 def test_one_wild_forecast_weighs_like_a_linear_cost() -> None:
     """All errors have the size 1 of a normal median; one of 45 weighs by the root of 0.1."""
     errors = np.zeros((101, 1, 6, 2))
