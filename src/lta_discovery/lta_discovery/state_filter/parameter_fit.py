@@ -41,6 +41,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Matrix = NDArray[np.floating]  # as NumPy types an inverse
 Sums = TypeVar('Sums', LikelihoodSum, ForecastSum)
 
 MOST_LINEARIZATIONS: Final = 10  # most linearizations
@@ -188,7 +189,7 @@ def fit_likelihood(
     filtered = filter_all(point.flights, noise, starts)
     pulls = np.concatenate([list_pulls(one, prior) for one in filtered])[:, prior.free]
 
-    def spread(inverse: Array) -> Array:
+    def spread(inverse: Matrix) -> Matrix:
         # From afar, where a fit ends early, pulls are no scatter
         if not is_near:
             return inverse
@@ -198,7 +199,8 @@ def fit_likelihood(
         precision = pulls.T @ pulls + np.diag(prior.precision[prior.free])
         scatter = inverse @ precision @ inverse
         wider = np.sqrt(np.maximum(np.diag(scatter) / np.diag(inverse), 1.0))
-        return inverse * np.outer(wider, wider)
+        covariance: Matrix = inverse * np.outer(wider, wider)
+        return covariance
 
     return _complete(point, prior, filtered, noise, spread, point.sums.near_evidence)
 
@@ -234,11 +236,11 @@ def fit_forecasts(
             point = after
     blocks = point.sums.blocks[:, prior.free]
 
-    def spread(inverse: Array) -> Array:
+    def spread(inverse: Matrix) -> Matrix:
         # Errors of neighbouring forecasts are alike: the scatter of independent blocks tells how
         # well the values are known (White, Econometrica 48, 1980). Few blocks tell nothing of some
         # directions, so the curvature is added.
-        scatter: Array = inverse @ blocks.T @ blocks @ inverse + inverse
+        scatter: Matrix = inverse @ blocks.T @ blocks @ inverse + inverse
         return scatter
 
     filtered = filter_all(point.flights, noise)
@@ -250,7 +252,7 @@ def _complete(
     prior: ParameterPrior,
     filtered: Sequence[FilteredFlight],
     noise: Sequence[NoiseModel],
-    spread: Callable[[Array], Array],
+    spread: Callable[[Matrix], Matrix],
     evidence: float,
 ) -> ParameterFit:
     """Return a fit, and what flights have alone; `spread`: covariance by the inverse curvature."""
