@@ -38,7 +38,7 @@ CERTAIN: Final = 0.95  # probability among the models from which on something is
 # Nats by which a fit without a name has to be less probable: by a factor of 100, as at most one
 # name in a hundred is to be wrong. Of 22 simulated cases with known answers, with a factor of 10,
 # 100 or 10,000 in its place, 6, 6 or 5 of 7 single effects of 4 to 40 standard deviations were
-# named, and nothing wrong
+# named, and nothing wrong. The nats are divided by the square of `ParameterFit.excess`
 LEAST_GAIN: Final = math.log(100.0)
 # Typical sizes of an effect; a smaller one is taken for an error of the model, as of a drag beside
 # a strong wind

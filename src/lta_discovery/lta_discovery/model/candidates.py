@@ -61,7 +61,9 @@ DIFF_STEP: Final = 1e-5  # of relative parameters
 FINE: Final = 1e-4  # of the typical size of other parameters
 # Larger steps for discontinuous effects, which small steps would miss.
 LARGER_STEPS: Final[dict[str, float]] = {
-    'motor_deadband.threshold': 0.03,
+    # Where motors begin to turn (`motor_deadband`); few commands are smaller than half of it. Of
+    # simulated flights with 0.08, such a step tells 363 nats, one of 0.03 tells 2 nats
+    'motor_deadband.threshold': 0.06,
     'command_delay.delay': 1e-3,
     'motor_lag': 1e-4,
     # Negative, towards a delay: held commands have another slope on the other side.

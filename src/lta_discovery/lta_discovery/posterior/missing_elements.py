@@ -65,7 +65,9 @@ class PresentElement:
     names: tuple[str, ...]
     kind: str
     probability: float  # that one of them is present
-    gain: float  # by which the best model without them is less probable [nats]
+    # By which the best model without them is less probable [nats]; divided by the square of
+    # `ParameterFit.excess`, but for a force
+    gain: float
 
 
 @final
@@ -114,6 +116,7 @@ class _FittedModel(NamedTuple):
     scored: ScoredModel  # with its posterior about the fit itself
     values: Array  # relative to the vehicle file, shape (K,)
     covariance: Array  # shape (K, K)
+    excess: Array  # standard deviations by those of a right model, shape (K,)
     noise: Sequence[NoiseModel]  # of each flight
     systems: Sequence[FlightSystem]
 
@@ -153,6 +156,7 @@ class MissingElementSearch:
             ScoredModel(NO_ELEMENTS, -math.inf, 1.0),
             np.zeros(len(self.parameters)),
             np.zeros((len(self.parameters), len(self.parameters))),
+            np.ones(len(self.parameters)),
             [NoiseModel.guess(self._nominal, one) for one in flights],
             [FlightSystem(vehicle, one, self.parameters) for one in flights],
         )
@@ -253,9 +257,10 @@ class MissingElementSearch:
         fit = fit_likelihood(
             systems, self._nominal, start, begin.noise, LINEARIZATIONS, LEARNING, is_near=True
         )
-        values, covariance = np.zeros(count), np.zeros((count, count))
+        values, covariance, excess = np.zeros(count), np.zeros((count, count)), np.ones(count)
         values[free] = np.where(own[free], 0.0, fit.values[: len(free)])
         covariance[np.ix_(free, free)] = fit.covariance[: len(free), : len(free)]
+        excess[free] = fit.excess[: len(free)]
         strengths = fit.values[len(free) :]
         forces = [wrenches[..., acting] @ strengths for wrenches in self._wrenches]
         score = fit.evidence + log_prior_of_noise(fit.noise, self._nominal)
@@ -264,6 +269,7 @@ class MissingElementSearch:
             replace(one, log_posterior=score),
             values,
             covariance,
+            excess,
             fit.noise,
             smooth_systems(begin.systems, fit, forces),
         )
@@ -318,13 +324,20 @@ class MissingElementSearch:
             gain = final.log_posterior - max(
                 one.log_posterior for one in self._fits if one.elements.isdisjoint(names)
             )
-            if gain >= LEAST_GAIN:
-                names.sort(key=lambda k: (self._elements[k].kind, -shares.get(k, 0.0)))
-                titles = tuple(self._elements[k].name for k in names)
-                kind = self._elements[names[0]].kind
-                present.append(PresentElement(titles, kind, probability, gain))
-                if names[0] != choice.element:
-                    named = search.exchange(named, choice, names[0])
+            element = self._elements[choice.element]
+            if element.kind != 'force':
+                # Pieces of the flights that disagree more than noise does tell less of an effect,
+                # as under a quasi-likelihood (Wedderburn, Biometrika 61, 1974)
+                gain /= float(np.max(final.excess[list(element.columns)])) ** 2
+            if gain < LEAST_GAIN:
+                named = search.score(named.model - {choice}, named.trust)
+                continue
+            names.sort(key=lambda k: (self._elements[k].kind, -shares.get(k, 0.0)))
+            titles = tuple(self._elements[k].name for k in names)
+            kind = self._elements[names[0]].kind
+            present.append(PresentElement(titles, kind, probability, gain))
+            if names[0] != choice.element:
+                named = search.exchange(named, choice, names[0])
         if named is not best:
             # The values are those of what is named
             final = self._try_to_fit(final, named) or final

@@ -13,7 +13,7 @@ from lta_config.errors import BadInput
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.parallel import map_parallel
-from lta_discovery.state_filter.kalman import filter_flight, FilteredFlight
+from lta_discovery.state_filter.kalman import filter_flight, FilteredFlight, Indices
 from lta_discovery.state_filter.linear_flight import FlightSystem, LinearFlight
 from lta_discovery.state_filter.noise_model import NoiseModel
 import numpy as np
@@ -118,10 +118,15 @@ def linearize_all(
 
 
 def filter_all(
-    flights: Sequence[LinearFlight], noise: Sequence[NoiseModel]
+    flights: Sequence[LinearFlight],
+    noise: Sequence[NoiseModel],
+    starts: Sequence[Indices] | None = None,
 ) -> list[FilteredFlight]:
-    """Filter flights, each with its noise."""
-    return map_parallel(lambda one: filter_flight(*one), list(zip(flights, noise, strict=True)))
+    """Filter flights, each with its noise; `starts`: as in `filter_flight`, of each flight."""
+    every = [None] * len(flights) if starts is None else starts
+    return map_parallel(
+        lambda one: filter_flight(*one), list(zip(flights, noise, every, strict=True))
+    )
 
 
 def spread_out(inner: NDArray[np.floating], free: NDArray[np.bool_]) -> Array:
@@ -175,6 +180,22 @@ def eliminate_own(products: Array, prior: ParameterPrior) -> tuple[Array, float]
     left = products - across.T @ np.linalg.solve(inner, across)
     size = np.linalg.slogdet(inner)[1] + 2.0 * np.sum(np.log(prior.deviation[own]))
     return left, -0.5 * float(size)
+
+
+def list_pulls(filtered: FilteredFlight, prior: ParameterPrior) -> Array:
+    """
+    Return the pull of each piece of a flight, between the starts of its filter, shape (B, K).
+
+    What the flight has of its own has its most probable values.
+    """
+    products, own = filtered.products, np.flatnonzero(prior.own)
+    parts = np.diff(np.concatenate([filtered.sums, products[None]]), axis=0, prepend=0.0)
+    rest = np.eye(len(products))
+    inner = products[np.ix_(own, own)] + np.diag(prior.deviation[own] ** -2.0)
+    rest[own] = -np.linalg.solve(inner, products[own])
+    rest[:, own] = 0.0
+    pulls: Array = -(rest.T @ parts @ rest[:, -1])[:, :-1]
+    return pulls
 
 
 def build_moments_root(products: Array, prior: ParameterPrior, mean: Array, root: Array) -> Array:

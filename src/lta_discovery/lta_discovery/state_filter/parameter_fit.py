@@ -17,15 +17,19 @@ from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.parallel import map_parallel
 from lta_discovery.state_filter.forecast_noise import fit_forecast_noise
 from lta_discovery.state_filter.forecast_sums import (
+    BLOCK,
     ForecastSum,
     HORIZONS,
+    list_starts,
     sum_forecasts,
 )
+from lta_discovery.state_filter.kalman import FilteredFlight
 from lta_discovery.state_filter.likelihood import (
     estimate_own,
     filter_all,
     LikelihoodSum,
     linearize_all,
+    list_pulls,
     ParameterPrior,
     SIMULATION_RAN_AWAY,
     spread_out,
@@ -39,6 +43,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Matrix = NDArray[np.floating]  # as NumPy types an inverse
 Sums = TypeVar('Sums', LikelihoodSum, ForecastSum)
 
 MOST_LINEARIZATIONS: Final = 10  # most linearizations
@@ -64,6 +69,8 @@ class ParameterFit:
 
     values: Array  # shared, relative to the vehicle file, shape (K,)
     covariance: Array  # shape (K, K)
+    # Standard deviations by those of a right model, whose errors are independent, shape (K,)
+    excess: Array
     # What each flight has of its own, and its covariance; 0 for shared parameters
     own: tuple[tuple[Array, Array], ...]
     noise: tuple[NoiseModel, ...]  # of each flight
@@ -111,6 +118,10 @@ class _Search(Generic[Sums]):
             after = at.sums.step(self.prior, at.values, damping, longest)
             try:
                 there = self.look(after)
+                if damping == 0.0 and longest == math.inf and not there.sums.cost < limit:
+                    # What can be scaled together lies along a curved valley: a step along it ends
+                    # on its slope, and the next one on its floor
+                    there = self.look(there.sums.step(self.prior, after, 0.0, longest))
             except BadInput:
                 continue
             if there.sums.cost < limit:
@@ -158,8 +169,13 @@ def fit_likelihood(
     point, left, has_settled = search.look(begin), list(learning), False
     for number in range(rounds):
         if left and (has_settled or (number >= left[0] and not is_near)):
-            noise = learn_noise(point.flights, prior, point.values, noise, is_near)
-            point = point._replace(sums=evaluate(point.flights, point.values))
+            before, noise = noise, learn_noise(point.flights, prior, point.values, noise, is_near)
+            sums = evaluate(point.flights, point.values)
+            if is_near and sums.near_evidence < point.sums.near_evidence:
+                # What suits the part that it was learned from does not suit the rest
+                noise = before
+            else:
+                point = point._replace(sums=sums)
             left, has_settled = left[1:], False
         # Prior deviations of what may be large are many times what the flights leave open
         if is_near and search.expect_gain(point) < SETTLED_GAIN:
@@ -173,7 +189,24 @@ def fit_likelihood(
             point = point if after is None else after
         if has_settled and not left:
             break
-    return _complete(point, prior, noise, np.linalg.inv, point.sums.near_evidence)
+    starts = [list_starts(one.runs, BLOCK) for one in point.flights]
+    filtered = filter_all(point.flights, noise, starts)
+    pulls = np.concatenate([list_pulls(one, prior) for one in filtered])[:, prior.free]
+
+    def spread(inverse: Matrix) -> Matrix:
+        # From afar, where a fit ends early, pulls are no scatter
+        if not is_near:
+            return inverse
+        # What the model lacks pulls a parameter for longer than noise does, as moving air pulls a
+        # wind. Then independent pieces scatter more than their curvature tells (White,
+        # Econometrica 50, 1982).
+        precision = pulls.T @ pulls + np.diag(prior.precision[prior.free])
+        scatter = inverse @ precision @ inverse
+        wider = np.sqrt(np.maximum(np.diag(scatter) / np.diag(inverse), 1.0))
+        covariance: Matrix = inverse * np.outer(wider, wider)
+        return covariance
+
+    return _complete(point, prior, filtered, noise, spread, point.sums.near_evidence)
 
 
 def fit_forecasts(
@@ -207,14 +240,15 @@ def fit_forecasts(
             point = after
     blocks = point.sums.blocks[:, prior.free]
 
-    def spread(inner: Array) -> Array:
+    def spread(inverse: Matrix) -> Matrix:
         # Errors of neighbouring forecasts are alike: the scatter of independent blocks tells how
         # well the values are known (White, Econometrica 48, 1980). Few blocks tell nothing of some
         # directions, so the curvature is added.
-        inverse = np.linalg.inv(inner)
-        return inverse @ (blocks.T @ blocks + inner) @ inverse
+        scatter: Matrix = inverse @ blocks.T @ blocks @ inverse + inverse
+        return scatter
 
-    return _complete(point, prior, noise, spread, -point.sums.cost)
+    filtered = filter_all(point.flights, noise)
+    return _complete(point, prior, filtered, noise, spread, -point.sums.cost)
 
 
 def smooth_systems(
@@ -238,15 +272,18 @@ def smooth_systems(
 def _complete(
     point: _Point[Sums],
     prior: ParameterPrior,
+    filtered: Sequence[FilteredFlight],
     noise: Sequence[NoiseModel],
-    spread: Callable[[Array], NDArray[np.floating]],
+    spread: Callable[[Matrix], Matrix],
     evidence: float,
 ) -> ParameterFit:
-    """Return a fit with its covariance, `spread` of the precision, and what flights have alone."""
-    inner = point.sums.inner[np.ix_(prior.free, prior.free)]
-    covariance = spread_out(spread(inner), prior.free)
-    filtered = filter_all(point.flights, noise)
+    """Return a fit, and what flights have alone; `spread`: covariance by the inverse curvature."""
+    inverse = np.linalg.inv(point.sums.inner[np.ix_(prior.free, prior.free)])
+    inner = spread(inverse)
+    excess = np.ones(len(point.values))
+    excess[prior.free] = np.sqrt(np.diag(inner) / np.diag(inverse))
+    covariance = spread_out(inner, prior.free)
     own = tuple(estimate_own(one.products, prior, covariance) for one in filtered)
     return ParameterFit(
-        point.values, covariance, own, tuple(noise), evidence, tuple(point.flights)
+        point.values, covariance, excess, own, tuple(noise), evidence, tuple(point.flights)
     )

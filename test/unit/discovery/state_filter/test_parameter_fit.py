@@ -78,6 +78,82 @@ def test_a_fit_is_the_posterior_of_the_parameters() -> None:
     assert fit.evidence == pytest.approx(wanted, rel=1e-8)
 
 
+def build_steady_flight(left: Array) -> LinearFlight:
+    """Return a body at rest; the parameter is an error of its first coordinate."""
+    count = len(left)
+    readings, slopes = np.full((count, 6), np.nan), np.zeros((count, 6, 1))
+    readings[:, 0], slopes[:, 0] = left, 1.0
+    motion: Any = None
+    still: Any = SimpleNamespace(mass=0.1)
+    return LinearFlight(
+        motion, np.zeros((count, 12, 12)), np.zeros((count, 12, 6)), np.zeros((count, 12, 1)),
+        np.zeros((count, 12)), readings, np.zeros((count, 6, 12)), np.zeros((count, 6, 6)),
+        slopes, np.ones(count), [(0, count)], np.zeros((1, 12, 1)), still,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize('wander', [0.0, 0.5])
+def test_pieces_that_disagree_widen_the_interval(wander: float) -> None:
+    """White noise of 1, and an error that is another one in each piece of 10 s."""
+    rng = np.random.default_rng(4)
+    # Grid points; a piece ends with the reading at the start of the next one, the first at 1 s
+    ends = [26, *range(276, 5_000, 250), 5_000]
+    pieces = np.repeat(np.arange(len(ends)), np.diff([0, *ends]))
+    left = rng.standard_normal(len(pieces)) + wander * rng.standard_normal(len(ends))[pieces]
+    system: Any = LinearSystem(build_steady_flight(left))
+    system.parameters = [replace(system.parameters[0], tolerance=10.0)]
+    noise = replace(NOISE, white=np.ones(6), correlated=np.full(6, 1e-9))
+    nominal: Any = SimpleNamespace()
+    fit = fit_likelihood([system], nominal, np.zeros(1), [noise], learning=(), is_near=True)
+    precision = len(left) + 10.0**-2
+    assert fit.values[0] == pytest.approx(left.sum() / precision, rel=1e-6)
+    pulls = [float(np.sum(left[pieces == k] - fit.values[0])) for k in range(len(ends))]
+    scatter = np.sum(np.square(pulls)) + 10.0**-2
+    wider = max(1.0, np.sqrt(scatter / precision))
+    assert fit.excess[0] == pytest.approx(wider, rel=1e-6)
+    assert fit.covariance[0, 0] == pytest.approx(wider**2 / precision, rel=1e-6)
+    # With 250 readings in a piece, a wander of 0.5 has 62.5 times the variance of their mean
+    assert (fit.excess[0] > 5.0) == (wander > 0.0)
+
+
+class ProductSystem(LinearSystem):
+    """A flight that tells the product of two factors, a lost share and a tolerance."""
+
+    def linearize_about(self, values: Array) -> LinearFlight:
+        """Return the flight as seen from some values."""
+        lost, more = values
+        slopes = np.zeros((*self._flight.left.shape, 2))
+        slopes[:, 0] = -1.0 - more, 1.0 - lost
+        left = self._flight.left - (1.0 - lost) * (1.0 + more)
+        return replace(
+            self._flight, left=left, read_moved=slopes, moved=np.zeros((len(left), 12, 2)),
+            begun=np.zeros((1, 12, 2)),
+        )  # fmt: skip
+
+
+def test_a_fit_follows_factors_whose_product_is_known() -> None:
+    """From the improbable one of two factors of 0.86 to the probable one."""
+    system: Any = ProductSystem(build_steady_flight(np.full(100, 0.86)))
+    system.parameters = [
+        replace(one, tolerance=deviation, low=low)
+        for one, deviation, low in zip(
+            system.parameters[:2], (0.2, 0.02), (0.0, -0.5), strict=True
+        )
+    ]
+    noise = replace(NOISE, white=np.full(6, 1e-2), correlated=np.full(6, 1e-9))
+    nominal: Any = SimpleNamespace()
+    begin = np.array([0.0, -0.14])
+    fit = fit_likelihood([system], nominal, begin, [noise], learning=(), is_near=True)
+
+    def cost(lost: float) -> float:
+        """Return the cost of the factor, with the other one as the product wants it."""
+        return float((lost / 0.2) ** 2 + ((0.86 / (1.0 - lost) - 1.0) / 0.02) ** 2)
+
+    wanted = float(minimize_scalar(cost, bounds=(0.0, 0.3), method='bounded').x)
+    assert fit.values[0] == pytest.approx(wanted, abs=3e-4)
+    assert (1.0 - fit.values[0]) * (1.0 + fit.values[1]) == pytest.approx(0.86, abs=1e-4)
+
+
 def test_one_wild_forecast_weighs_like_a_linear_cost() -> None:
     """All errors have the size 1 of a normal median; one of 45 weighs by the root of 0.1."""
     errors = np.zeros((101, 1, 6, 2))
