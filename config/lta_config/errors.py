@@ -1,7 +1,6 @@
 """Errors that the user can correct: one sentence with the fact, the value and the remedy."""
 
 from difflib import get_close_matches
-import re
 from typing import Final
 from unicodedata import category
 
@@ -20,15 +19,6 @@ class BadInput(ValueError):
 
     def __init__(self, text: str) -> None:
         super().__init__(to_one_line(text))
-
-
-# Types in the sentences of pydantic
-PLAIN_TYPES: Final = {
-    'a valid integer': 'a whole number',
-    'a valid number': 'a number',
-    'a valid string': 'a text',
-    'a valid boolean': 'true or false',
-}
 
 
 def to_one_line(text: str) -> str:
@@ -67,15 +57,6 @@ def check_printable(text: str) -> None:
             f"'{text}' contains a control character, or bytes that are not UTF-8; rename the file "
             'or correct the argument.'
         )
-
-
-def describe_rule(text: str) -> str:
-    """Return what pydantic says of a wrong value, from "must" on, in our words."""
-    text = re.sub(r', (unable to|got) .*$', '', text).replace('Input should be', 'must be')
-    text = re.sub(r'Input is not a valid path for .*$', 'must be a path', text)
-    for theirs, ours in PLAIN_TYPES.items():
-        text = text.replace(theirs, ours)
-    return text
 
 
 def unknown_name_error(kind: str, name: str, names: list[str]) -> BadInput:

@@ -28,7 +28,7 @@ from lta_cli.without_ros import (
     WITHOUT_GRAPH,
 )
 from lta_config.atomic_file import release_folders
-from lta_config.errors import BadInput, check_printable, describe_rule, to_one_line
+from lta_config.errors import BadInput, check_printable, to_one_line
 from lta_config.limits import describe_shortage
 from lta_config.version import VERSION
 import typer
@@ -400,8 +400,8 @@ def describe_error(error: Exception) -> str | None:
     if (message := getattr(error, 'format_message', None)) is not None:
         # Pydantic, which checks values for Typer, says first what it calls a wrong one
         text = ' '.join(message().split()).rstrip('.').replace('Value error, ', '')
-        wrong = r"Invalid value for '(\S+)': (Input .+)$"
-        text = re.sub(wrong, lambda found: f'{found[1]} {describe_rule(found[2])}', text)
+        wrong = r"Invalid value for '(\S+)': Input should be (.+?)(?:, (?:unable to|got) .*)?$"
+        text = re.sub(wrong, r'\1 must be \2', text)
         return f'{text}; see --help.' if text else ''
     if isinstance(error, ModuleNotFoundError) and is_ros_module(error.name):
         return str(missing_ros_error(error))

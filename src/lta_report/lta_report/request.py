@@ -26,7 +26,8 @@ from typing import (
 )
 
 from lta_config.command_line import format_lta_command, relative_path
-from lta_config.errors import BadInput, describe_rule, unknown_name_error
+from lta_config.errors import BadInput, unknown_name_error
+from lta_config.files import describe_problem
 from lta_config.parameter_override import format_value, parse_assignment, parse_value
 from lta_config.quantity import format_with_unit, Quantity, SI_UNITS
 from lta_report.study import Study, StudyOptions
@@ -290,7 +291,7 @@ def _describe_fault(
     reason = fault['msg'].removeprefix('Value error, ')
     if reason != fault['msg']:
         return BadInput(f'{name_field(field)} {reason}.')
-    return BadInput(f'{name_field(field)} is {fault["input"]!r}, but {describe_rule(reason)}.')
+    return BadInput(f'{name_field(field)} is {fault["input"]!r}, but {describe_problem(fault)}.')
 
 
 class Outcome(NamedTuple, Generic[Value]):
