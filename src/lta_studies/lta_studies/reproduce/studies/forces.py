@@ -88,8 +88,8 @@ def plot_matrices(vehicles: Mapping[str, Vehicle]) -> Figure:
     figure = create_figure()
     figure.add_trace(
         Heatmap(
-            x=[each.replace(' ', '<br>') for each in WRENCH_LABELS], y=names, z=values.tolist(), zmin=-1.0, zmax=1.0,
-            showscale=False,
+            x=[each.replace(' ', '<br>') for each in WRENCH_LABELS], y=names,
+            z=values.tolist(), zmin=-1.0, zmax=1.0, showscale=False,
             colorscale=[[0.0, ESTIMATE], [0.5, PAPER], [1.0, TRUTH]], xgap=2, ygap=2,
             text=written, texttemplate='%{text}', textfont={'size': 10},
             hovertemplate='%{y}: %{x} %{z:.3f}<extra></extra>',
