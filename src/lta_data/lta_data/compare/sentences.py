@@ -76,13 +76,13 @@ def describe_separation(comparison: ComparisonResult) -> str:
     if len(places) < 3 or len({len(each.time) for each in places}) > 1:
         return ''
     apart = np.linalg.norm([each.difference for each in places], axis=0)
-    known = np.flatnonzero(np.isfinite(apart))
-    if not len(known):
+    samples = np.flatnonzero(np.isfinite(apart))
+    if not len(samples):
         return ''
-    most = known[np.argmax(apart[known])]
+    most = samples[np.argmax(apart[samples])]
     return (
         f' The positions are up to {format_quantity(apart[most], "m")} apart, at '
-        f'{places[0].time[most]:.1f} s, and {format_quantity(apart[known[-1]], "m")} at the end.'
+        f'{places[0].time[most]:.1f} s, and {format_quantity(apart[samples[-1]], "m")} at the end.'
     )
 
 
