@@ -31,6 +31,7 @@ PROBLEM_TEXTS = {
     'bool_type': 'must be true or false',
     'bool_parsing': 'must be true or false',
     'string_type': 'must be text',
+    'path_type': 'must be a path',
     'literal_error': 'must be {expected}',
     'enum': 'must be {expected}',
     'greater_than': 'must be above {gt}',

@@ -8,12 +8,14 @@ import subprocess
 import sys
 
 from distributed import Client
+from doc_blocks import blocks
 from lta_config.version import VERSION
 from ports import free_port
 import pytest
 from waiting import PATIENCE
 
 ROOT = Path(__file__).resolve().parents[2]
+README_PYTHON = ('README.md', 'python')
 SWEEP = """schema: 1
 name: two
 about: Two flights.
@@ -66,6 +68,13 @@ def test_the_wheel_in_an_empty_environment(tmp_path):
     for package, words in lacking.items():
         assert f'pip install {package}' in lta(*words, status=2).stderr
     install('[notebook,hardware,dask,video]')
+    # README's lines of Python, after the flights that `study_flights` flew
+    (lines,) = (block.text for block in blocks() if (block.page, block.language) == README_PYTHON)
+    (tmp_path / 'runs').mkdir(exist_ok=True)
+    (tmp_path / 'flown').rename(tmp_path / 'runs/flown')
+    subprocess.run([venv / 'bin/python', '-P', '-c', lines], cwd=tmp_path, check=True)
+    assert (tmp_path / 'runs/height.html').is_file()
+    (tmp_path / 'runs/flown').rename(tmp_path / 'flown')
     lta(*lacking['imageio-ffmpeg'])
     assert 'pip install' not in lta(*lacking['cflib'], status=1).stderr
     assert fly_on_cluster(venv, lta, tmp_path) == swept['outcomes']

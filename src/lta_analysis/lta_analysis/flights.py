@@ -518,6 +518,8 @@ def fly_grid(
     from lta_flight.report.results import compute_results
     from lta_flight.simulate import simulate_closed_loop
 
+    if not isinstance(values, Mapping):
+        raise BadInput(f'values is {values!r}, but must be lists of values by path.')
     count = build_request(GridRequest, {'seeds': seeds}).seeds
     base = load_spec(str(vehicle), str(scenario), str(strategy), '')
     rows, silent = [], FlightProgress(Console(quiet=True))

@@ -134,8 +134,8 @@ class NewVehicleRequest(Action, command='vehicle new'):
 
         if missing := [f'--{key}' for key in NEEDED_SIZES if key not in sizes]:
             raise BadInput(
-                f'Size, mass and motors are needed together: {", ".join(missing)} is missing; or '
-                'copy a vehicle with --from.'
+                f'Size, mass and motors are needed together; add {", ".join(missing)}, or copy a '
+                'vehicle with --from.'
             )
         size = VehicleSize(motors=self.motors, **sizes)
         vehicle, gains = write_sized_vehicle(self.name, size, path)

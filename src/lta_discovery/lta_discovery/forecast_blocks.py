@@ -32,7 +32,8 @@ def build_error_tiles(main: HorizonErrors) -> Iterator[Tile]:
     for name, size in main.positions.items():
         value, _, unit = format_error(size).partition(' ')
         title = name if name.endswith('.yaml') else name.capitalize()
-        yield Tile(title, value, unit, f'position error {main.horizon:g} s ahead, RMS')
+        words = f'RMS position error {main.horizon:g} s ahead, {main.forecasts} forecasts'
+        yield Tile(title, value, unit, words)
     value, _, unit = format_error(main.least.position).partition(' ')
     yield Tile(PERFECT.capitalize(), value, unit, 'what sensors and still air leave open')
 

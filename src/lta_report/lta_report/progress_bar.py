@@ -117,12 +117,12 @@ class ProgressBar:
             return name
         text = f'{name}: {100.0 * share:.0f} %'
         # By the pace up to the last progress: a long step without one, such as a compilation, does
-        # not make the rest longer. When that time is over, nothing is known.
-        done = share - self._before
-        if done < PACE_SHARE:
+        # not make the rest longer. If it lasts longer than all before it, the pace tells nothing.
+        done, moving = share - self._before, self._moved - self._begun
+        still = time.monotonic() - self._moved
+        if done < PACE_SHARE or still > moving:
             return text
-        pace = done / max(self._moved - self._begun, 1e-9)
-        left = (1.0 - share) / pace - (time.monotonic() - self._moved)
+        left = (1.0 - share) * moving / done - still
         return f'{text}, about {left / 60.0:.1f} min left' if left > 0.0 else text
 
     def wait_for(self, what: str) -> None:

@@ -27,6 +27,7 @@ from typing import (
 
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput, unknown_name_error
+from lta_config.files import describe_problem
 from lta_config.parameter_override import format_value, parse_assignment, parse_value
 from lta_config.quantity import format_with_unit, Quantity, SI_UNITS
 from lta_report.study import Study, StudyOptions
@@ -96,7 +97,12 @@ def _parse_changes(values: object) -> object:
     """Return values by path, from a mapping or from texts such as 'vehicle.trim.heaviness=4 g'."""
     if isinstance(values, Mapping):
         return {path: parse_value(value, path) for path, value in values.items()}
-    return dict(map(parse_assignment, cast('Sequence[str]', values)))
+    if isinstance(values, str) or not isinstance(values, Sequence):
+        raise ValueError(
+            f'is {values!r}, but must be values by path, such as '
+            "{'vehicle.trim.heaviness': '4 g'}"
+        )
+    return dict(map(parse_assignment, values))
 
 
 def _parse_quantity(what: str, example: str, value: object) -> object:
@@ -285,8 +291,7 @@ def _describe_fault(
     reason = fault['msg'].removeprefix('Value error, ')
     if reason != fault['msg']:
         return BadInput(f'{name_field(field)} {reason}.')
-    rule = reason.replace('Input should be', 'must be')
-    return BadInput(f'{name_field(field)} is {fault["input"]!r}, but {rule}.')
+    return BadInput(f'{name_field(field)} is {fault["input"]!r}, but {describe_problem(fault)}.')
 
 
 class Outcome(NamedTuple, Generic[Value]):

@@ -198,7 +198,9 @@ def test_python_gets_what_the_command_gets(invoke, tmp_path):
     [
         ({'number': 10}, 'number is 10, but must be 9 or less.'),
         ({'each': -1}, 'each is -1, but must be 0 or more.'),
-        ({'each': 1.5}, 'each is 1.5, but must be a valid integer'),
+        ({'each': 1.5}, 'each is 1.5, but must be a whole number.'),
+        ({'out': 5}, 'out is 5, but must be a path.'),
+        ({'changes': 3}, 'changes is 3, but must be values by path'),
         ({'mass': '6 s'}, "mass '6 s' is not a mass; give a number with a unit, such as '6 g'."),
         ({'numbr': 1}, "Unknown argument 'numbr'; known: .*did you mean 'number'"),
         ({'changes': ['x']}, "'x' is not an assignment"),

@@ -6,6 +6,8 @@ from lta_config.files import find_file
 import numpy as np
 import pytest
 
+from ..report_flight import write_flight  # noqa: TID252 - `test` is Python's own
+
 
 def test_a_path_and_a_numpy_number_are_as_good_as_a_name_and_an_int():
     named = lta_analysis.fly_grid({'scenario.goal.time_limit': ['1 s']}, seeds=1)
@@ -27,3 +29,13 @@ def test_a_seed_that_is_no_whole_number_is_refused(seed, tmp_path):
     with pytest.raises(BadInput, match=f'seeds is {seed!r}, but must be '):
         lta_analysis.fly_grid({}, seeds=seed)
     assert not (tmp_path / 'out').exists()
+
+
+def test_what_is_no_text_or_mapping_is_refused(tmp_path):
+    flight = lta_analysis.open(write_flight(tmp_path / 'bag'))
+    with pytest.raises(BadInput, match=r"The topic is \['odom'\], but must be a text"):
+        flight.align_topics(['odom'], rate=50.0)
+    with pytest.raises(BadInput, match='source is 3, but must be the path of a recording'):
+        lta_analysis.open(3)
+    with pytest.raises(BadInput, match='values is 3, but must be lists of values by path'):
+        lta_analysis.fly_grid(3)

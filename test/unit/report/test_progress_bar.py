@@ -37,9 +37,10 @@ def test_a_step_that_lasts_long_does_not_make_the_rest_longer(capsys, clock):
     with ProgressBar(Console(file=io.StringIO()), begin='missions', total=1.0) as bar:
         clock.now = 6.0
         bar.update_bar(completed=0.1)
-        for clock.now in (60.0, 120.0, 180.0):
+        for clock.now in (10.0, 14.0, 58.0):  # just before 60 s, the pace would say 2 s
             bar.write_line()
-    assert capsys.readouterr().err == 3 * 'missions: 10 % ...\n'
+    said = 'missions: 10 %, about 0.8 min left ...\n' + 2 * 'missions: 10 % ...\n'
+    assert capsys.readouterr().err == said
 
 
 def test_a_first_step_that_compiles_tells_no_pace(capsys, clock):

@@ -118,6 +118,7 @@ class RecordedFlight:
 
     def __getitem__(self, topic: str) -> Table:
         """Return a topic as a `pandas.DataFrame`, read once; see `lta_data.bag.table`."""
+        self.message_type(topic)  # refuses what is no topic
         if topic not in self._tables:
             self._tables |= self.read_tables([topic])
         return self._tables[topic]
@@ -259,7 +260,12 @@ class RecordedFlight:
         }
 
     def absolute_name(self, topic: str) -> str:
-        """Return the absolute name of a topic."""
+        """Return the absolute name of a topic; raise `BadInput` if it is no text."""
+        if not isinstance(topic, str):
+            raise BadInput(
+                f'The topic is {topic!r}, but must be a text; give each topic as an argument of '
+                'its own.'
+            )
         if topic.startswith('/'):
             return topic
         return f'/{self.robot}/{topic}' if self.robot else f'/{topic}'
@@ -366,6 +372,8 @@ def open_flight(
 
     Raise `BadInput` if there is no recording, or the robot is unknown or ambiguous.
     """
+    if not isinstance(source, Bag | Path | str | None):
+        raise BadInput(f'source is {source!r}, but must be the path of a recording.')
     if not isinstance(source, Bag):
         source = read_bag(find_newest_bag() if source is None else find_bag(Path(source)))
     return RecordedFlight(source, select_robot(source, robot))

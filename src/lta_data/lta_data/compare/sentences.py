@@ -8,6 +8,7 @@ from lta_config.constants import DEGREES_PER_RADIAN
 from lta_data.compare.channel_comparison import ChannelComparison
 from lta_data.compare.channel_roles import (
     FIELDS,
+    find_pose_prefix,
     select_headline_channels,
 )
 from lta_data.compare.comparison import ComparisonResult
@@ -16,6 +17,7 @@ from lta_data.compare.time_alignment import TimeAlignment
 from lta_data.flight import Flight
 from lta_report.formatting import format_count
 from lta_report.json_value import to_json_value
+import numpy as np
 
 BASIS: Final = 1e6  # ppm
 MISSING_DASH: Final = '\N{EN DASH}'
@@ -63,7 +65,25 @@ def format_verdict(comparison: ComparisonResult) -> str:
     elif len(parted) > 1:
         text += ', which also differs most'
     rms = 0.0 if worst.measures is None else worst.measures.rms
-    return f'{text}: {format_quantity(rms, worst.unit)} RMS.'
+    return f'{text}: {format_quantity(rms, worst.unit)} RMS.{describe_separation(comparison)}'
+
+
+def describe_separation(comparison: ComparisonResult) -> str:
+    """Return how far apart the positions are, and where; '' without positions in one frame."""
+    pose = find_pose_prefix(comparison.channels)
+    names = {f'{pose}position.{axis}' for axis in 'xyz'} if pose else set()
+    places = [each.both for each in comparison.channels if each.name in names]
+    if len(places) < 3 or len({len(each.time) for each in places}) > 1:
+        return ''
+    apart = np.linalg.norm([each.difference for each in places], axis=0)
+    samples = np.flatnonzero(np.isfinite(apart))
+    if not len(samples):
+        return ''
+    most = samples[np.argmax(apart[samples])]
+    return (
+        f' The positions are up to {format_quantity(apart[most], "m")} apart, at '
+        f'{places[0].time[most]:.1f} s, and {format_quantity(apart[samples[-1]], "m")} at the end.'
+    )
 
 
 def format_sides(comparison: ComparisonResult) -> tuple[str, str]:

@@ -61,6 +61,7 @@ NEXT: Final = (
     f'Next: lta discover with --vehicle {CALIBRATED_FILE} and flights that took no part finds '
     'what the file still lacks.'
 )
+OTHER_EFFECTS: Final = 'Effects that the model lacks are a matter for lta discover.'
 ONLY_POSE: Final = (
     'Only poses were recorded, so the delay of the commands cannot be separated from the clock '
     'offset or the age of a pose.'
@@ -80,8 +81,8 @@ def build_report(calibration: Calibration, calibrated_file: str | None) -> Repor
         subject=calibration.vehicle,
         headline=format_headline(calibration),
         introduction=(
-            'Calibrates numbers that any vehicle file must have, from wide assumptions. Effects '
-            'that the model lacks are a matter for lta discover.'
+            f'{format_forecast_sentence(calibration)} Calibrated are numbers that any vehicle '
+            f'file must have, from wide assumptions. {NEXT if outputs else OTHER_EFFECTS}'
         ),
         tiles=_build_tiles(calibration),
         blocks=(

@@ -8,10 +8,11 @@ from lta_config.constants import STANDARD_GRAVITY
 from lta_discovery.formatting import format_number, join_words
 from lta_discovery.lab_tests.design import Kind, LabTest, rest_duties, step_duties
 from lta_discovery.lab_tests.plan import LabPlan, PlannedTest
+from lta_discovery.lab_tests.plan_sketches import draw_sketches
 from lta_discovery.lab_tests.words import format_amplitude, name_parameters
 from lta_model.vehicle import Vehicle
 from lta_report.formatting import format_count, Tile
-from lta_report.report import Report, TextSection, TextTable
+from lta_report.report import HtmlBlock, Report, TextSection, TextTable
 
 FREE_FLIGHTS: Final = 2  # free flights: one teaches, one confirms
 SHOWN: Final = 5  # things that a test teaches, as shown
@@ -96,6 +97,7 @@ def build_plan_report(plan: LabPlan, vehicle: Vehicle) -> Report:
         ],
         blocks=(
             _build_test_table(needed, plan, vehicle),
+            HtmlBlock(draw_sketches([one.test for one in needed]), 'Sketches'),
             _build_reason_table(needed, vehicle),
             *sections,
         ),
@@ -137,7 +139,7 @@ def _list_runs(tests: Sequence[PlannedTest]) -> list[tuple[str, PlannedTest]]:
 
 def _build_test_table(tests: Sequence[PlannedTest], plan: LabPlan, vehicle: Vehicle) -> TextTable:
     """Return what to do."""
-    rows = [[f'{BOX} 1 weigh', 'on scales, without gas', '', '', '']]
+    rows = [[f'{BOX} 1 weigh', 'on scales, without gas', '', '']]
     for number, (title, planned) in enumerate(_list_runs(tests), start=2):
         duties = _test_duties(plan, vehicle, planned.test)
         free = planned.test.kind == 'free_flight'
@@ -145,9 +147,9 @@ def _build_test_table(tests: Sequence[PlannedTest], plan: LabPlan, vehicle: Vehi
             f'{BOX} {number} {title}',
             format_amplitude(planned.test, vehicle.rotor_names, duties),
             f'{planned.test.seconds:.0f}',
-            *('' if free else f'{way:.1f}' for way in planned.room),
+            '' if free else f'{planned.room[0]:.1f}, {planned.room[1]:.1f}',
         ])  # fmt: skip
-    heads = ('test', 'how', 'time [s]', 'moves along [m]', 'up or down [m]')
+    heads = ('test', 'how', 'time [s]', 'moves along, up [m]')
     note = (
         f'Steps begin at rest. Add the size of the vehicle and {PATH_CLEARANCE:g} m on each side '
         'to the motion; the pilot keeps a free flight within the room.'

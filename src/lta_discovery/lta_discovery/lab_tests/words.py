@@ -78,7 +78,7 @@ def format_amplitude(test: LabTest, rotors: Sequence[str], duties: Sequence[floa
     if not duties:
         return force
     each = ', '.join(
-        f'{name} {duty:.2f}'
+        f'{name.replace("_", " ")} {duty:.2f}'
         for name, duty in zip(rotors, duties, strict=True)
         if abs(duty) > 0.005
     )

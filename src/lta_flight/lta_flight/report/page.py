@@ -36,8 +36,9 @@ READOUT_FIELDS: Final = {
     'bearing': ('bearing', '°', 0, DEGREES_PER_RADIAN),
     'snr': ('SNR', '', 0, 1.0),
 }
-PANEL_HEIGHTS: Final = {
-    'heading': 340, 'light': 340, 'duty': 340, 'power': 340, 'samples': 300, 'spectrum': 300,
+PANEL_HEIGHTS: Final = {  # px; that of the path only if its room is as high as that
+    'path': 560, 'heading': 340, 'light': 340, 'duty': 340, 'power': 340, 'samples': 300,
+    'spectrum': 300,
 }  # fmt: skip
 MEASURED_NOTE: Final = (
     'The recording has no scenario. "Truth" is its recorded ground truth; "estimate" is what '

@@ -170,7 +170,8 @@ FLIGHT_PANELS: Final = (
         'path',
         'From above',
         'The true path, coloured and labelled by time. Short rays are the measured bearings to '
-        'the lamp, darker with a better signal. The dotted line is the path by dead reckoning. '
+        'the lamp, darker with a better signal. The dotted line is the path by dead reckoning, '
+        'the dashed circle the goal. '
         'Shading is the direct light of all lamps at flight height; each step is a factor of two.',
         ('ground_truth/odom',),
         plot_path,

@@ -27,13 +27,13 @@ import numpy as np
 from numpy.typing import NDArray
 from plotly.graph_objects import Contour, Figure, Scatter
 
+LAMP_LABEL_SHIFT = 25.0  # px up, or down near the upper wall
 PATH_POINTS = 700  # points of the path, which together look like a ribbon
 ROOM_MARGIN = 0.25  # m around the room
 LABEL_STEPS = (1, 2, 5, 10, 20, 60)  # s between the time labels of the path
-MOST_STEPS = 7  # labels
-LABEL_GAP = (
-    0.1  # of the longer side of the room or path, in which two labels would overlap on a phone
-)
+MOST_STEPS = 12  # labels, of which some would overlap others
+# Of the longer side of the room or path; closer labels would overlap on a phone
+LABEL_GAP = 0.1
 RAY_LENGTH = 0.75  # m of a ray; long enough to show a direction, short enough not to hide the next
 RAY_PERIOD = 1.0  # s between two rays
 
@@ -123,9 +123,13 @@ def draw_times(figure: Figure, view: FlightView) -> None:
     )
     truth = view.truth
     size = max(float(np.ptp(part)) for part in (truth.x, truth.y))
-    if view.scene.scenario is not None:
-        size = max(view.scene.scenario.room.size.vector[:2])
-    labelled: list[tuple[float, float]] = []
+    labelled: list[tuple[float, ...]] = []
+    if (scenario := view.scene.scenario) is not None:
+        size = max(scenario.room.size.vector[:2])
+        labelled = [
+            scenario.start.position.vector[:2],
+            *(lamp.position.vector[:2] for lamp in scenario.lamps.values()),
+        ]
     for time in np.arange(np.ceil(start / step) * step, phases.end, step):
         # Position now and half a second later, for the direction of flight
         x, y, ahead_x, ahead_y = (
@@ -252,7 +256,8 @@ def draw_room(figure: Figure, scenario: Scenario, height: float) -> None:
     )  # fmt: skip
     draw_goals(figure, scenario)
     for name, lamp in scenario.lamps.items():
-        draw_lamp(figure, name, lamp)
+        is_high = lamp.position.vector[1] > width / 4
+        draw_lamp(figure, name, lamp, -LAMP_LABEL_SHIFT if is_high else LAMP_LABEL_SHIFT)
     x, y = scenario.start.position.vector
     figure.add_trace(
         Scatter(
@@ -271,11 +276,10 @@ def draw_goals(figure: Figure, scenario: Scenario) -> None:
             type='circle', x0=x - radius, x1=x + radius, y0=y - radius, y1=y + radius,
             line={'color': GOOD, 'width': 1.5, 'dash': 'dash'},
         )  # fmt: skip
-        draw_label(figure, (x, y - radius), f'goal: within {radius:g} m', GOOD, 0, -10)
 
 
-def draw_lamp(figure: Figure, name: str, lamp: LampScene) -> None:
-    """Draw a lamp with its orientation."""
+def draw_lamp(figure: Figure, name: str, lamp: LampScene, up: float) -> None:
+    """Draw a lamp with its orientation, and its name that far above it. [px]"""
     x, y, _ = lamp.position.vector
     ahead, left, _ = lamp.facing.vector
     facing, frequency = math.degrees(math.atan2(left, ahead)), lamp.frequency.si
@@ -290,7 +294,7 @@ def draw_lamp(figure: Figure, name: str, lamp: LampScene) -> None:
             hovertemplate=f'{name}, {frequency:g} Hz<extra></extra>',
         )
     )  # fmt: skip
-    draw_label(figure, (x, y), f'{name}<br>{frequency:g} Hz', LAMP, 30, 0)
+    draw_label(figure, (x, y), f'{name}<br>{frequency:g} Hz', LAMP, 0, up)
 
 
 def build_light_contour(scenario: Scenario, height: float) -> Contour:

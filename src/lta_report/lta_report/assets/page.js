@@ -73,8 +73,17 @@ function draw(theme) {
     const figure = structuredClone(figures.get(plot));
     const { data, layout } = theme === 'dark' ? recoloured(figure) : figure;
     if (touch) layout.dragmode = false;
-    return Plotly.react(plot, data, layout, config);
+    return Plotly.react(plot, data, layout, config).then(fitHeight);
   })).then(() => { scene?.paint(theme); mark(now); });
+}
+
+// A map with equal scales is lower than its place if the page is narrow
+function fitHeight(plot) {
+  const { _size: size, yaxis, yaxis2 } = plot._fullLayout;
+  const spare = yaxis?.constrain === 'domain' && yaxis.scaleanchor && !yaxis2 ? size.h - yaxis._length : 0;
+  if (spare < 20) return plot;
+  plot.style.height = plot.clientHeight - spare + 'px';
+  return Plotly.Plots.resize(plot);
 }
 
 // --- cursor in all figures -------------------------------------------------------------------

@@ -194,7 +194,10 @@ def build_tiles(request: MissionRequest, results: Sequence[MissionResult]) -> li
     count = len(alike)
     tiles = [
         Tile(
-            'flown', format_value(mean_daily_minutes(alike, days), 0), 'min a day', first.schedule
+            'flown',
+            format_value(mean_daily_minutes(alike, days), 0),
+            'min a day',
+            f'{first.schedule}, {format_count(count, "run")} of {format_count(days, "day")}',
         ),
         Tile(
             'flights',

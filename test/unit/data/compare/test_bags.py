@@ -168,6 +168,27 @@ def test_the_sentence_names_what_the_ranking_has_first(tmp_path):
     assert 'and most in sideways speed of odom' in format_verdict(found)
 
 
+def test_the_verdict_says_how_far_apart_the_positions_are():
+    t = np.arange(0.0, 10.0, 0.02)
+    ramp = np.clip(t - 3.0, 0.0, 1.0)  # 5 m away from 4 s on: 3 m along x and 4 m along y
+
+    def side(label, share):
+        lines = {'x': np.sin(t) + 3.0 * share * ramp, 'y': 4.0 * share * ramp, 'z': np.cos(t)}
+        return side_of(
+            [Channel(f'odom/pose.pose.position.{k}', 'm', t, line) for k, line in lines.items()],
+            label,
+        )
+
+    found = compare_sides(
+        side('A', 0.0),
+        side('B', 1.0),
+        select_topic_pairs((), (), ['odom'], ['odom']),
+        ComparisonRequest(align='none', tolerances={'odom/*': 1e-9}),
+    )
+    said = format_verdict(found)
+    assert said.endswith(' The positions are up to 5 m apart, at 4.0 s, and 5 m at the end.')
+
+
 def test_a_bag_is_gone_through_a_few_times_whatever_it_holds(tmp_path, monkeypatch):
     write_flight(tmp_path / 'bag')
     flight = open_flight(tmp_path / 'bag')

@@ -123,3 +123,16 @@ def test_an_attitude_that_was_never_measured_is_left_out(tmp_path):
     assert topic['position']['columns'] == ['px', 'py', 'pz']
     assert 'orientation' not in topic
     assert any('never measured' in one.reason for one in draft.choices.reasons)
+
+
+@pytest.mark.parametrize(
+    ('text', 'sentence'),
+    [
+        ('time,"x\ry"\n0,1\n1,2\n2,3\n', r'is recognised \(time, x y\)'),
+        ('time,"x\ry",z"\r0,"1,2\n1,2,3\n2,3,4\n', 'have another number of cells'),
+    ],
+)
+def test_a_carriage_return_within_a_line_is_a_space(tmp_path, text, sentence):
+    (tmp_path / 'log.csv').write_bytes(text.encode())
+    with pytest.raises(BadInput, match=sentence):
+        draft_mapping(tmp_path / 'log.csv', {})

@@ -15,7 +15,7 @@ from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.quaternions import rotation_matrix
 from lta_model.effects.protocol import AXES
 from lta_model.vehicle import load_vehicle, Vehicle
-from lta_report.report import TextTable
+from lta_report.report import HtmlBlock, TextTable
 from lta_vehicle.figures.stability import compute_pendulum_mode
 import numpy as np
 import pytest
@@ -207,6 +207,10 @@ def test_the_page_lists_the_afternoon(plan: LabPlan, gtmab: Vehicle) -> None:
     ]  # fmt: skip
     assert table.rows[2][1:3] == ['released from 20 degrees; once more from 5', '40']
     assert dict(why.rows)['swing in pitch'].startswith('damping in pitch')
+    (sketches,) = (block.html for block in report.blocks if isinstance(block, HtmlBlock))
+    assert sketches.count('<svg') == 12  # a free flight is drawn once, the scales are not
+    (reverse,) = (one for one in sketches.split('<figure>') if 'reverse step in yaw' in one)
+    assert 'scale(1 -1)' in reverse  # the arrow goes clockwise, seen from above
     assert isinstance(report.data, dict)
     steps = [one for one in report.data['tests'] if one['kind'] == 'step']
     assert all(one['share_of_limit'] <= 0.5 and one['duties'] == [] for one in steps)

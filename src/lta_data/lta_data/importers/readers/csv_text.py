@@ -281,11 +281,11 @@ def read_column_names(path: Path, text: TextFormat) -> list[str]:
     if text.delimiter == 'whitespace':
         line = ' '.join(line.split())
     delimiter = NAMED_DELIMITERS.get(text.delimiter, text.delimiter)
-    cells = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])
+    cells = split_quoted(line, delimiter)
     check_column_count(path, len(cells))
     names: list[str] = []
     for index, cell in enumerate(cells):
-        name = cell.strip() or f'unnamed {index + 1}'
+        name = cell or f'unnamed {index + 1}'
         # pyarrow needs unique names
         names.append(name if name not in names else f'{name} ({index + 1})')
     if not names:
@@ -301,7 +301,14 @@ def read_header(path: Path) -> list[str]:
     line = decode_cell(read_text(path, HEAD_LINES).lstrip(b'\r\n').partition(b'\n')[0]).strip()
     # The most frequent separator of the header line.
     delimiter = max(',;\t', key=line.count)
-    return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter), [])]
+    return split_quoted(line, delimiter)
+
+
+def split_quoted(line: str, delimiter: str) -> list[str]:
+    """Return the stripped cells of a line, some of them in quotes."""
+    line = line.replace('\r', ' ')  # within a line, csv takes it for a broken file
+    cells = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])
+    return [cell.strip() for cell in cells]
 
 
 def shorten_cell(cell: str) -> str:

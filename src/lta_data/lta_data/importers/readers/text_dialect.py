@@ -2,7 +2,6 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-import csv
 from itertools import chain
 from pathlib import Path
 import re
@@ -16,6 +15,7 @@ from lta_data.importers.readers.csv_text import (
     HEAD_LINES,
     LIST,
     read_text,
+    split_quoted,
     THOUSANDS,
 )
 from lta_data.interpretation.column_names import UNIT_WORDS
@@ -166,8 +166,7 @@ def split_cells(line: str, mark: str | None) -> list[str]:
     """Return the stripped cells of a line; `mark` None stands for white space."""
     bare = line.strip()
     if '"' in bare:
-        reader = csv.reader([bare], delimiter=mark or ' ', skipinitialspace=True)
-        cells = [cell.strip() for cell in next(reader, [])]
+        cells = split_quoted(bare, mark or ' ')
     else:
         cells = [cell.strip() for cell in bare.split(mark)]
     # A delimiter at the end of a line

@@ -93,10 +93,12 @@ def create_floor_figure(layout: LampLayout) -> Figure:
     corners = plan.outline.corners
     low, high = corners.min(axis=0), corners.max(axis=0)
     air = HALL_MARGIN * float((high - low).max())
-    figure.update_xaxes(title_text='x [m]', showgrid=False, range=[low[0] - air, high[0] + air])
+    bare = {'showgrid': False, 'constrain': 'domain'}
+    figure.update_xaxes(title_text='x [m]', range=[low[0] - air, high[0] + air], **bare)
     figure.update_yaxes(
-        title_text='y [m]', showgrid=False, scaleanchor='x', range=[low[1] - air, high[1] + air]
-    )
+        title_text='y [m]', range=[low[1] - air, high[1] + air],
+        scaleanchor='x', constraintoward='top', **bare,
+    )  # fmt: skip
     for obstacle in plan.obstacles.values():
         for footprint in obstacle.footprints:
             figure.add_shape(

@@ -79,7 +79,7 @@ def plot_matrices(vehicles: Mapping[str, Vehicle]) -> Figure:
     names: list[str] = []
     rows: list[Sequence[float]] = []
     for title, vehicle in vehicles.items():
-        names += [f'{title} {name.replace("_", " ")}' for name in vehicle.rotor_names]
+        names += [f'{title}<br>{name.replace("_", " ")}' for name in vehicle.rotor_names]
         rows += vehicle.allocation
     # Shape (rotors, 6): the transpose of B as the paper writes it, as names need a row each
     values = np.array(rows)
@@ -88,15 +88,16 @@ def plot_matrices(vehicles: Mapping[str, Vehicle]) -> Figure:
     figure = create_figure()
     figure.add_trace(
         Heatmap(
-            x=list(WRENCH_LABELS), y=names, z=values.tolist(), zmin=-1.0, zmax=1.0,
-            showscale=False,
+            x=[each.replace(' ', '<br>') for each in WRENCH_LABELS], y=names,
+            z=values.tolist(), zmin=-1.0, zmax=1.0, showscale=False,
             colorscale=[[0.0, ESTIMATE], [0.5, PAPER], [1.0, TRUTH]], xgap=2, ygap=2,
-            text=written, texttemplate='%{text}',
+            text=written, texttemplate='%{text}', textfont={'size': 10},
             hovertemplate='%{y}: %{x} %{z:.3f}<extra></extra>',
         )
     )  # fmt: skip
-    figure.update_xaxes(tickangle=0)
-    return figure.update_yaxes(autorange='reversed', automargin=True)
+    figure.update_xaxes(tickangle=0, showgrid=False)
+    figure.update_yaxes(autorange='reversed', automargin=True, showgrid=False)
+    return figure.update_layout(margin={'r': 8})  # room for numbers in the cells on a phone
 
 
 LINEAR_TERM_SPEED: Final = 0.2  # m/s, seed paper: the speed of the linear terms
