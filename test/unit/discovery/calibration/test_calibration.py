@@ -27,6 +27,7 @@ from lta_discovery.calibration.verdict import format_forecast_sentence, format_i
 from lta_discovery.discovery.run import DiscoveryRequest, study_usable_flights
 from lta_discovery.discovery.study import Discovery, TUNED
 from lta_discovery.flights.bags import read_bags, Role
+from lta_discovery.flights.measured_flight import MeasuredFlight, resample_flight, Stream
 from lta_discovery.flights.usable_flights import select_usable_flights
 from lta_discovery.model.calibration_parameters import list_calibration_parameters
 from lta_discovery.model.nominal import NominalVehicle
@@ -45,6 +46,8 @@ from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+
+from ..hidden_flight import flown  # noqa: TID252 - `test` is Python's own
 
 ROLES = ('train', 'train', 'confirm')
 SECONDS = (35.0, 45.0)
@@ -389,21 +392,27 @@ def test_a_wind_in_the_vehicle_file_makes_the_heading_a_number_to_be_fitted() ->
 
 @pytest.mark.long
 def test_a_wind_in_the_vehicle_file_shows_the_heading_of_the_tracker(tmp_path: Path) -> None:
-    """Of a vehicle with all other calibrations hidden, too; the wind is that of the file."""
-    wind, heading = 0.4, 0.12
-    hidden = {'steady_wind.x': wind, 'tracker_misalignment.yaw': heading}
-    text = set_yaml_values(
-        find_file('vehicle', 'gtmab').read_text(encoding='utf-8'),
-        {'effects.steady_wind.x': {'value': wind, 'unit': 'm/s', 'source': 'an anemometer'}},
-    )
+    """The tracker's axes are turned by 0.12 rad in a wind that an anemometer has measured."""
+    wind, heading = {'value': 0.3, 'unit': 'm/s', 'source': 'an anemometer'}, 0.12
+    text = find_file('vehicle', 'gtmab').read_text(encoding='utf-8')
     path = tmp_path / 'windy.yaml'
-    path.write_text(text)
-    _, found = calibrate_case(4, tmp_path, str(path), hidden)
+    path.write_text(set_yaml_values(text, {'effects.steady_wind.x': wind}))
+    flights: list[tuple[str, str, MeasuredFlight]] = []
+    for seed in (31, 32):
+        streams = flown({'vehicle.effects.steady_wind.x': wind}, seed, 62.0)
+        turn, poses = Rotation.from_euler('z', -heading), streams.pose.values
+        turned = (turn * Rotation.from_quat(poses[:, 3:])).as_quat()
+        pose = Stream(streams.pose.time, np.hstack([turn.apply(poses[:, :3]), turned]))
+        alone = {'voltage': streams.others['voltage']}
+        flight = resample_flight(replace(streams, pose=pose, others=alone))
+        flights.append((f'{seed}', 'train', flight))
+    vehicle = load_vehicle(str(path))
+    found = calibrate_flights(vehicle, 'windy', flights, lambda _what, _part: None)
     one = found.find('tracker_misalignment.yaw')
     assert one is not None
     assert one.is_known
     assert one.ci95[0] < heading < one.ci95[1]
-    assert one.deviation < 0.06
+    assert one.ci95[0] > 0.0
 
 
 def test_the_mass_of_a_vehicle_with_a_moving_mass_is_written(tmp_path: Path) -> None:
