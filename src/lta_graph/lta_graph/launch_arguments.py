@@ -22,6 +22,11 @@ class GraphArguments(Settings):
     """Folder of the bag; it must not exist yet."""
     topics: str = setting('')
     """Topics to record, separated by spaces, or all. Empty: those that topics.yaml marks."""
+    params_file: str = setting('')
+    """
+    YAML file of parameters, as ROS reads it: for nodes by name, or for all below /**. Its values
+    win over those of the launch.
+    """
     queue_size: float = setting(64.0)
     """Memory for messages that wait for a slow disk, in MB."""
     live: bool = setting(False)
