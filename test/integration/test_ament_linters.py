@@ -21,7 +21,7 @@ LINTERS = ('ament_copyright', 'ament_flake8', 'ament_pep257')
 OF_UBUNTU = (  # 24.04
     'flake8==7.0.0', 'flake8-builtins==2.1.0', 'flake8-comprehensions==3.14.0',
     'flake8-docstrings==1.6.0', 'flake8-import-order==0.18.2', 'flake8-quotes==3.4.0',
-    'pydocstyle==6.3.0', 'setuptools<80',
+    'pydocstyle==6.3.0', 'setuptools<80', 'wheel',
 )  # fmt: skip
 pytestmark = [
     pytest.mark.long,
