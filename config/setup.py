@@ -52,5 +52,8 @@ setup(
     maintainer_email='maintainers@users.noreply.github.com',
     description='Every fact in one place: topics, vehicles, scenarios and gains.',
     license='Apache-2.0',
-    entry_points={'console_scripts': []},
+    entry_points={
+        'console_scripts': [],
+        'ament_copyright.license': ['lta = lta_config.licence_header:APACHE_2'],
+    },
 )

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from lta_bridge.teensy import mavlink
+from lta_bridge.teensy._generated import mavlink
 from lta_emulation.teensy.emulated_board import COMPONENT, SYSTEM
 
 

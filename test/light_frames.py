@@ -1,6 +1,6 @@
 """Frames of the light board's link as anybody may send them, with a checksum of our own."""
 
-from lta_bridge.teensy import mavlink
+from lta_bridge.teensy._generated import mavlink
 
 KINDS = {kind.msgname: kind for kind in mavlink.mavlink_map.values()}
 

@@ -219,7 +219,7 @@ def si_quantity(
     sourced: bool = False,
 ) -> WrapValidator:
     """
-    Return a validator of a quantity: `Annotated[Quantity, si_quantity('kg', above=0.0)]`.
+    Return a validator, for annotations such as `Annotated[Quantity, VALIDATOR]`.
 
     Parameters
     ----------

@@ -11,7 +11,7 @@ from setuptools.command.egg_info import egg_info
 
 HERE = Path(__file__).resolve().parent  # not the link that colcon makes
 XML = HERE.parents[1] / 'firmware/light_board/mavlink/link.xml'
-MODULE = HERE / 'lta_bridge/teensy/mavlink.py'
+MODULE = HERE / 'lta_bridge/teensy/_generated/mavlink.py'
 
 
 class GenerateMessages(egg_info):

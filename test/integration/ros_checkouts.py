@@ -3,7 +3,8 @@ The programs of a genuine ROS 2 that the wheels lack, from a folder of checkouts
 
 LTA_ROS_CHECKOUTS names the folder. It holds, each in a folder of its name, ros2cli (0.32.2),
 launch (3.4.3), launch_ros (0.26.6), osrf_pycommon (2.1.6) and rosidl_runtime_py (0.13.1); for the
-test of `make ros2` also rcl_interfaces (2.0.2), for that of the rosdep keys rosdistro.
+test of `make ros2` also rcl_interfaces (2.0.2), for that of the rosdep keys rosdistro, for that of
+the linters ament_lint (0.17.1).
 """
 
 import os

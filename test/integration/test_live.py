@@ -7,6 +7,7 @@ from pathlib import Path
 import re
 import signal
 
+import foxglove
 from lta_bridge.bag.schemas import load_jazzy_types
 from lta_bridge.live.server import LiveServer
 from lta_config.files import share_folder
@@ -16,8 +17,6 @@ from ports import free_port
 import pytest
 from rosbags.typesys import get_types_from_msg
 from waiting import wait_until
-
-import foxglove
 
 from .contents import contents
 from .viewer import Viewer

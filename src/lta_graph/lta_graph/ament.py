@@ -32,6 +32,11 @@ def find_package_prefix(package: str) -> Path:
     for prefix in list_prefixes():
         if (prefix / PACKAGE_MARKERS / package).is_file():
             return prefix
+    if not package.startswith(OUR_PREFIX.strip('_')):
+        raise BadInput(
+            f"The package '{package}' is not installed here; install it (of ROS 2 Jazzy: sudo apt "
+            f'install ros-jazzy-{package.replace("_", "-")}), or source the workspace that has it.'
+        )
     ours = list_resources(PACKAGE_MARKERS, OUR_PREFIX)
     # Offer only our packages: a ROS installation has hundreds
     if ours:

@@ -22,6 +22,11 @@ class GraphArguments(Settings):
     """Folder of the bag; it must not exist yet."""
     topics: str = setting('')
     """Topics to record, separated by spaces, or all. Empty: those that topics.yaml marks."""
+    params_file: str = setting('')
+    """
+    YAML file of parameters, as ROS reads it: for nodes by name, or for all below /**. Its values
+    win over those of the launch.
+    """
     queue_size: float = setting(64.0)
     """Memory for messages that wait for a slow disk, in MB."""
     live: bool = setting(False)
@@ -174,6 +179,11 @@ class FlyArguments(DroneArguments, PacedArguments):
     """With pilot:=true, the height of the flight, in metres."""
     pilot_seconds: float = setting(60.0)
     """With pilot:=true, the seconds in which sticks move."""
+    autostart: bool = setting(True)
+    """
+    Whether estimator, controller and navigator work from their start; false: as lifecycle nodes,
+    from configure and activate on, in real time.
+    """
     simulator: bool = setting(True)
     """With source:=sim, whether to start the simulator."""
     estimator: bool = setting(True)

@@ -7,9 +7,10 @@ ROS 2 is installed (`ros.launch_description`). A launch file is a Python file th
 """
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 import json
 import math
+from pathlib import Path
 from typing import Any, final, get_args
 
 from lta_config.errors import BadInput, unknown_name_error
@@ -34,6 +35,7 @@ class LaunchProcess:
     namespace: str = '/'  # absolute
     parameters: Mapping[str, Parameter] = field(default_factory=dict)
     parameter_file: str = ''  # path; `parameters` come after it
+    last_file: str = ''  # path of a file of parameters that wins over all
     words: tuple[str, ...] = ()  # of the command line, before those for ROS
     on_exit_shutdown: bool = True  # whether the exit of this process ends the run
     planned: bool = False  # whether its exit with status 0 is a planned end of the run
@@ -58,7 +60,7 @@ class LaunchProcess:
         words = ['--params-file', self.parameter_file] if self.parameter_file else []
         for name, value in self.parameters.items():
             words += ['-p', f'{name}:={format_ros_yaml(value)}']
-        return words
+        return [*words, '--params-file', self.last_file] if self.last_file else words
 
     @property
     def arguments(self) -> tuple[str, ...]:
@@ -183,7 +185,12 @@ class Launch:
         except ValidationError as error:
             raise BadInput(f'The launch argument {format_error(error)}') from None
         words = (self.name, *(f'{name}:={value}' for name, value in values.items()))
-        return LaunchPlan(tuple(self.list_processes(model)), words)
+        processes = tuple(self.list_processes(model))
+        if file := getattr(model, 'params_file', ''):
+            if not Path(file).is_file():
+                raise BadInput(f'There is no parameter file {file}; check the path.')
+            processes = tuple(replace(each, last_file=file) for each in processes)
+        return LaunchPlan(processes, words)
 
 
 def parse_arguments(texts: Iterable[str]) -> dict[str, str]:

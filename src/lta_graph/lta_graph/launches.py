@@ -115,13 +115,13 @@ DRONE_NODES = (
         'lta_control',
         'estimator',
         lambda a: a.estimator,
-        'use_sim_time time frame_prefix source vehicle',
+        'use_sim_time time frame_prefix source vehicle autostart',
     ),
     NodeEntry(
         'lta_control',
         'controller',
         lambda a: a.starts_controller,
-        'use_sim_time time frame_prefix source vehicle scenario armed',
+        'use_sim_time time frame_prefix source vehicle scenario armed autostart',
         takes_gains=True,
     ),
     NodeEntry(
@@ -134,7 +134,7 @@ DRONE_NODES = (
         'lta_control',
         'navigator',
         lambda a: a.navigator,
-        'use_sim_time time frame_prefix source vehicle strategy scenario commanded',
+        'use_sim_time time frame_prefix source vehicle strategy scenario commanded autostart',
     ),
     NodeEntry(
         'lta_energy',

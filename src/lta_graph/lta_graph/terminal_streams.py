@@ -11,7 +11,7 @@ import errno
 import io
 import os
 import sys
-from typing import final, NoReturn, TextIO, TYPE_CHECKING
+from typing import Any, final, NoReturn, TextIO, TYPE_CHECKING
 
 from lta_config.errors import strip_control_codes
 
@@ -47,9 +47,9 @@ class TerminalStream(io.TextIOWrapper):
     def __init__(self, buffer: io.BufferedWriter, encoding: str) -> None:
         # Progress and results appear immediately, also in a pipe. Writing through keeps the order
         # of both streams.
-        settings = {'errors': 'replace', 'line_buffering': True, 'write_through': True}
-        super().__init__(buffer, encoding, **settings)  # type: ignore[arg-type]
-        self.rich_proxied_file = io.TextIOWrapper(buffer, encoding, **settings)  # type: ignore[arg-type]
+        settings: Any = {'errors': 'replace', 'line_buffering': True, 'write_through': True}
+        super().__init__(buffer, encoding, **settings)
+        self.rich_proxied_file = io.TextIOWrapper(buffer, encoding, **settings)
 
     def write(self, text: str, /) -> int:
         """Write text and return its length."""

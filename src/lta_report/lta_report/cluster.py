@@ -187,8 +187,8 @@ def shorten_python(version: str) -> str:
 def build_lta_reader() -> Callable[[], tuple[str, str]]:
     """Return a function that returns the LTA version and commit, '' if it is not installed."""
 
-    # Nested, so that Dask sends its code and not its name, which a worker without LTA cannot find
     def read_lta() -> tuple[str, str]:
+        # Nested, so that Dask sends its code and not its name, which a worker may not find
         from importlib import import_module
 
         try:

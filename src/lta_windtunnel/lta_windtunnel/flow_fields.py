@@ -119,7 +119,8 @@ def _mask_bodies(
         turned.apply_transform(whole)
         # Close to the plane of the slice, which is 0.002 lengths off the centre
         origin = 0.0023 * model.length * normal
-        cut = trimesh.intersections.mesh_plane(turned, normal, origin)  # type: ignore[no-untyped-call]
+        plane = (normal, origin)
+        cut = trimesh.intersections.mesh_plane(turned, *plane)  # type: ignore[no-untyped-call]
         if len(cut):
             grid[_find_enclosed_points(cut[:, :, [across, 2]], sides)] = np.nan
     return grid

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from light_frames import build_frame, field_lengths, frame_bytes, KINDS
-from lta_bridge.teensy import mavlink
+from lta_bridge.teensy._generated import mavlink
 from lta_bridge.teensy.block_assembler import FrameParser
 from lta_bridge.teensy.board_clock import ClockExchange
 from lta_bridge.teensy.light_board import LightBoard, LightPeaks, OPEN_REQUESTS

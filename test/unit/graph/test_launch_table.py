@@ -77,6 +77,15 @@ def test_a_node_becomes_a_command_line_in_which_parameters_win_over_their_file()
     assert LaunchProcess('p', 'e', 'n').arguments == ('--ros-args', '-r', '__node:=n')
 
 
+def test_a_file_of_the_user_s_parameters_comes_last_for_every_node(tmp_path):
+    path = tmp_path / 'lab.yaml'
+    with pytest.raises(BadInput, match=f'There is no parameter file {path}; check the path'):
+        FLY.build_plan({'params_file': str(path)})
+    path.touch()
+    for process in FLY.build_plan({'params_file': str(path), 'tracker': 'true'}).processes:
+        assert process.arguments[-2:] == ('--params-file', str(path))
+
+
 @pytest.mark.parametrize(
     ('words', 'sentence'),
     [

@@ -13,11 +13,10 @@ import secrets
 import threading
 from typing import final
 
+import foxglove
 from foxglove.websocket import Capability, ChannelView, Client, ServerListener
 from lta_bridge.live.origin_gate import OriginGate
 from lta_config.errors import BadInput
-
-import foxglove
 
 LOOPBACK = int(IPv4Address('127.1.0.0'))  # addresses of this machine alone (RFC 1122, 3.2.1.3)
 LOOPBACK_SIZE = int(IPv4Address('127.255.255.255')) - LOOPBACK

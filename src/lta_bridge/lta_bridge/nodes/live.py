@@ -11,6 +11,7 @@ from collections import defaultdict, deque
 from collections.abc import Callable
 from typing import Final, Unpack
 
+import foxglove
 from lta_bridge.bag.schemas import generate_definition
 from lta_bridge.live.server import LiveServer
 from lta_bridge.log_time_assigner import LogTimeAssigner, read_stamp
@@ -23,8 +24,6 @@ from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
-
-import foxglove
 
 EVENT_DEPTH: Final = 100  # queue depth of aperiodic topics: each message may be from another node
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import final, NamedTuple
 
-from lta_bridge.teensy import mavlink
+from lta_bridge.teensy._generated import mavlink
 import numpy as np
 from numpy.typing import NDArray
 

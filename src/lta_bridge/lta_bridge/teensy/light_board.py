@@ -10,7 +10,7 @@ import io
 import math
 from typing import final, NamedTuple
 
-from lta_bridge.teensy import mavlink
+from lta_bridge.teensy._generated import mavlink
 from lta_bridge.teensy.block_assembler import BlockAssembler, FrameParser
 from lta_bridge.teensy.board_clock import BoardClock, ClockExchange
 from lta_bridge.teensy.port import SenderFilter

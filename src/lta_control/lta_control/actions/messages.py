@@ -7,8 +7,8 @@ from lta_config.errors import BadInput
 from lta_control.actions.tasks import FlightTask, TaskKind, TaskOutcome
 from lta_control.commanded_flight import CommandedFlight
 from lta_control.place_hold import Place, Route
-from lta_graph.ros.contained_node import ContainedNode
 from lta_graph.ros.goal_server import GoalServer
+from lta_graph.ros.managed_node import ManagedNode
 from lta_msgs.action import FollowPath, GoToLamp, GoToPose, Land, TakeOff
 
 ACTION_TYPES: Final = {
@@ -21,14 +21,14 @@ ACTION_TYPES: Final = {
 PLACE_FRAMES: Final = ('map', '')  # frames of a place to fly to
 
 
-def serve_tasks(node: ContainedNode, flight: CommandedFlight) -> list[GoalServer[FlightTask]]:
+def serve_tasks(node: ManagedNode, flight: CommandedFlight) -> list[GoalServer[FlightTask]]:
     """Offer the actions of a flight; see `GoalServer`."""
     return [
         GoalServer(
             node,
             action,
             kind.value,
-            partial(find_goal_obstacle, flight),
+            partial(find_goal_obstacle, node, flight),
             lambda goal: flight.request(*to_task(goal)),
             flight.cancel,
             partial(from_task_result, flight),
@@ -38,15 +38,17 @@ def serve_tasks(node: ContainedNode, flight: CommandedFlight) -> list[GoalServer
     ]
 
 
-def find_goal_obstacle(flight: CommandedFlight, goal: Any) -> str:  # noqa: ANN401 - of an action
+def find_goal_obstacle(node: ManagedNode, flight: CommandedFlight, goal: Any) -> str:
     """Return why a goal is refused, or ''."""
+    if not node.active:
+        return 'the navigator is inactive'
     try:
         return flight.find_obstacle(*to_task(goal))
     except BadInput as error:
         return f'{error}'
 
 
-def to_task(goal: Any) -> tuple[TaskKind, float, Route]:  # noqa: ANN401 - of an action
+def to_task(goal: Any) -> tuple[TaskKind, float, Route]:
     """
     Return the task of a goal: a height [m], the frequency of a lamp [Hz] or 0, and places.
 
@@ -63,7 +65,7 @@ def to_task(goal: Any) -> tuple[TaskKind, float, Route]:  # noqa: ANN401 - of an
     return TaskKind.LAND, 0.0, Route()
 
 
-def _to_route(header: Any, poses: Any, goal: Any) -> Route:  # noqa: ANN401 - of messages
+def _to_route(header: Any, poses: Any, goal: Any) -> Route:
     if header.frame_id not in PLACE_FRAMES:
         raise BadInput(f"The frame of a place is map, not '{header.frame_id}'.")
     places = [pose.position for pose in poses]

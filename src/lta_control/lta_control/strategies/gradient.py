@@ -85,7 +85,8 @@ def add_pair(
     x, y, light = pairs[-1]
     same = math.floor(x / cell) == math.floor(new[0] / cell)
     if count > 0.0 and same and math.floor(y / cell) == math.floor(new[1] / cell):
-        return pairs[:-1] + ((new[0], new[1], 0.5 * (light + new[2])),), 0.0  # noqa: RUF005 - numba
+        mean = 0.5 * (light + new[2])
+        return pairs[:-1] + ((new[0], new[1], mean),), 0.0  # noqa: RUF005 - numba
     return pairs[1:] + (new,), 1.0  # noqa: RUF005 - numba
 
 

@@ -195,8 +195,8 @@ class Bag:
     def _select_channels(self, contents: McapContents, topics: set[str]) -> dict[int, str]:
         """Return the requested topics of one file, by channel."""
         return {
-            id: channel.topic
-            for id, channel in contents.channels.items()
+            number: channel.topic
+            for number, channel in contents.channels.items()
             if channel.topic in topics
             and self.topics[channel.topic].type_name == find_message_type(contents, channel)
         }

@@ -196,8 +196,10 @@ def compare_sides(
             if all(each.verdict == 'identical' for each in channels
                    if each.name.rpartition('/')[0] == topic)
         ),
-        remarks=tuple([*(f'A: {text}' for text in a.losses)]
-            + [f'B: {text}' for text in b.losses] + remarks + list(when.remarks)),
+        remarks=(
+            *(f'A: {text}' for text in a.losses), *(f'B: {text}' for text in b.losses),
+            *remarks, *when.remarks,
+        ),
     )  # fmt: skip
 
 

@@ -226,7 +226,7 @@ def build_tiles(comparison: ComparisonResult) -> list[Tile]:
         'none': 'time stamps unchanged' if timing.on_stamps else 'both flights start at 0 s',
     }[timing.how]  # fmt: skip
     tiles = [
-        Tile('Offset of B\'s clock', offset, unit, f'{doubt}{how}'),
+        Tile("Offset of B's clock", offset, unit, f'{doubt}{how}'),
         Tile('Common time', f'{end - begin:.1f}', 's', f"{begin:.1f} to {end:.1f} s on A's clock"),
         Tile(
             'Diverging channels', str(len(parted)), f'of {len(comparison.channels)}',

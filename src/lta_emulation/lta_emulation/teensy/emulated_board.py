@@ -12,7 +12,7 @@ import termios
 import tty
 from typing import final
 
-from lta_bridge.teensy import mavlink
+from lta_bridge.teensy._generated import mavlink
 from lta_bridge.teensy.block_assembler import FrameParser
 from lta_bridge.teensy.light_board import (
     ACTIVE,

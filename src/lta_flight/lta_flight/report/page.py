@@ -201,8 +201,8 @@ def build_tiles(results: FlightResults) -> list[Tile]:
         Tile('Direction of the lamp',
              format_number(r.lamp_median, 1, DEGREES_PER_RADIAN), '° median error',
              explain_direction_errors(r)),
-        Tile('Signal to noise', f'{format_number(r.snr_start, 0)} → '
-        f'{format_number(r.snr_end, 0)}', '',
+        Tile('Signal to noise',
+             f'{format_number(r.snr_start, 0)} → {format_number(r.snr_end, 0)}', '',
              'of the best photodiode, first and last half second'),
         Tile('Power', format_number(r.cruise_power), 'W',
              f'{format_amount(r.energy, "J", 1)} from the cell between take-off and goal'),

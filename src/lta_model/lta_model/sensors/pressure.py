@@ -59,8 +59,8 @@ def air_pressure(floor: float, height: Height) -> Height:
 
     p = p_floor (1 - L h / T0)^(g M / (R L)), with the floor at the standard's 288.15 K.
     """
-    # A local annotation would not compile
-    return floor * (1.0 - LAPSE * height / SEA_TEMPERATURE) ** EXPONENT  # type: ignore[no-any-return]
+    share = (1.0 - LAPSE * height / SEA_TEMPERATURE) ** EXPONENT
+    return floor * share  # type: ignore[no-any-return]  # a local annotation would not compile
 
 
 def read_pressure(

@@ -34,9 +34,9 @@ LAMP_WORDS: Final = (
     'flickering white LED light',
     'sunlight',
 )  # of LAMPS
-ILLUMINANCE_TICKS: Final = {300: '300 lx', 1e3: '1 klx', 3e3: '3 klx', 1e4: '10 klx',
-                            3e4: '30 klx',
-                1e5: '100 klx'}  # fmt: skip
+ILLUMINANCE_TICKS: Final = {
+    300: '300 lx', 1e3: '1 klx', 3e3: '3 klx', 1e4: '10 klx', 3e4: '30 klx', 1e5: '100 klx',
+}  # fmt: skip
 BREAK_EVEN_ABOUT: Final = (
     'Power of the solar array and its charger, from 300 lx in a warehouse to full sun, '
     'compared with the power that each task needs.'
@@ -244,8 +244,10 @@ def plot_charger_output(result: BreakEvenMap) -> Figure:
         Level(1e3 * load, task, right=True, below=task.startswith(('idle', 'hovering')))
         for task, load in result.loads.items()
     ]
-    ticks = ChartAxis('illuminance on the level panel', log=True, ticks=list(ILLUMINANCE_TICKS),
-                 words=list(ILLUMINANCE_TICKS.values()))  # fmt: skip
+    ticks = ChartAxis(
+        'illuminance on the level panel', log=True, ticks=list(ILLUMINANCE_TICKS),
+        words=list(ILLUMINANCE_TICKS.values()),
+    )  # fmt: skip
     return draw_curves(curves, ticks, ChartAxis('charger output [mW]', log=True), levels=levels)
 
 

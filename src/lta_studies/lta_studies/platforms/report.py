@@ -24,9 +24,10 @@ from lta_studies.platforms.summary import (
 )
 import yaml
 
-RESULT_HEADS = ('platform', 'manoeuvre', 'held', 'overshoot', 'settles', 'steady error', 'rms',
-                'ripple',
-         'height error', 'tilt')  # fmt: skip
+RESULT_HEADS = (
+    'platform', 'manoeuvre', 'held', 'overshoot', 'settles', 'steady error', 'rms', 'ripple',
+    'height error', 'tilt',
+)  # fmt: skip
 SETPOINT_NOTE = 'Dashed: setpoint. Flights with seed 1.'
 CHANGES_NOTE = 'The changes are listed below, under "What causes the differences".'
 LIMIT_CAPTION = (

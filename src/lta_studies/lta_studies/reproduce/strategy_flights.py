@@ -131,9 +131,11 @@ LEGEND_ABOVE: Final = {
     'yanchor': 'bottom',
 }
 FIGURE_LAYOUT: Final = {
-    'hovermode': 'closest', 'showlegend': True, 'legend': LEGEND_ABOVE, 'margin': {'r': 16, 't':
-    26},
-}  # fmt: skip
+    'hovermode': 'closest',
+    'showlegend': True,
+    'legend': LEGEND_ABOVE,
+    'margin': {'r': 16, 't': 26},
+}
 
 
 def label_strategy(name: str) -> str:

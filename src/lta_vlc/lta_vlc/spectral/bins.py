@@ -114,8 +114,6 @@ def signal_to_noise(peak: NDArray[np.float64], noise: NDArray[np.float64]) -> ND
     return np.divide(peak, noise, out=silent, where=noise > 0.0)
 
 
-if TYPE_CHECKING:
-    from lta_vlc.settings import DemodulationSettings
 LEAST_QUIET_BINS = 16  # the mean of so many Rayleigh distributed magnitudes is known to 13 %
 FLICKER_WIDTH = 1.5  # bins on either side of the flicker of the mains, whose frequency wanders
 

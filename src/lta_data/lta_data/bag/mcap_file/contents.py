@@ -216,9 +216,9 @@ NAMELESS = '/channel_{}'  # cannot collide with a robot's topic, which has a nam
 
 def name_lost_channels(contents: McapContents) -> None:
     """Name the channels of a scanned file whose records are lost, with the chunk that had them."""
-    for id in sorted(set(contents.counts) - set(contents.channels)):
-        contents.channels[id] = Channel(id, NAMELESS.format(id), 'cdr', {}, 0)
+    for number in sorted(set(contents.counts) - set(contents.channels)):
+        contents.channels[number] = Channel(number, NAMELESS.format(number), 'cdr', {}, 0)
         contents.remarks.append(
-            f'The recording does not contain the topic name of channel {id}; its messages are '
-            f"kept under the topic '{NAMELESS.format(id)}'."
+            f'The recording does not contain the topic name of channel {number}; its messages are '
+            f"kept under the topic '{NAMELESS.format(number)}'."
         )

@@ -347,10 +347,14 @@ def _list_bag_channels(bag: BagDraft) -> list[Channel]:
         early = seconds <= FIRST_SECONDS
         for group in groups:
             channels += [
-                Channel(f'{group.kind}.{column}', group.kind, seconds[early],
-                              table.columns[column][early])
+                Channel(
+                    f'{group.kind}.{column}',
+                    group.kind,
+                    seconds[early],
+                    table.columns[column][early],
+                )
                 for column in group.columns
-            ]  # fmt: skip
+            ]
     return channels
 
 

@@ -46,10 +46,10 @@ ECHOED: Final = {
     len(names): names
     for names in (
         [*ECHOED_STAMP, *_list_fields('pose.position:xyz', 'pose.orientation:xyzw')],
-        [*ECHOED_STAMP, *_list_fields('pose.pose.position:xyz', 'pose.pose.orientation:xyzw',
-                               'pose.covariance:36')],
-        [*ECHOED_STAMP, 'child_frame_id', *_list_fields('transform.translation:xyz',
-                                                 'transform.rotation:xyzw')],
+        [*ECHOED_STAMP, *_list_fields(
+            'pose.pose.position:xyz', 'pose.pose.orientation:xyzw', 'pose.covariance:36')],
+        [*ECHOED_STAMP, 'child_frame_id', *_list_fields(
+            'transform.translation:xyz', 'transform.rotation:xyzw')],
         [*ECHOED_STAMP, 'child_frame_id', *_list_fields(
             'pose.pose.position:xyz', 'pose.pose.orientation:xyzw', 'pose.covariance:36',
             'twist.twist.linear:xyz', 'twist.twist.angular:xyz', 'twist.covariance:36')],

@@ -146,8 +146,10 @@ def build_tiles(layout: LampLayout, handover: LampHandover) -> list[Tile]:
     tones = [lamp.frequency for lamp in layout.lamps]
     steps = len(handover.route)
     return [
-        Tile('covered', format_percent(layout.coverage), '%', f'of {area:.0f} m² where the hull '
-        f'fits'),
+        Tile(
+            'covered', format_percent(layout.coverage), '%',
+            f'of {area:.0f} m² where the hull fits',
+        ),
         Tile('lamps', str(count), '', f'at least {layout.bound} for full coverage'),
         Tile(
             'lamps by area', f'{100.0 * count / floor.area:.2f}', 'per 100 m²',

@@ -186,10 +186,10 @@ def build_gain_table(response: FittedResponse) -> TextTable:
 def build_tiles(errors: DirectionErrors, response: FittedResponse) -> list[Tile]:
     """Return the tiles with the key figures."""
     return [
-        Tile('fit', f'{math.degrees(median_error(errors.ours)):.2f}', '°', f'worst '
-        f'{math.degrees(max(errors.ours)):.2f}°'),
-        Tile('paper', f'{math.degrees(median_error(errors.paper)):.2f}', '°', f'worst '
-        f'{math.degrees(max(errors.paper)):.2f}°'),
+        Tile('fit', f'{math.degrees(median_error(errors.ours)):.2f}', '°',
+             f'worst {math.degrees(max(errors.ours)):.2f}°'),
+        Tile('paper', f'{math.degrees(median_error(errors.paper)):.2f}', '°',
+             f'worst {math.degrees(max(errors.paper)):.2f}°'),
         Tile('SNR', f'{errors.snr:.0f}', '', 'of the best diode, median'),
         Tile('exponent', f'{response.exponent:.2f}', '',
              f'of the cosine response, \N{PLUS-MINUS SIGN} {response.exponent_deviation:.1g}'),

@@ -64,7 +64,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     draws = {**draw_navigation(request), **collect_draws(request, partial(measure_draw, request))}
     pictures = [
         StudyPicture('tasks', 'Power by task', TASK_CAPTION, draw_task_power(budget),
-                format_lta_command('energy', 'budget', '--seeds', str(request.seeds)))
+                     format_lta_command('energy', 'budget', '--seeds', str(request.seeds)))
     ]  # fmt: skip
     if request.quick:
         return RowStudyResult(

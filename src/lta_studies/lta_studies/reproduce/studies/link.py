@@ -79,7 +79,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     curves = list(links.values())
     pictures = [
         StudyPicture('trace', 'What a diode reads', TRACED, plot_diode_samples(trace),
-                format_lta_command('simulate', '--scenario', INDOOR_SCENARIO)),
+                     format_lta_command('simulate', '--scenario', INDOOR_SCENARIO)),
         StudyPicture('lux', 'Light by distance', LUX_CAPTION, plot_lux(curves), again),
         StudyPicture('snr', 'Signal-to-noise ratio by distance', SNR, plot_snr(curves), again),
     ]  # fmt: skip

@@ -75,15 +75,18 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     )
     command = format_lta_command('reproduce', 'photodiodes')
     pictures = [
-        StudyPicture(place, f'{place.capitalize()}: {BEARING_PLACES[place].about}',
-                'Median bearing error as the radius [°], by direction of the lamp. Seed '
-                f'1. {describe_method(STUDY_OFF_AXIS)}',
-                draw_polar({
-                    f'{count} diodes': (vehicles[0][STUDY_OFF_AXIS, place, count].paper,
-                    RING_COLOURS[count])
-                    for count in RING_COUNTS
-                }),
-                command)
+        StudyPicture(
+            place, f'{place.capitalize()}: {BEARING_PLACES[place].about}',
+            'Median bearing error as the radius [°], by direction of the lamp. Seed 1. '
+            f'{describe_method(STUDY_OFF_AXIS)}',
+            draw_polar({
+                f'{count} diodes': (
+                    vehicles[0][STUDY_OFF_AXIS, place, count].paper, RING_COLOURS[count],
+                )
+                for count in RING_COUNTS
+            }),
+            command,
+        )
         for place in BEARING_PLACES
     ]  # fmt: skip
     return RowStudyResult(values, pictures, draws=draws)

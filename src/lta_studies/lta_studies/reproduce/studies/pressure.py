@@ -66,7 +66,7 @@ def plot_pressures_and_maps(values: Mapping[str, MeasuredValue]) -> list[StudyPi
     """Plot all pressures, and pressure maps of the hulls from below."""
     pictures = [
         StudyPicture('pressure', 'Pressures compared', PRESSURE_CAPTION, plot_pressures(values),
-                format_lta_command('reproduce', 'forces'))
+                     format_lta_command('reproduce', 'forces'))
     ]  # fmt: skip
     for name, (file, pattern, heading) in PRESSURE_FLOWS.items():
         again = format_lta_command('cfd', 'run', file, '--only', pattern)

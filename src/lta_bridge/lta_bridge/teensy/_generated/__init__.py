@@ -1,0 +1,1 @@
+"""Modules that the build writes; linters pass over a folder that begins with `_`."""
