@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Run the tests of a package where pytest is called in its folder, as `colcon test` does.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """`python -m campaigns NAME ...`: run a campaign; without a name, list them."""
 
 import sys

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Score the bearing to a lamp: the paper's weighted mean, and the fit by which the drone steers.
 
@@ -103,7 +105,7 @@ def bearing_bound(
     diodes: PhotodiodeArray, peaks: Peaks, azimuth: float, elevation: float
 ) -> float:
     """
-    Return the Cramer-Rao bound of the bearing's standard deviation. [rad]
+    Return the Cramer-Rao bound of the bearing's standard deviation [rad].
 
     For an unbiased estimator that knows everything but the azimuth, the lamp's strength and an
     even pedestal: noise and unequal gains are all that disturbs it. Reflections and an unknown
@@ -161,7 +163,7 @@ def median_normal_error(deviations: Array) -> float:
 
 
 def interval_coverage(errors: Array, deviations: Array, width: float) -> float:
-    """Return the share of errors within `width` times their deviations. [1]"""
+    """Return the share of errors within `width` times their deviations [1]."""
     finite = np.isfinite(errors)
     if not finite.any():
         return math.nan

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Measure speeds of LTA on this machine.
 
@@ -75,7 +77,7 @@ class Figure:
 
 
 def step_kernel(steps: int = 300_000) -> float:
-    """Return the pace of one vehicle. [steps/s]"""
+    """Return the pace of one vehicle [steps/s]."""
     model, state = load_vehicle('gtmab').build_model(), pack_state(memory=initial_memory())
     begin = time.process_time()
     last = advance(state, model, DUTY, SURROUNDED, STEP, steps)
@@ -111,7 +113,7 @@ def build_blocks(diodes: int, beacons: tuple[float, ...]) -> np.ndarray:
 
 
 def measure_blocks(blocks: np.ndarray, work: Callable[[np.ndarray], object]) -> float:
-    """Return the pace of some work on each block, on one core. [s/s]"""
+    """Return the pace of some work on each block, on one core [s/s]."""
     begin = time.process_time()
     for block in blocks:
         work(block)
@@ -119,7 +121,7 @@ def measure_blocks(blocks: np.ndarray, work: Callable[[np.ndarray], object]) -> 
 
 
 def estimate_lamps() -> float:
-    """Return the pace from the block of eight diodes to a lamp estimate. [s/s]"""
+    """Return the pace from the block of eight diodes to a lamp estimate [s/s]."""
     finder, prior = DirectionFinder(build_even_ring(8, 0.07)), LampPrior()
     settings = DemodulationSettings()
     receiver = BeaconReceiver(settings, SAMPLE_RATE, SAMPLES)
@@ -135,14 +137,14 @@ def estimate_lamps() -> float:
 
 
 def demodulate() -> float:
-    """Return the pace of demodulation alone, of two beacons. [s/s]"""
+    """Return the pace of demodulation alone, of two beacons [s/s]."""
     settings = DemodulationSettings(frequency=150.0, others=(250.0,))
     receiver = BeaconReceiver(settings, SAMPLE_RATE, SAMPLES)
     return measure_blocks(build_blocks(16, (150.0, 250.0)), receiver.demodulate_next_block)
 
 
 def fly(processes: Any) -> float:
-    """Return the pace of a flight through the graph. [s/s]"""
+    """Return the pace of a flight through the graph [s/s]."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / 'flight'
         watcher = FlightProgress(Console(quiet=True))
@@ -167,7 +169,7 @@ def simulate_flight() -> Path:
 
 
 def run_command(*words: str, cache: str = '') -> float:
-    """Run a command in an empty folder; return the processor time of all its processes. [s]"""
+    """Run a command in an empty folder; return the processor time of all its processes [s]."""
     environment = os.environ | ({'XDG_CACHE_HOME': cache} if cache else {})
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     with tempfile.TemporaryDirectory() as folder:
@@ -178,7 +180,7 @@ def run_command(*words: str, cache: str = '') -> float:
 
 
 def run_cold() -> float:
-    """Return the processor time of a flight with an empty cache. [s]"""
+    """Return the processor time of a flight with an empty cache [s]."""
     with tempfile.TemporaryDirectory() as empty:
         return run_command('simulate', cache=empty)
 

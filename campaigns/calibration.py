@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Score calibrations that are hidden in flights of the independent simulator.
 
@@ -128,7 +130,7 @@ def find_oracle(case: CalibrationCase, vehicle: Vehicle) -> NominalVehicle:
 def score_oracle(
     case: CalibrationCase, vehicle: Vehicle, usable: UsableFlights, found: Calibration
 ) -> float:
-    """Return the oracle's position error 3 s ahead in the confirming flight. [m]"""
+    """Return the oracle's position error 3 s ahead in the confirming flight [m]."""
     taught = [case.lifts[one.name] for one in case.flights if one.role == 'train']
     oracle = find_oracle(case, vehicle).with_value(
         *NET_LIFT_FORCE.split('.'), float(np.mean(taught))

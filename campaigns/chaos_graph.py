@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A whole graph that a trial has started as a user does: what is heard of it, what it leaves."""
 
 from collections.abc import Iterator
@@ -137,7 +139,7 @@ class Graph:
     # How it stands.
 
     def fly(self, seconds: float) -> None:
-        """Wait until it has flown for a while. [s of flight]"""
+        """Wait until it has flown for a while [s of flight]."""
         if self.hardware is None:
             self.peer.until(lambda: self.flown >= seconds or not self.alive)
             return
@@ -155,7 +157,7 @@ class Graph:
 
     @property
     def flown(self) -> float:
-        """What the simulator says of the time that it has flown. [s]"""
+        """What the simulator says of the time that it has flown [s]."""
         if (fact := self.facts.get('simulator: flight')) is None:
             return -1.0
         return float(next(item.value for item in fact.values if item.key == 'time_s'))
@@ -185,13 +187,13 @@ class Graph:
         return self.started.node(name, ROBOT)
 
     def first_told(self, word: str, since: float) -> float | None:
-        """Return when an error with a word was first told in /diagnostics. [s]"""
+        """Return when an error with a word was first told in /diagnostics [s]."""
         return next(
             (when for when, text in self.told if when >= since and re.search(word, text)), None
         )
 
     def first_said(self, word: str, since: float) -> float | None:
-        """Return when a line with a word came on the terminal. [s]"""
+        """Return when a line with a word came on the terminal [s]."""
         lines = list(self.started.lines)
         return next(
             (when for when, text in lines if when >= since and re.search(word, text)), None

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 What goes wrong with a whole graph in flight, and what must then be said, and by when motors stand.
 
@@ -208,6 +210,6 @@ def mount_small_disk(folder: Any) -> bool:
 
 
 def limit(trial: Any) -> float:
-    """Return how long motors may turn after a strike. [s]"""
+    """Return how long motors may turn after a strike [s]."""
     stated = trial.stated or STATED.get(trial.target, ORDERLY)
     return float(stated) + SLACK

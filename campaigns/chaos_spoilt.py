@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Messages that cannot be meant, made from the type of any topic."""
 
 from array import array
@@ -63,7 +65,7 @@ def named(value: Any) -> Any:
 
 
 def stamped(message: Any, by_ns: int) -> Any:
-    """Return a message with its stamp moved, not before time 0. [ns]"""
+    """Return a message with its stamp moved, not before time 0 [ns]."""
     if hasattr(message, 'header'):
         message.header.stamp = to_stamp(max(0, from_stamp(message.header.stamp) + by_ns))
     return message

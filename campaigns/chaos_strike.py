@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """One fault in a graph that flies: done, named, watched until it is over."""
 
 from collections.abc import Callable
@@ -203,7 +205,7 @@ class Strike:
                 self.wrong('the flight stands still', timing=True)
 
     def _stood(self, since: float) -> float:
-        """Wait until motors stand, and return for how long they turned. [s]"""
+        """Wait until motors stand, and return for how long they turned [s]."""
         self._turned = max(self._turned, since)
         self._until(lambda: time.monotonic() > self._turned + STANDS)
         took, stated = self._turned - since, limit(self)

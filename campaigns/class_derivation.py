@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Derive which effects are indistinguishable for a kind of data, from rich flights of each kind.
 

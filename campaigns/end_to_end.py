@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Fly to the lamp through the real firmware of the drone and of the light board.
 
@@ -125,7 +127,7 @@ class EmulatedCore:
 
     @property
     def processor_time(self) -> float:
-        """Time of a processor of this machine that the emulation has taken. [s]"""
+        """Time of a processor of this machine that the emulation has taken [s]."""
         return read_processor_time(self._process.pid)
 
     def sample_light(self, _begun: float, samples: NDArray[np.uint16]) -> None:
@@ -161,7 +163,7 @@ class EmulatedCore:
 
 
 def read_processor_time(process: int) -> float:
-    """Return the time of a processor that a process has taken. [s]"""
+    """Return the time of a processor that a process has taken [s]."""
     words = Path(f'/proc/{process}/stat').read_text().rpartition(')')[2].split()
     return (int(words[11]) + int(words[12])) / os.sysconf('SC_CLK_TCK')
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Inject faults into flights of emulated hardware.
 
@@ -89,7 +91,7 @@ class Trial:
     # What a fault may do.
 
     def stray(self, distance: float) -> None:
-        """Let the estimate be elsewhere. [m]"""
+        """Let the estimate be elsewhere [m]."""
         self._distance = distance
 
     def fall_silent(self) -> None:
@@ -164,7 +166,7 @@ class Trial:
             publisher.publish(message)
 
     def _height(self, now: float) -> float:
-        """Return the estimated height, with the noise of a sensor that works. [m]"""
+        """Return the estimated height, with the noise of a sensor that works [m]."""
         noise = 0.0 if self._frozen else 1e-3 * self._noise.random()
         return RISE * max(0.0, now - self._rises_from) + noise
 
@@ -312,7 +314,7 @@ def list_table(rows: Rows, options: Namespace) -> Iterator[str]:
 
 
 def format_times(stated: float, rows: Sequence[Row]) -> str:
-    """Return the stated and the longest time; those that hung have none. [s]"""
+    """Return the stated and the longest time; those that hung have none [s]."""
     times = [row['took'] for row in rows if row.get('took') is not None]
     longest = f'{max(times):.1f} s' if times else '-'
     return f'{stated:.1f} s; {longest}' if stated else longest

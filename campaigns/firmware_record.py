@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What the firmware's builds do, as `test/golden/crazyflie_firmware.json` keeps it."""
 
 from collections.abc import Iterator

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 One fault in one flight of the real firmware.
 
@@ -82,7 +84,7 @@ class Relay:
 
     @property
     def now(self) -> float:
-        """Time since it was made. [s]"""
+        """Time since it was made [s]."""
         return time.monotonic() - self._began
 
     def send(self, datagram: bytes) -> None:

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Two forecasts of a blimp as one writes them in an evening, to compare calibrated models with.
 

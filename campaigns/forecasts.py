@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Compare calibrated models with forecasts that one writes in an evening.
 
@@ -80,7 +82,7 @@ class RealStudy(NamedTuple):
 
 @final
 class ForecastRow(NamedTuple):
-    """RMS errors of position by MODELS at one horizon, over all forecasts of a group. [m]"""
+    """RMS errors of position by MODELS at one horizon, over all forecasts of a group [m]."""
 
     title: str
     horizon: float

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """One trial with a graph: a folder and a domain of its own, an outcome, and nothing left."""
 
 from collections.abc import Callable

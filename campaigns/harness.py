@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The harness of all campaigns: arguments, seeds, workers, resuming, table, page, commit and date.
 

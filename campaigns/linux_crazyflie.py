@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The Crazyflie firmware as a Linux process, built by firmware/crazyflie/linux.
 
@@ -146,7 +148,7 @@ class Process:
         return self._socket.recv(256).decode()
 
     def look(self, patience: float = ANSWERS) -> Bench:
-        """Return what the bench tells; `TimeoutError` after so long. [s]"""
+        """Return what the bench tells; `TimeoutError` after so long [s]."""
         words = self._ask('get', patience).split()
         numbers = tuple(map(int, words[1:10]))
         return Bench(numbers[0], numbers[1:5], numbers[5:9], float(words[10]))

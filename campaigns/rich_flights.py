@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Simulate a flight in process and return what a recording would hold.
 
@@ -43,7 +45,7 @@ KEPT: Final[dict[str, tuple[str, ...]]] = {
 
 
 def with_course(spec: FlightSpec, course: Mapping[str, Any], length: float) -> FlightSpec:
-    """Return a flight specification with a course and a time limit. [s]"""
+    """Return a flight specification with a course and a time limit [s]."""
     scene = spec.contents['scenario']
     goal = {**scene['goal'], 'time_limit': {'value': length, 'unit': 's'}}
     scene = {**scene, 'goal': goal, 'course': course}

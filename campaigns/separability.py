@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Compute how well flights separate two parameters, all others marginalized.
 
@@ -68,7 +70,7 @@ class PairSeparability:
         return left[np.ix_(picked, picked)]
 
     def parameter_information(self, k: int) -> float:
-        """Return the information on one parameter, all others marginalized. [1 / unit2]"""
+        """Return the information on one parameter, all others marginalized [1 / unit2]."""
         return max(0.0, float(self._marginal_information((k,))[0, 0]))
 
     def compare_pair(self, a: int, b: int) -> ParameterPair:

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Fly two hours at the graph's full speed.
 
@@ -59,7 +61,7 @@ class Slope(NamedTuple):
 
 
 def read_own_memory(pid: int) -> float:
-    """Return the memory that is a process's own. [MB]"""
+    """Return the memory that is a process's own [MB]."""
     for line in Path(f'/proc/{pid}/status').read_text().splitlines():
         if line.startswith('RssAnon:'):
             return float(line.split()[1]) / 1024.0
@@ -83,7 +85,7 @@ def fit_slope(times: NDArray[np.float64], held: NDArray[np.float64]) -> Slope:
 
 
 def flown(listener: DiagnosticsListener) -> float:
-    """Return the time of flight that the simulator tells. [s]"""
+    """Return the time of flight that the simulator tells [s]."""
     fact = listener.facts.get('simulator: flight')
     return float(fact.values['time_s']) if fact else 0.0
 
@@ -104,7 +106,7 @@ class Looks(NamedTuple):
 
 
 def watched(graph: Started, listener: DiagnosticsListener, seconds: float) -> Looks:
-    """Look at a flight for a while. [s]"""
+    """Look at a flight for a while [s]."""
     pids = {name: graph.node(name) for name in NODES}
     looks: list[list[float]] = []  # wall time, time of flight, memory of each process
     began, here, legs = time.monotonic(), '', 0
@@ -184,7 +186,7 @@ class Soaked(NamedTuple):
 
 
 def soaked(lta: Lta, folder: Path, seconds: float) -> Soaked:
-    """Fly for so long, and look at everything. [wall s]"""
+    """Fly for so long, and look at everything [wall s]."""
     with DiagnosticsListener(ROBOT) as listener:
         graph = lta.start(
             'launch', 'fly', 'time:=lockstep',

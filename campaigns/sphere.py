@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Compare the drag of a sphere in the wind tunnel with measurements.
 
@@ -57,7 +59,7 @@ def morrison_drag_coefficient(reynolds: float) -> float:
 
 def relative_deviation(coefficient: float, reynolds: float) -> float:
     """
-    Return the relative deviation of a coefficient from measurements, 0 within their scatter. [1]
+    Return the relative deviation of a coefficient from measurements, 0 within their scatter [1].
 
     The scatter spans from Morrison's formula to the highest measured value.
     """
@@ -72,7 +74,7 @@ def relative_deviation(coefficient: float, reynolds: float) -> float:
 @final
 @dataclass(frozen=True, slots=True)
 class SphereComparison:
-    """A drag coefficient from the tunnel and the measured one. [1]"""
+    """A drag coefficient from the tunnel and the measured one [1]."""
 
     setting: str
     cells: int

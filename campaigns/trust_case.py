@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """One corrupted recording, and what corruptions are made of."""
 
 from collections.abc import Callable, Mapping

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 What can be wrong with a recording, done to a clean one: size, channel and interval by chance.
 

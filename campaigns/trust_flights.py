@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Clean flights for the trust checks: simulated ones of many kinds, and real ones where they are.
 
@@ -269,7 +271,7 @@ def crazyflie(path: Path) -> Flight:
 
 
 def piece(whole: Flight, begin: float, end: float) -> Flight:
-    """Return a part of a recording, with its time starting at zero. [s]"""
+    """Return a part of a recording, with its time starting at zero [s]."""
     cut = {}
     for name, channel in whole.channels.items():
         inside = (channel.time >= begin) & (channel.time < end)
@@ -281,7 +283,7 @@ def piece(whole: Flight, begin: float, end: float) -> Flight:
 
 
 def length(flight: Flight) -> float:
-    """Return the time to the last sample. [s]"""
+    """Return the time to the last sample [s]."""
     return max(
         (float(c.time[-1]) for c in flight.channels.values() if len(c.time)), default=math.nan
     )

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Corruptions that two ways of knowing a motion give away: axes, frames and clocks."""
 
 from dataclasses import replace
@@ -174,7 +176,7 @@ def clock(flight: Flight, rng: Generator) -> Corrupted | None:
 
 def hand(time: Array, rng: Generator, tremor: float, carry: float) -> Array:
     """
-    Return how a hand moves a craft over a stretch: slow carrying and a tremor. [m]
+    Return how a hand moves a craft over a stretch: slow carrying and a tremor [m].
 
     Parameters
     ----------

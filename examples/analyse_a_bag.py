@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 How far the drone's idea of its airspeed is from the truth, by how fast it flies.
 

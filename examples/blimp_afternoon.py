@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Write the CSV files of an afternoon with an unfamiliar blimp, as a motion-capture room logs them.
 
@@ -84,7 +86,7 @@ def draw_blimp(draw: Draw) -> VehicleTruth:
 def release(
     height: float, tilt: float = 0.0, axis: int = 0, rates: Sequence[float] = (0, 0, 0)
 ) -> list[float]:
-    """Return the state of a blimp that is let go: tilted about an axis, or turning. [m, rad]"""
+    """Return the state of a blimp that is let go: tilted about an axis, or turning [m, rad]."""
     turn = [math.cos(0.5 * tilt), 0.0, 0.0, 0.0]
     turn[1 + axis] = math.sin(0.5 * tilt)
     return [0.0, 0.0, height, 0.0, 0.0, 0.0, *turn, *rates]

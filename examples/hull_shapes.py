@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Which hull carries most for its drag: three shapes in six sizes, by hand or in the wind tunnel.
 

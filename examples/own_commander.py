@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Fly by commands in plain rclpy: take off, go to the lamp, land.
 

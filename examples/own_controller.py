@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 A controller in plain rclpy for GT-MAB: hold height and heading, and fly forward.
 
@@ -25,7 +27,7 @@ UNKNOWN = 1e6  # m2 in covariance[0]: the estimator still calibrates its biases
 
 
 def yaw_of(q: Quaternion) -> float:
-    """Return the heading. [rad]"""
+    """Return the heading [rad]."""
     return math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z))
 
 

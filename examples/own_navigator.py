@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 A navigator in plain rclpy: turn to the lamp and fly there, at a fixed height.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 A strategy of your own: turn towards the lamp first, then fly, and search the way it was lost.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A ROS_DOMAIN_ID that no other test on this machine has, in whatever process it runs."""
 
 from collections.abc import Iterator

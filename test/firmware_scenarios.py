@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Scripts that show what a Crazyflie does with its motors in each relevant situation.
 
@@ -57,7 +59,7 @@ def duties(level: float, hold_ms: int = 200) -> Callable[[int], Packet]:
 
 
 class Stream(NamedTuple):
-    """Packets from one time to another, `PERIOD` apart. [s]"""
+    """Packets from one time to another, `PERIOD` apart [s]."""
 
     begin: float
     end: float
@@ -65,7 +67,7 @@ class Stream(NamedTuple):
 
 
 def hover(begin: float, end: float) -> Stream:
-    """Return hover setpoints from one time to another. [s]"""
+    """Return hover setpoints from one time to another [s]."""
     return Stream(begin, end, lambda number: HOVER)
 
 
@@ -83,7 +85,7 @@ class Scenario(NamedTuple):
 
 
 class Sample(NamedTuple):
-    """A time [s], the supervisor's word, and the ratios of M1 to M4. [1/65535]"""
+    """A time [s], the supervisor's word, and the ratios of M1 to M4 [1/65535]."""
 
     time: float
     word: int

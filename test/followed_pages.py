@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Follow a page from its top to its end in a copy of the working tree, as a reader would.
 

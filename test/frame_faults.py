@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Transmission faults of the frames of an emulated light board."""
 
 from dataclasses import dataclass

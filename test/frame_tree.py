@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A tf listener of our own over a bag: what tf2 does, written anew with SciPy."""
 
 from bisect import bisect_right
@@ -49,7 +51,7 @@ class FrameTree:
         self.end = min(stamps[-1] for stamps, _, _ in self._moving.values())
 
     def step_up(self, frame: str, at: int) -> tuple[Rotation, np.ndarray]:
-        """Return attitude and place of a frame in its parent at a time. [ns, m]"""
+        """Return attitude and place of a frame in its parent at a time [ns, m]."""
         if frame in self._fixed:
             return self._fixed[frame]
         stamps, turns, places = self._moving[frame]
@@ -62,7 +64,7 @@ class FrameTree:
         return between, (1.0 - share) * places[after - 1] + share * places[after]
 
     def locate(self, frame: str, at: int) -> tuple[Rotation, np.ndarray]:
-        """Return attitude and place of a frame in the map at a time. [ns, m]"""
+        """Return attitude and place of a frame in the map at a time [ns, m]."""
         turn, place = Rotation.identity(), np.zeros(3)
         while frame != 'map':
             assert frame in self.parents, f'{frame} has no parent'

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Rows of the paper from the figures that a run kept: docs/paper.md is held to them."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What tests may find in the process, and have to leave there: registries, environment, folder."""
 
 import os

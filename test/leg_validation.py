@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Validate compiled legs against the full loop with the same vehicle, scene, start and charge.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Frames of the light board's link as anybody may send them, with a checksum of our own."""
 
 from lta_bridge.teensy._generated import mavlink

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What a page in a browser complains of, requests and draws."""
 
 from pathlib import Path

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A port of this machine that nobody uses: what stands fixed in a test meets other checkouts."""
 
 import socket

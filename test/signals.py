@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Signals as a child has them that a person starts in a terminal."""
 
 import signal

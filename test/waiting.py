@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Wait for an event in a test: generously, and with words for what did not come."""
 
 from collections.abc import Callable

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Functions for the tests of workers, which worker processes must be able to import."""
 
 import os

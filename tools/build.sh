@@ -1,4 +1,6 @@
 #!/bin/sh
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 # Build the workspace with colcon, if a package declaration changed since the last time.
 #
 # Python and data files are linked, not copied: editing them needs no build.

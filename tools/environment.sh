@@ -1,4 +1,6 @@
 #!/bin/sh
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 # Make .venv hold exactly what locked/*.txt say; do nothing if it does.
 #
 #   tools/environment.sh run     what flying needs

@@ -1,4 +1,6 @@
 #!/bin/sh
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 # Run the unit tests that are nearest to what changed against main, for a minute at most.
 set -eu
 limit=50 # s, beside the start

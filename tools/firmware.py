@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Build both firmware images for one vehicle: `make firmware FIRMWARE=... CORES=... ADC=...`.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Write `locked/*.txt`: every package of the environments with its version and its files' hashes.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Write the types of the ROS messages for mypy, from the installed classes: build/typings.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Generate and compile messages, services and actions that no wheel has; install them into .venv.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Print the unit tests nearest to what changed against main: what `make test-fast` runs.
 

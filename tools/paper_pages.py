@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Write the pages of docs/ on the paper: main claims, all rows, and its inconsistencies.
 

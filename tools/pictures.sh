@@ -1,4 +1,6 @@
 #!/bin/sh
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 # Draw the pictures of docs/images again: tools/pictures.sh [NAME ...]; all where none is named.
 #
 # At the end, one line a picture: its name, which picture of its page it is, and what makes the

@@ -1,4 +1,6 @@
 #!/bin/sh
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 # Write the pages of docs/ that are made of declarations, in the built workspace (make reference).
 set -eu
 cd "$(dirname "$0")/.."

@@ -1,4 +1,6 @@
 #!/bin/sh
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 # Say whether this could be released: one line a condition, exit status 1 if one does not hold.
 #
 # It changes nothing and publishes nothing. A release is a tag, which a person sets.

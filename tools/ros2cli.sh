@@ -1,4 +1,6 @@
 #!/bin/sh
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 # Install the ros2 command of ROS 2 Jazzy beside the wheels, which lack it. `./ros2` runs it.
 #
 #   tools/ros2cli.sh [FROM]     FROM: where the repositories are, https://github.com/ros2 by default

@@ -1,4 +1,6 @@
 #!/bin/sh
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 # Build docs/ as a site in site/, strictly: a link that leads nowhere is an error.
 #
 # MkDocs has an environment of its own, .venv-docs: nothing that flies or tests needs it.

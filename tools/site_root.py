@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Bring what pages link to outside docs/ into the site: examples, and the pages at the root.
 

@@ -1,4 +1,6 @@
 #!/bin/sh
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 # Run the tests that a marker expression chooses: tools/suite.sh EXPRESSION [pytest's arguments]
 #
 # A file at a time in each worker, in the order of their names: by their numbers of tests, long

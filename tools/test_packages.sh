@@ -1,4 +1,6 @@
 #!/bin/sh
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 # Run the unit tests of each package with colcon: tools/test_packages.sh [FOLDER ...]
 set -eu
 cd "$(dirname "$0")/.."

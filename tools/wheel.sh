@@ -1,4 +1,6 @@
 #!/bin/sh
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 # Build the wheel of all that needs no ROS: tools/wheel.sh [FOLDER], dist/ by default.
 #
 # It is built with the pinned setuptools of .venv and asks no index.

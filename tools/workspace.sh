@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 # Enter the built workspace: sourced by ./lta and the Makefile, with `root` set.
 
 # The Python path of a sourced ROS would come before the wheels of .venv.

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Simulate the air in the room: unsteady wind, draughts and other disturbances."""
 
 from collections.abc import Sequence

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Compute the motion of a vehicle: Kirchhoff's equations of a rigid body in an ideal fluid, and drag.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Generate flights of a vehicle whose calibration is hidden: gains, delay, lift, marker frame.
 

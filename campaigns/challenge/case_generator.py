@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Generate a case; it depends on seed, number and kind only."""
 
 from collections.abc import Mapping, Sequence
@@ -143,7 +145,7 @@ class OtherCaseGenerator:
         }
 
     def _draw_conditions(self) -> tuple[Stamps, float]:
-        """Draw the mode of the stamps and the draught. [m/s]"""
+        """Draw the mode of the stamps and the draught [m/s]."""
         draw = self._create_random_generator(3)
         stamps = STAMPS[int(draw.integers(len(STAMPS)))]
         draughty, size = draw.random() < DRAUGHTY, float(draw.uniform(*DRAUGHT))

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Disturbances outside the library that exert forces on the body."""
 
 from collections.abc import Mapping, Sequence
@@ -37,7 +39,7 @@ class NullDisturbance:
         return duties
 
     def adjust_thrusts(self, thrusts: Sequence[float], duties: Sequence[float]) -> Sequence[float]:
-        """Return the changed thrust of each rotor. [N]"""
+        """Return the changed thrust of each rotor [N]."""
         return thrusts
 
     def air_motion(self) -> MovingAir | None:
@@ -62,7 +64,7 @@ def wrench_of_force(force: Triple, place: Triple) -> Six:
 @final
 class HangingWeight(NullDisturbance):
     """
-    A weight on a thread below the gondola; `size` is its mass. [kg]
+    A weight on a thread below the gondola; `size` is its mass [kg].
 
     Small angles are assumed. Ballast of the same mass was removed, so only the lateral force of
     the thread is new.
@@ -129,7 +131,7 @@ class Tether(NullDisturbance):
 @final
 class SloshingGas(NullDisturbance):
     """
-    A gas bag that sloshes in the hull; `size` is its moving mass. [kg]
+    A gas bag that sloshes in the hull; `size` is its moving mass [kg].
 
     It is a damped spring-mass system driven by the specific force.
     """
@@ -157,7 +159,7 @@ class SloshingGas(NullDisturbance):
 
 @final
 class HeadingForce(NullDisturbance):
-    """A side force that depends on the heading; `size` is its amplitude. [N]"""
+    """A side force that depends on the heading; `size` is its amplitude [N]."""
 
     def step_wrench(self, time: float, state: State, air: Six, acceleration: Six) -> Six:
         """Return the side force."""
@@ -193,7 +195,7 @@ class VortexShedding(NullDisturbance):
 
 @final
 class CrossWind(NullDisturbance):
-    """Oscillating wind across the room; `size` is its amplitude. [m/s]"""
+    """Oscillating wind across the room; `size` is its amplitude [m/s]."""
 
     def air_motion(self) -> MovingAir | None:
         """Return itself."""
@@ -211,7 +213,7 @@ class CrossWind(NullDisturbance):
 @final
 class FanJet(NullDisturbance):
     """
-    The jet of a fan in the room; `size` is the speed at its outlet. [m/s]
+    The jet of a fan in the room; `size` is the speed at its outlet [m/s].
 
     A round turbulent jet: its radius grows by 0.2 m per metre, its speed falls in proportion.
     """

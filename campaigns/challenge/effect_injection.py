@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Hide effects of the library in the parameters of the independent simulator."""
 
 from collections.abc import Mapping

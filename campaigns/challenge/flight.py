@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Simulate a flight by integrating the equations of motion between commands."""
 
 from collections.abc import Callable, Sequence
@@ -26,7 +28,7 @@ class UnlistedDisturbance(Protocol):
         ...
 
     def adjust_thrusts(self, thrusts: Sequence[float], duties: Sequence[float]) -> Sequence[float]:
-        """Return the changed thrust of each rotor. [N]"""
+        """Return the changed thrust of each rotor [N]."""
         ...
 
     def air_motion(self) -> MovingAir | None:
@@ -46,7 +48,7 @@ class ActuatorSet(Protocol):
         ...
 
     def advance(self, seconds: float) -> None:
-        """Advance by a time. [s]"""
+        """Advance by a time [s]."""
         ...
 
     def thrusts_after_command(self, seconds: float) -> list[float]:

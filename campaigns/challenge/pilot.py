@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Simulate a pilot who excites swings, climbs and turns and stays clear of the floor."""
 
 from dataclasses import dataclass
@@ -75,7 +77,7 @@ class SwingingPilot:
 
     @property
     def heading(self) -> float:
-        """Initial heading. [rad]"""
+        """Initial heading [rad]."""
         return self._heading
 
     def initial_duties(self) -> list[float]:

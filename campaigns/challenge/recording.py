@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Write a challenge flight as a bag that does not reveal the hidden effects."""
 
 from collections.abc import Mapping, Sequence

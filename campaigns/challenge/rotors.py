@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Simulate the rotors: deadband, lag and thrust, exact between two commands."""
 
 from collections.abc import Sequence
@@ -12,7 +14,7 @@ SECOND: Final = 0.1  # share of the second stage in a hidden lag
 
 
 def split_lag(truth: VehicleTruth) -> tuple[float, float]:
-    """Return the time constants of both stages of the lag; 0 for none. [s]"""
+    """Return the time constants of both stages of the lag; 0 for none [s]."""
     # The mean delay of two stages is the sum of their time constants
     whole = truth.lag + truth.slow_lag
     late = SECOND * whole if truth.slow_lag else 0.0
@@ -21,7 +23,7 @@ def split_lag(truth: VehicleTruth) -> tuple[float, float]:
 
 def approximate_lag(truth: VehicleTruth) -> tuple[float, float]:
     """
-    Return the lag and the additional delay of one stage that act as both stages. [s]
+    Return the lag and the additional delay of one stage that act as both stages [s].
 
     Their impulse response has the same mean and variance: two stages a and b have a + b and
     a^2 + b^2, and a stage c after a delay d has c + d and c^2.
@@ -72,7 +74,7 @@ class RotorSet:
         return first, second
 
     def advance(self, seconds: float) -> None:
-        """Advance the rotors by a time. [s]"""
+        """Advance the rotors by a time [s]."""
         self._first, self._second = self._lag_stages(seconds)
 
     def thrusts_after_command(self, seconds: float) -> list[float]:
@@ -96,7 +98,7 @@ class RotorSet:
 def rotate_column(
     column: Six, place: tuple[float, float, float], turn: tuple[float, float, float]
 ) -> Six:
-    """Return the column of a rotor rotated about its own position by small angles. [rad]"""
+    """Return the column of a rotor rotated about its own position by small angles [rad]."""
     force, moment = column[:3], column[3:]
     more = cross_product(turn, force)
     # Moment of the changed force at the rotor; the torque of the rotor itself is kept

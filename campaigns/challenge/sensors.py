@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Simulate sensors with noise, each with its own clock and stamps."""
 
 from dataclasses import dataclass
@@ -82,7 +84,7 @@ class SensorSet:
         self._states = CubicHermiteSpline(time, states, slopes)
 
     def _sample_times(self, rate: float, age: float = 0.0) -> Array:
-        """Return the sample times of a sensor with a small rate error. [s]"""
+        """Return the sample times of a sensor with a small rate error [s]."""
         # Relative rate error with a random sign
         off = self._draw.choice([-1.0, 1.0]) * self._draw.uniform(*CLOCK)
         period = (1.0 + off) / rate

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Draw small errors of a vehicle, and of its sensors for each flight."""
 
 from dataclasses import replace

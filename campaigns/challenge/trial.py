@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Fly one case, study it as `lta discover` does, and compare the names with the answer."""
 
 from collections.abc import Mapping, Sequence

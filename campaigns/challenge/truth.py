@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Define the true parameters of a vehicle, the air around it and its sensors."""
 
 from dataclasses import dataclass

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """List all disturbances outside the library with the ranges of their parameters."""
 
 from collections.abc import Callable, Mapping

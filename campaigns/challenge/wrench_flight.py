@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Simulate vehicles that are commanded by a wrench: the actuators, a pilot, a controller."""
 
 from collections.abc import Sequence
@@ -49,7 +51,7 @@ class WrenchActuators:
         """Do nothing: the wrench is held."""
 
     def thrusts_after_command(self, seconds: float) -> list[float]:
-        """Return the wrench that acts on each axis. [N], [N m]"""
+        """Return the wrench that acts on each axis [N], [N m]."""
         return [gain * each for gain, each in zip(self._gains, self._wrench, strict=True)]
 
     def total_wrench(self, thrusts: Sequence[float]) -> Six:

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 What no signal of the kernel can do to a node, done by one of ours: Python loads this by itself.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Create and write files and folders atomically: a kill or a full disk leaves no partial one.
 

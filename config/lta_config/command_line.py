@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Format `lta` commands as the user calls them, `./lta` or `lta`, so that advice can be copied."""
 
 import os

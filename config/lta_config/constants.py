@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Physical constants, and factors of units, that more than one package needs."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 A course: setpoints over time, and an optional excitation of the motors for identification.
 

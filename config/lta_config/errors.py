@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Errors that the user can correct: one sentence with the fact, the value and the remedy."""
 
 from difflib import get_close_matches

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Find the project's files by name, read them strictly, and say in one sentence what is wrong.
 
@@ -235,7 +237,7 @@ def find_file(kind: str, name: str, suffix: str = '.yaml') -> Path:
     return share_folder() / folder / f'{name}{suffix}'
 
 
-def load_yaml(path: Path) -> Any:  # noqa: ANN401 - YAML holds anything
+def load_yaml(path: Path) -> Any:
     """
     Return the content of a YAML file; see `parse_yaml`.
 
@@ -252,7 +254,7 @@ def load_yaml(path: Path) -> Any:  # noqa: ANN401 - YAML holds anything
         raise BadInput(f'{path} cannot be read: {error}.') from None
 
 
-def parse_yaml(text: str | bytes, where: str) -> Any:  # noqa: ANN401 - YAML holds anything
+def parse_yaml(text: str | bytes, where: str) -> Any:
     """
     Return the content of a YAML text, with limits on size, nesting, aliases and repeated keys.
 
@@ -268,7 +270,7 @@ def parse_yaml(text: str | bytes, where: str) -> Any:  # noqa: ANN401 - YAML hol
     return copy.deepcopy(_parse_cached(text, where))  # callers may modify the result
 
 
-def _parse_strict(text: str | bytes, where: str) -> Any:  # noqa: ANN401 - YAML holds anything
+def _parse_strict(text: str | bytes, where: str) -> Any:
     try:
         # Check the events first: loading an alias bomb would exhaust the memory
         _check_shape(where, yaml.parse(_open_named(text, where), Loader=_UniqueKeys))
@@ -282,7 +284,7 @@ def _parse_strict(text: str | bytes, where: str) -> Any:  # noqa: ANN401 - YAML 
 
 
 @lru_cache(maxsize=64)
-def _parse_cached(text: str | bytes, where: str) -> Any:  # noqa: ANN401 - YAML holds anything
+def _parse_cached(text: str | bytes, where: str) -> Any:
     """Parse a short text once; copying the result takes a twentieth of the time."""
     return _parse_strict(text, where)
 
@@ -352,7 +354,7 @@ def load_file(model: type[Model], path: Path) -> Model:
     return validate_content(model, load_yaml(path), str(path))
 
 
-def validate_content(model: type[Model], content: Any, where: str) -> Model:  # noqa: ANN401 - YAML holds anything
+def validate_content(model: type[Model], content: Any, where: str) -> Model:
     """
     Return a file's content, validated by its model; errors as `load_file`.
 

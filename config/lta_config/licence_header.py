@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The header of our files as ament_copyright reads it; an entry point of this package tells it."""
 
 from types import SimpleNamespace

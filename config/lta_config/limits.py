@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Limits on untrusted input and on this process.
 
@@ -88,7 +90,7 @@ def limit_memory() -> Iterator[None]:
 
 
 def address_space() -> int:
-    """Return the address space of this process. [bytes]"""
+    """Return the address space of this process [bytes]."""
     # The first number of statm is the total program size in pages, proc(5)
     pages = int(Path('/proc/self/statm').read_text(encoding='ascii').split()[0])
     return pages * resource.getpagesize()

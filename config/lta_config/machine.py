@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Find out what this machine offers: processor cores, and a folder for a cache."""
 
 from collections.abc import Iterator

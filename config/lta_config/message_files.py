@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Find the definitions of lta_msgs, and the units in their comments."""
 
 from collections.abc import Mapping

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Replace single parameters of files by dotted path: `vehicle.trim.heaviness`, `scenario.air.wind.0`.
 
@@ -39,7 +41,7 @@ def parse_assignment(text: str) -> tuple[str, Any]:
     return path.strip(), parse_value(value, path.strip())
 
 
-def parse_value(value: Any, where: str) -> Any:  # noqa: ANN401 - what YAML holds
+def parse_value(value: Any, where: str) -> Any:
     """
     Return a value as YAML would hold it: a quantity as a mapping, anything else unchanged.
 
@@ -65,7 +67,7 @@ def parse_value(value: Any, where: str) -> Any:  # noqa: ANN401 - what YAML hold
         ) from None
 
 
-def _parse_number(text: str) -> Any:  # noqa: ANN401 - what YAML holds
+def _parse_number(text: str) -> Any:
     """Return a word as YAML reads it, and numbers such as 1e-05, which YAML takes for text."""
     read = yaml.safe_load(text)
     if isinstance(read, str):
@@ -74,7 +76,7 @@ def _parse_number(text: str) -> Any:  # noqa: ANN401 - what YAML holds
     return read
 
 
-def parse_quantity(held: Any) -> dict[str, Any] | None:  # noqa: ANN401 - what YAML holds
+def parse_quantity(held: Any) -> dict[str, Any] | None:
     """Return a value as the mapping of a quantity; None if it is not a quantity."""
     if isinstance(held, Mapping) and 'value' in held and 'unit' in held:
         return dict(held)
@@ -87,7 +89,7 @@ def parse_quantity(held: Any) -> dict[str, Any] | None:  # noqa: ANN401 - what Y
     return {'value': read.value, 'unit': read.unit}
 
 
-def replace_parameter(content: Any, path: str, value: Any, root: str) -> Any:  # noqa: ANN401 - what YAML holds
+def replace_parameter(content: Any, path: str, value: Any, root: str) -> Any:
     """
     Return the content of a file with one parameter replaced.
 
@@ -111,7 +113,7 @@ def replace_parameter(content: Any, path: str, value: Any, root: str) -> Any:  #
     return _replace_at(content, path.split('.'), value, root)
 
 
-def get_parameter(content: Any, path: str, root: str) -> Any:  # noqa: ANN401 - what YAML holds
+def get_parameter(content: Any, path: str, root: str) -> Any:
     """Return the value at a path; errors as `replace_parameter`."""
     for key in path.split('.'):
         content = _get_child(content, key, root)
@@ -119,7 +121,7 @@ def get_parameter(content: Any, path: str, root: str) -> Any:  # noqa: ANN401 - 
     return content
 
 
-def _get_child(content: Any, key: str, where: str) -> Any:  # noqa: ANN401 - what YAML holds
+def _get_child(content: Any, key: str, where: str) -> Any:
     """Return the value below one key; None if the key is optional and missing."""
     quantity = parse_quantity(content)
     if quantity is not None:
@@ -149,7 +151,7 @@ def _select_element(quantity: Mapping[str, Any], key: str, where: str) -> dict[s
     return {'value': numbers[int(key)], 'unit': quantity['unit']}
 
 
-def _replace_at(content: Any, keys: list[str], value: Any, where: str) -> Any:  # noqa: ANN401
+def _replace_at(content: Any, keys: list[str], value: Any, where: str) -> Any:
     if not keys:
         return _validate_replacement(content, value, where)
     key, *rest = keys
@@ -174,7 +176,7 @@ def _copy_with_element(
     return {'value': numbers, 'unit': quantity['unit'], 'source': OVERRIDE_SOURCE}
 
 
-def _validate_replacement(old: Any, value: Any, where: str) -> Any:  # noqa: ANN401 - what YAML holds
+def _validate_replacement(old: Any, value: Any, where: str) -> Any:
     """Return the new value if it has the type of the old one."""
     # A light is a number or the name of its spectrum
     if where.endswith('.efficacy'):
@@ -203,7 +205,7 @@ def _validate_replacement(old: Any, value: Any, where: str) -> Any:  # noqa: ANN
 def _check_same_unit(
     before: Mapping[str, Any],
     now: dict[str, Any] | None,
-    value: Any,  # noqa: ANN401 - what YAML holds
+    value: Any,
     where: str,
 ) -> dict[str, Any]:
     unit = before['unit']
@@ -221,12 +223,12 @@ def _check_same_unit(
     return now
 
 
-def _mark_source(value: Any) -> Any:  # noqa: ANN401 - what YAML holds
+def _mark_source(value: Any) -> Any:
     quantity = parse_quantity(value)
     return value if quantity is None else {**quantity, 'source': OVERRIDE_SOURCE}
 
 
-def format_value(value: Any) -> str:  # noqa: ANN401 - what YAML holds
+def format_value(value: Any) -> str:
     """Return a value as it is written in a file."""
     quantity = parse_quantity(value)
     return str(value) if quantity is None else f'{quantity["value"]} {quantity["unit"]}'
@@ -242,12 +244,12 @@ class AssumedNumber(NamedTuple):
     quantity: Mapping[str, Any]
 
 
-def list_ranges(content: Any, path: str = '') -> list[AssumedNumber]:  # noqa: ANN401 - what YAML holds
+def list_ranges(content: Any, path: str = '') -> list[AssumedNumber]:
     """Return all numbers of a file that have a range, in the order of the file."""
     return list(_iterate_ranges(content, path))
 
 
-def _iterate_ranges(content: Any, path: str) -> Iterator[AssumedNumber]:  # noqa: ANN401
+def _iterate_ranges(content: Any, path: str) -> Iterator[AssumedNumber]:
     if not isinstance(content, Mapping):
         return
     if 'range' in content and 'unit' in content:
@@ -257,7 +259,7 @@ def _iterate_ranges(content: Any, path: str) -> Iterator[AssumedNumber]:  # noqa
         yield from _iterate_ranges(below, f'{path}.{key}' if path else str(key))
 
 
-def draw_values(content: Any, seed: int, path: str = '') -> dict[str, dict[str, Any]]:  # noqa: ANN401
+def draw_values(content: Any, seed: int, path: str = '') -> dict[str, dict[str, Any]]:
     """
     Return drawn values of all numbers of a file that have a range, by path.
 
@@ -286,14 +288,14 @@ def draw_values(content: Any, seed: int, path: str = '') -> dict[str, dict[str, 
     }
 
 
-def draw_content(content: Any, seed: int, root: str) -> Any:  # noqa: ANN401 - what YAML holds
+def draw_content(content: Any, seed: int, root: str) -> Any:
     """Return the content of a file with all numbers that have a range drawn."""
     for path, value in draw_values(content, seed).items():
         content = replace_parameter(content, path, value, root)
     return content
 
 
-def draw_between(ends: Any, cause: str, seed: int) -> Any:  # noqa: ANN401 - a number or a list
+def draw_between(ends: Any, cause: str, seed: int) -> Any:
     """Return a number or a list between two ends; equal causes and seeds give equal shares."""
     # CRC-32, because Python's own hash of a text differs between processes
     share = np.random.default_rng([seed, zlib.crc32(cause.encode())]).uniform()

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Run a Python file of the user, such as a strategy or a launch file."""
 
 from importlib.util import module_from_spec, spec_from_file_location

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Quantities in files: a number, its unit and, in vehicle files, its source.
 
@@ -112,7 +114,7 @@ def _is_plain_number(number: object) -> bool:
     return match is not None and match[2] is None
 
 
-def _parse_numbers(value: Any) -> float | tuple[float, ...]:  # noqa: ANN401 - as the file has it
+def _parse_numbers(value: Any) -> float | tuple[float, ...]:
     numbers = value if isinstance(value, list | tuple) else [value]
     for number in numbers:
         if isinstance(number, bool) or not isinstance(number, int | float):
@@ -149,7 +151,7 @@ class Quantity(BaseModel):
 
     @model_validator(mode='before')
     @classmethod
-    def _from_text(cls, value: Any) -> Any:  # noqa: ANN401 - whatever the file held
+    def _from_text(cls, value: Any) -> Any:
         if isinstance(value, bool | int | float):
             raise ValueError(f'is {value} and has no unit; add one, as in "7 m"')
         if isinstance(value, str):
@@ -193,12 +195,12 @@ class Quantity(BaseModel):
 
     @property
     def dimension(self) -> str:
-        """The SI unit of `si`."""
+        """Return the SI unit of `si`."""
         return SI_UNITS[self.unit][0]
 
     @property
     def si(self) -> float:
-        """The number in SI; raises an error if the quantity is a list."""
+        """Return the number in SI; raises an error if the quantity is a list."""
         (number,) = self._value_as_tuple()  # a list of several numbers fails here
         return number * SI_UNITS[self.unit][1]
 
@@ -236,7 +238,7 @@ def si_quantity(
 
     """
 
-    def check_quantity(value: Any, read: ValidatorFunctionWrapHandler) -> Quantity:  # noqa: ANN401
+    def check_quantity(value: Any, read: ValidatorFunctionWrapHandler) -> Quantity:
         if isinstance(value, int | float) and not isinstance(value, bool):
             raise ValueError(
                 f'is {value} and has no unit; write for example "{value} {dimension}"'

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Declare the settings of a core or node: default, description, unit and bounds."""
 
 from collections import namedtuple
@@ -24,13 +26,13 @@ class Settings(StrictModel):
 
 
 def setting(
-    default: Any,  # noqa: ANN401 - of the field's own type
+    default: Any,
     unit: str = '',
     low: float | None = None,
     high: float | None = None,
     *,
     fixed: bool = False,
-) -> Any:  # noqa: ANN401 - pydantic's own idiom for a field
+) -> Any:
     """
     Return the declaration of one setting, whose description stands below it as a docstring.
 
@@ -47,7 +49,7 @@ def setting(
 
 
 @cache
-def _named_tuple_type(model: type[BaseModel]) -> Any:  # noqa: ANN401 - a type made here
+def _named_tuple_type(model: type[BaseModel]) -> Any:
     # Cached, because compiled code is specialised by type
     return namedtuple(model.__name__, model.model_fields)
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The topic table of `topics.yaml`: which messages are due when, and which are recorded."""
 
 from collections.abc import Mapping, Sequence
@@ -38,12 +40,12 @@ class Topic(StrictModel):
 
     @cached_property
     def period_ns(self) -> int:
-        """Time between two stamps; 0 for an aperiodic topic. [ns]"""
+        """Time between two stamps; 0 for an aperiodic topic [ns]."""
         return 0 if self.period is None else to_nanoseconds(self.period)
 
     @cached_property
     def latency_ns(self) -> int:
-        """Time from the stamp to the publication. [ns]"""
+        """Time from the stamp to the publication [ns]."""
         return to_nanoseconds(self.latency)
 
 
@@ -70,7 +72,7 @@ class TopicTable(StrictModel):
         return self.topics[name]
 
     def with_start(self, seconds: float) -> 'TopicTable':
-        """Return the table of a flight whose first stamp is another one. [s]"""
+        """Return the table of a flight whose first stamp is another one [s]."""
         # Constructed anew: a copy would keep the cached times
         values = {name: getattr(self, name) for name in type(self).model_fields}
         start = Quantity(value=seconds, unit='s')
@@ -78,17 +80,17 @@ class TopicTable(StrictModel):
 
     @cached_property
     def start_ns(self) -> int:
-        """The first stamp of a simulated flight. [ns]"""
+        """Return the first stamp of a simulated flight [ns]."""
         return to_nanoseconds(self.start)
 
     @cached_property
     def control_ns(self) -> int:
-        """The control period. [ns]"""
+        """Return the control period [ns]."""
         return to_nanoseconds(self.control_period)
 
     @cached_property
     def roles(self) -> list[str]:
-        """The roles that publish or must be waited for, in alphabetical order."""
+        """Return the roles that publish or must be waited for, in alphabetical order."""
         periodic = [topic for topic in self.topics.values() if topic.period_ns]
         sources = {topic.source for topic in periodic}
         return sorted(sources.union(*(topic.subscribers for topic in periodic)))

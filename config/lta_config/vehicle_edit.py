@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Set values in a vehicle file, and keep its comments and order.
 
@@ -25,27 +27,27 @@ KEPT_TAGS: Final = (':null', ':merge')  # of plain scalars that mean more than t
 class _LeafDumper(yaml.SafeDumper):
     """Write quantities, and what holds no mapping, on one line each, and no anchors."""
 
-    def ignore_aliases(self, data: Any) -> bool:  # noqa: ANN401 - as YAML has it
+    def ignore_aliases(self, data: Any) -> bool:
         """Write what two places share twice."""
         return True
 
-    def represent_mapping(self, tag: str, mapping: Any, flow_style: Any = None) -> Any:  # noqa: ANN401
+    def represent_mapping(self, tag: str, mapping: Any, flow_style: Any = None) -> Any:
         """Represent a mapping."""
         in_line = 'unit' in mapping or not any(map(_holds_mapping, mapping.values()))
         return super().represent_mapping(tag, mapping, in_line)
 
-    def represent_sequence(self, tag: str, sequence: Any, flow_style: Any = None) -> Any:  # noqa: ANN401
+    def represent_sequence(self, tag: str, sequence: Any, flow_style: Any = None) -> Any:
         """Represent a list."""
         return super().represent_sequence(tag, sequence, not _holds_mapping(sequence))
 
 
-def _holds_mapping(value: Any) -> bool:  # noqa: ANN401 - as YAML has it
+def _holds_mapping(value: Any) -> bool:
     return isinstance(value, dict) or (
         isinstance(value, list | tuple) and any(map(_holds_mapping, value))
     )
 
 
-def format_yaml(value: Any) -> str:  # noqa: ANN401 - as YAML has it
+def format_yaml(value: Any) -> str:
     """Return a value as YAML: quantities on one line each, mappings of them as blocks."""
     return yaml.dump(
         value, Dumper=_LeafDumper, sort_keys=False, width=LINE_WIDTH, allow_unicode=True
@@ -57,7 +59,7 @@ class _KeepScalars(VersionedResolver):
 
     @property
     def versioned_resolver(self) -> dict[str | None, list[tuple[str, Any]]]:
-        """Resolvers by the first character of a scalar."""
+        """Return the resolvers by the first character of a scalar."""
         return {
             first: [(tag, regexp) for tag, regexp in resolvers if tag.endswith(KEPT_TAGS)]
             for first, resolvers in super().versioned_resolver.items()
@@ -98,7 +100,7 @@ def set_yaml_values(text: str, values: Mapping[str, Any]) -> str:
     return out.getvalue()
 
 
-def _put(node: CommentedMap, key: str, value: Any) -> None:  # noqa: ANN401 - as YAML has it
+def _put(node: CommentedMap, key: str, value: Any) -> None:
     """Set a value, and leave the comments below it where they are."""
     # ruamel.yaml keeps what stands below a value with the value, or with its last leaf
     beside, below = '', ''
@@ -113,7 +115,7 @@ def _put(node: CommentedMap, key: str, value: Any) -> None:  # noqa: ANN401 - as
     _set_comment(node, key, f'{beside}\n{below}' if beside or below else '')
 
 
-def _descend(node: Any, key: Any) -> Iterator[tuple[Any, Any]]:  # noqa: ANN401 - a mapping or list
+def _descend(node: Any, key: Any) -> Iterator[tuple[Any, Any]]:
     """Yield the way to the last value in block form at or below a key, as collection and key."""
     yield node, key
     below = node[key]

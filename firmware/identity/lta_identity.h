@@ -1,3 +1,5 @@
+// Copyright 2026 The LTA maintainers
+// SPDX-License-Identifier: Apache-2.0
 /* What a build is: the commit of its sources, and the vehicle that it was built for.
  *
  * `make firmware` sets both and reads them back from the image; the bridge compares the vehicle

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Install lta_bringup as an ament_python package, which has no Python of its own."""
 
 from pathlib import Path

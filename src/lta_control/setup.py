@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Install lta_control as an ament_python package."""
 
 from setuptools import find_packages, setup

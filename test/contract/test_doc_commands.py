@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Every command of the pages exists, with its options; those that take a second are run."""
 
 from importlib.util import find_spec

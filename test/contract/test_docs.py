@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What the pages for people say is there, and the figures in them are those of the code."""
 
 from importlib import import_module

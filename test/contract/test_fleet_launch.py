@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Several drones from one launch: each the graph of one, with one simulator and one recorder."""
 
 from pathlib import Path

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Each barrier of the hazard table has a test that fails without it."""
 
 import os

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Each node can be left out for somebody's own, and the simulator waits for the rest."""
 
 from pathlib import Path

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What is installed is locked by hash, as the requirements ask, and its licences are known."""
 
 from importlib import import_module

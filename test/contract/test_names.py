@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Names in the source: classes are unique, and retired words stay out."""
 
 import ast

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Adding one of a kind is one file and one line: done in a copy, from what the tutorial shows."""
 
 import os

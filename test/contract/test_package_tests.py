@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """`colcon test` runs the unit tests of each package, and each unit test belongs to one."""
 
 import os

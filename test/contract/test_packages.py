@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Every package says of itself what is true: name, version, dependencies, executables, fence."""
 
 import ast

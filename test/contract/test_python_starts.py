@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Wherever Python starts Python, no file of the current folder takes the place of a module."""
 
 import ast

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The results that pages quote are the stored ones.
 
@@ -139,7 +141,7 @@ def reproduced():
 
 
 def lived(net):
-    """Return figures of the summer day, of the schedules as a, b, c; `net`: charging. [mW]"""
+    """Return figures of the summer day, of the schedules as a, b, c; `net`: charging [mW]."""
     stored = load('mission_summer.json')
     found = {'gain': stored['gain']['value'], 'gain_low': stored['gain']['low'],
              'gain_high': stored['gain']['high'], 'slack': 1e3 * stored['gas']['slack_gain'],
@@ -172,7 +174,7 @@ def lived(net):
 
 
 def frozen():
-    """Return what hovering does to a cell, and at what light the array supplies loads. [klx]"""
+    """Return what hovering does to a cell, and at what light the array supplies loads [klx]."""
     with (ROOT / 'test/same/frozen/commands.csv').open(encoding='utf-8', newline='') as file:
         rows = dict(csv.reader(file))
     cell = 'energy budget / on_one_cell'

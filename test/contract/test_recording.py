@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What people can say of a recording: settings, launch arguments and the page about them agree."""
 
 from pathlib import Path

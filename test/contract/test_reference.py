@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The pages of the reference are those that the declarations make."""
 
 from pathlib import Path

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What commands, launch files and pages write without being told where is in runs/, out of git."""
 
 from pathlib import Path

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """All text to a terminal passes one place, `lta_graph/terminal_streams.py`."""
 
 import ast

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The topic table, the nodes, the launch files and the parameters say one and the same."""
 
 import ast

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Every series of both layouts is a field of a message that the topic table lists."""
 
 import json

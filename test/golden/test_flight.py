@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 A short flight in one process against stored numbers: what the drone does changes only on purpose.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 What people type or write wrong: three tables of what is said of it, and rules for all sentences.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The summer day that docs/mission.md quotes is found again, by one of its seeds and schedules."""
 
 import json

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The quick page of the reproduction, found again: every figure within its declared rounding.
 

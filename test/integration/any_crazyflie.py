@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 A Crazyflie that only its link shows: emulated, or whatever `LTA_CF_URI` names.
 
@@ -91,7 +93,7 @@ class Drone:
 
     @property
     def now(self) -> float:
-        """The drone's time of the newest word on its motors. [s]"""
+        """The drone's time of the newest word on its motors [s]."""
         return 1e-3 * self.heard['motors'][-1].stamp_ms if 'motors' in self.heard else 0.0
 
     @property
@@ -117,7 +119,7 @@ class Drone:
         return SupervisorBit.AUTO_ARM in self.word
 
     def turned(self, since: float) -> bool:
-        """Tell whether a motor turned at any time since. [s]"""
+        """Tell whether a motor turned at any time since [s]."""
         return any(
             turning(readings.convert_motors(packet.values))
             for packet in self.heard['motors']

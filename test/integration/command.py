@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The real `lta` command as a process, its nodes, and the watch over what it leaves behind."""
 
 from collections.abc import Sequence

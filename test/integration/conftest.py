@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What the integration tests share: the command, a scene, and an ear in their domain."""
 
 from collections.abc import Callable, Iterator

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What a bag holds, by somebody else's reader: to compare flights by values; its one clock."""
 
 from collections import defaultdict

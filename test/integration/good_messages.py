@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """One good message of every topic, of a drone that hovers before a lamp."""
 
 from typing import Any
@@ -42,7 +44,7 @@ def health(task: str, **values: object) -> DiagnosticArray:
 
 
 def good(name: str, stamp_ns: int) -> Any:
-    """Return a message of a topic, stamped. [ns]"""
+    """Return a message of a topic, stamped [ns]."""
     stamp = to_stamp(stamp_ns)
     header = Header(stamp=stamp, frame_id=TABLE[name].frame)
     made = {

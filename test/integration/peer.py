@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A node of a test's own in the robot's namespace, and nodes of this source tree as processes."""
 
 from collections import Counter

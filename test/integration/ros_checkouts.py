@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The programs of a genuine ROS 2 that the wheels lack, from a folder of checkouts.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 What firmware 2026.08 does when we fail (docs/hardware.md), judged by its log packets alone.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 What every node promises: it refuses a bad parameter in one sentence, with status 2, and no more.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A dozen faults in three whole graphs: what `make campaign chaos` does with each, many times."""
 
 from campaigns.chaos import TOGETHER

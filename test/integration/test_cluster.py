@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A sweep survives a worker and the scheduler of a Dask cluster."""
 
 from contextlib import ExitStack

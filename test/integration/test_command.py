@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The command as a process: what stops it before anything starts, and Ctrl-C while it loads."""
 
 import json

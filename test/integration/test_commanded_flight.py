@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A flight by actions, commanded by a plain rclpy client over DDS."""
 
 from collections.abc import Iterator

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The bridge node between a graph and an emulated Crazyflie, over UDP and by unmodified cflib."""
 
 from collections import Counter

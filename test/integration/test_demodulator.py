@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The demodulator over real DDS: how soon it answers, and what it says of wrong blocks."""
 
 import math
@@ -60,7 +62,7 @@ class Listening(Peer):
         self.until(answered)
 
     def stamp(self, k):
-        """Return when block k begins. [ns]"""
+        """Return when block k begins [ns]."""
         return 1_000_000_000 + (self.first + k) * PERIOD
 
     def send(self, k, message=None):

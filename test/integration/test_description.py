@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The description node in a graph: its URDF and its frames reach a viewer that comes late."""
 
 from xml.etree import ElementTree

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """`lta discover` from bags to its folder of results, and what it refuses."""
 
 import json

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What the pages tell people to type works, one command or tutorial after the other."""
 
 import shutil

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """`lta doctor` proves DDS with two real processes, and gives up in time when nobody answers."""
 
 import os

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The energy monitor as a process over DDS, fed as the simulator feeds it."""
 
 from collections.abc import Iterator

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Six faults in flight, side by side: what `make campaign faults` does with all, many times."""
 
 from concurrent.futures import ThreadPoolExecutor

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What breaks in a flight is named, and leaves a bag that opens and no process."""
 
 import json

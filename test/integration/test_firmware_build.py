@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """`make firmware`: both images, where compilers and the user's checkouts are there."""
 
 from importlib import import_module

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A fleet in one launch: each as alone, both in one bag, and faults named with their robot."""
 
 import json

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Whole flights, over DDS and in one process: the same every time, readable by others."""
 
 import json

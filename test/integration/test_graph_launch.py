@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """`lta launch`: who starts the graph, one simulated flight a domain, and naming who hangs."""
 
 import os

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The recorder in a graph of strangers: nonsense, other qualities of service, wishes."""
 
 from collections.abc import Iterator

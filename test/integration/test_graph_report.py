@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """`lta report`: the page from a bag, and its pictures."""
 
 from ..unit.report_flight import write_flight  # noqa: TID252 - `test` is Python's own

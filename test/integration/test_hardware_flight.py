@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The whole graph to the lamp through both bridges: a simulated world behind emulated hardware."""
 
 import os

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The light board's C core on an emulated Cortex-M7 against the bridge, where QEMU is installed.
 

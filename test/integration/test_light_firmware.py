@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The firmware's portable part, compiled here, against the bridge over a pseudo terminal."""
 
 import math

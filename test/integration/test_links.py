@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A flight begins in real time once every writer has found the readers that the graph has."""
 
 from collections.abc import Iterator

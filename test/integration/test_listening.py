@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Nothing of a graph listens outside this machine unless asked, and others on it still find it.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A running graph as a viewer without ROS sees it, and a flight that loses its viewer."""
 
 from contextlib import closing

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Nodes over DDS: parameters, services, quality of service, and what they make of nonsense."""
 
 from collections.abc import Iterator

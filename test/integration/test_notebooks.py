@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The notebooks of examples/ run from top to bottom and are stored with their figures."""
 
 from contextlib import redirect_stdout

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """All nodes in one process: the same values, one node each for ROS, and every way to its end."""
 
 from contextlib import ExitStack

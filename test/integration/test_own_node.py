@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Other people's nodes in plain rclpy: alone with the simulator, and in place of ours."""
 
 import json

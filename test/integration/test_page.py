@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The page of a flight in a real browser: nothing to complain of, everything drawn."""
 
 import os

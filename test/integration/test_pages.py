@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Every kind of page in a real browser: one look, offline, by keyboard, on dark and light."""
 
 import json

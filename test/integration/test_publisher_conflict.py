@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Who else publishes what a node does is told, by name, and forgotten once they are gone."""
 
 from collections.abc import Callable, Iterator

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Recordings played into real nodes over DDS: the same answers, with gaps too, and by hand."""
 
 from collections.abc import Iterator

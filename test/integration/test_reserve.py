@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The navigator over real DDS obeys the energy monitor, and comes down when that falls silent."""
 
 from geometry_msgs.msg import PoseWithCovarianceStamped

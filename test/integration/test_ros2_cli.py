@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 A running graph under the genuine ros2cli: what an engineer with ROS 2 types, and what it answers.
 

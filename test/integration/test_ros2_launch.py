@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The launch files under ROS 2's own `launch`, which the wheels do not have.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The 3-D view of a flight in a real browser: time and view by keyboard, dark, without WebGL."""
 
 from lta_flight.report import write_page

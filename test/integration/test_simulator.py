@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """One simulator of two drones: a step needs the answers of both, and each is told apart."""
 
 from lta_graph.health import HealthLevel

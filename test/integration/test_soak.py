@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A minute of `make campaign soak`: the graph flies from lantern to lantern and loses nothing."""
 
 from campaigns.soak import NODES, soaked

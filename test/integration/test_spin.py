@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The spin of nodes: rclpy's EventsExecutor, around its faults, and exceptions by their node."""
 
 from contextlib import ExitStack

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Simulated light through an emulated board, its cable, the bridge and the demodulator."""
 
 from itertools import cycle

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A person takes over from the navigator, hands back, dies, and stops: over the controller."""
 
 from random import random

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A person takes over where the firmware's own controller flies: over the bridge, by setpoints."""
 
 from random import random

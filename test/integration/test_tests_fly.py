@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """`lta tests fly`: the flights that calibrate a vehicle, by a noisy tracker, and without it."""
 
 from geometry_msgs.msg import PoseStamped

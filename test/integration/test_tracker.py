@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The tracker node in a graph: poses of a clock an hour ahead come out as the truth of now."""
 
 import math

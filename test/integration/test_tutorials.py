@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """README and the tutorials work word for word, in a copy of the working tree."""
 
 import shutil

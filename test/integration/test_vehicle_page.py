@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The page of a vehicle in a real browser: nothing to complain of, everything drawn, to scale."""
 
 from lta_config.files import list_shipped_names

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The wheel of all that needs no ROS graph, tried in an environment that has nothing else."""
 
 from contextlib import ExitStack

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """OpenFOAM itself, where it is installed: a sphere on a coarse mesh, from shape to coefficient."""
 
 from campaigns.sphere import build_sphere_model, compare_sphere_drag

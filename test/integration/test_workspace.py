@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The workspace as `colcon build` installs it: copied, not linked, and started as `ros2 run` would.
 

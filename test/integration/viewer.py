@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A viewer that speaks Foxglove's WebSocket protocol, from its text and RFC 6455 alone."""
 
 import base64

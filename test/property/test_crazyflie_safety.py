@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """No sequence of events lets motors turn without arming, its confirmation and fresh commands."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Laws of the demodulation, over arbitrary beacons, blocks and rings."""
 
 import math

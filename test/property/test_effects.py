@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Laws over every registered effect, built in or installed, each by itself."""
 
 import ast

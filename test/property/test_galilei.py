@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Galileo's law: what flies in a steady uniform wind flies as in calm, carried along with it."""
 
 from hypothesis import given

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Laws over every registered control law: duties that rotors can obey, and the same compiled."""
 
 from functools import cache

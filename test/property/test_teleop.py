@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Whatever hands, devices and estimates do: a stick wins at once; a button alone hands back."""
 
 import math

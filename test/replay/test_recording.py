@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 A small recording of our own against what demodulator and navigator make of it today.
 
@@ -94,7 +96,7 @@ def fly(folder):
 
 
 def recorded(name):
-    """Return time of publication and message of a topic of the stored bag. [ns]"""
+    """Return time of publication and message of a topic of the stored bag [ns]."""
     kind = find_message_type(TABLE[name])
     bag = read_bag(STORED)
     return [

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The numbers that quick commands print as JSON and draw as tables on their pages.
 

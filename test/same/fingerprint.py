@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 What the last bits of a result depend on besides the code: the processor and the libraries.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Hashes of what `lta simulate` records: every vehicle in every scenario by every strategy."""
 
 from collections.abc import Iterator

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What discovery concludes of some cases of the challenge, number by number."""
 
 import sys

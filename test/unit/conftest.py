@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What tests of several packages share: stand-ins, small bags, a full disk, plain laws."""
 
 from contextlib import contextmanager

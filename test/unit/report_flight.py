@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 A bag of a flight whose every figure is known by hand.
 
@@ -91,7 +93,7 @@ def odometry(time, place, z, yaw, speed):
 
 
 def place(time):
-    """Return x, z and forward speed of the hull centre. [m, m/s]"""
+    """Return x, z and forward speed of the hull centre [m, m/s]."""
     cruising = SEEK <= time <= GOAL
     x = -3.5 + SPEED * min(max(time - SEEK, 0.0), GOAL - SEEK)
     z = FLOOR + (CRUISE - FLOOR) * min(max(time - CLIMB, 0.0) / (SEEK - CLIMB), 1.0)
@@ -133,7 +135,7 @@ def panel(time):
 
 
 def amplitudes(time):
-    """Return what each diode sees of the lamp ahead: cosine and inverse square. [counts]"""
+    """Return what each diode sees of the lamp ahead: cosine and inverse square [counts]."""
     x, _, _ = place(time)
     return 500.0 / (3.5 - x) ** 2 * np.maximum(np.cos(DIODES), 0.0)
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """`make build`: messages are compiled once, by whatever compiler there is."""
 
 import importlib.util

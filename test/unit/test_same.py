@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """`make same`: which numbers of a result it keeps, and what it calls different."""
 
 from pathlib import Path

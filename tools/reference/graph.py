@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Draw the ROS graph as an N2 chart (Lano 1977) from the topic table.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Generate the page of all node parameters and launch arguments from their models."""
 
 import ast
@@ -80,7 +82,7 @@ def format_model_section(title: str, model: type[BaseModel], about: str = '') ->
     return text + rows
 
 
-def format_parameter_row(name: str, info: FieldInfo, value: Any) -> str:  # noqa: ANN401 - of the parameter's type
+def format_parameter_row(name: str, info: FieldInfo, value: Any) -> str:
     """Return one parameter as an item of the list: name, default, bounds and meaning."""
     extra = info.json_schema_extra if isinstance(info.json_schema_extra, dict) else {}
     fixed = ' *Fixed.*' if extra.get('read_only') else ''

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Generate the page of all keys of a vehicle file from its schema."""
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -64,7 +66,7 @@ def _iterate_sections(path: str, model: type[BaseModel]) -> Iterator[str]:
 
 
 def _describe_type(
-    annotation: Any,  # noqa: ANN401 - any annotation
+    annotation: Any,
     metadata: Sequence[Any],
 ) -> tuple[str, type[BaseModel] | None, list[str]]:
     """Return a type in words, the model of a block, and the steps of the path to it."""

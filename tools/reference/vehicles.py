@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Generate the page of the shipped vehicles from their files."""
 
 from lta_config.files import list_shipped_names

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Generate the page of the `lta` verbs from their help texts.
 
@@ -50,7 +52,7 @@ def render_page() -> str:
     return HEAD + ''.join(common) + ''.join(sections)
 
 
-def iterate_verbs(parent: Any, name: str, title: str = '### lta') -> Iterator[tuple[str, Any]]:  # noqa: ANN401 - Typer's
+def iterate_verbs(parent: Any, name: str, title: str = '### lta') -> Iterator[tuple[str, Any]]:
     """Yield heading and command of a verb, then of its members, one level below."""
     command, title = parent.commands[name], f'{title} {name}'
     yield title, command
@@ -59,14 +61,14 @@ def iterate_verbs(parent: Any, name: str, title: str = '### lta') -> Iterator[tu
             yield from iterate_verbs(command, member, f'#{title}')
 
 
-def iterate_rows(verb: Any) -> Iterator[str]:  # noqa: ANN401 - a command of Typer
+def iterate_rows(verb: Any) -> Iterator[str]:
     """Yield the item of each argument and option."""
     for param in verb.params:
         if not param.hidden and param.name != 'help':
             yield format_argument_row(param)
 
 
-def format_verb_section(title: str, verb: Any, common: Collection[str]) -> str:  # noqa: ANN401 - Typer's
+def format_verb_section(title: str, verb: Any, common: Collection[str]) -> str:
     """Return a verb's heading, help text and list of the arguments and options of its own."""
     text = f'\n{title}\n{format_docstring(verb.help or "")}'
     rows = list(iterate_rows(verb))
@@ -85,7 +87,7 @@ def format_docstring(text: str) -> str:
     return escape_markdown(text.split('\n\n', maxsplit=1)[0]) + '\n'
 
 
-def format_argument_row(param: Any) -> str:  # noqa: ANN401 - a parameter of Typer
+def format_argument_row(param: Any) -> str:
     """Return one argument or option as an item of the list."""
     if param.opts[0].startswith('-'):
         names = ', '.join(f'`{name}`' for name in (*param.opts, *param.secondary_opts))
@@ -95,7 +97,7 @@ def format_argument_row(param: Any) -> str:  # noqa: ANN401 - a parameter of Typ
     return f'- {names}: {escape_markdown(param.help or "")} {default}'.rstrip() + '\n'
 
 
-def format_option_default(param: Any) -> str:  # noqa: ANN401 - a parameter of Typer
+def format_option_default(param: Any) -> str:
     """Format the default of an option; empty if there is none."""
     if isinstance(param.show_default, str):
         return f'Default: {escape_markdown(param.show_default)}.'

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 All of LTA that needs no ROS graph as one wheel: the cores, the `lta` command, the shipped files.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Compile plain functions of numbers, tuples and arrays, cached on disk by their source.
 

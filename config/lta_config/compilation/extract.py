@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Extract the source of plain functions, with everything they use, from their modules.
 
@@ -107,7 +109,7 @@ class _Rewriter(NamedTuple):
     fields: Mapping[str, tuple[str, ...]]  # of the named tuples, by name in the module
     bound: Collection[str]
 
-    def copy(self, part: Any) -> Any:  # noqa: ANN401 - any field of a node
+    def copy(self, part: Any) -> Any:
         """Return the rewritten copy."""
         if isinstance(part, list):
             return [self.copy(each) for each in part if not self._is_bound(each)]
@@ -163,7 +165,7 @@ class GeneratedFunction:
 
     name: str
 
-    def __call__(self, *arguments: object) -> Any:  # noqa: ANN401 - any result
+    def __call__(self, *arguments: object) -> Any:
         """Raise `TypeError`: there is no such function in Python."""
         raise TypeError(
             f'{self.name} exists only in compiled code and cannot be called from Python; call it '
@@ -284,7 +286,7 @@ class SourceExtract:
             'number or a tuple of numbers.'
         )
 
-    def _render_literal(self, value: Any) -> str:  # noqa: ANN401 - any nest of numbers
+    def _render_literal(self, value: Any) -> str:
         """Return the text of a number or a nest of tuples, whose types are added."""
         if isinstance(value, tuple):
             items = ''.join(f'{self._render_literal(item)}, ' for item in value)

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Compile a core that uses nested named tuples, and call it with flat arrays.
 
@@ -31,7 +33,7 @@ from numba import njit
 '''
 
 
-def settings_to_tuples(value: Any) -> Any:  # noqa: ANN401 - any nest of numbers
+def settings_to_tuples(value: Any) -> Any:
     """Return nested tuples with all settings converted to named tuples."""
     if isinstance(value, BaseModel):
         return to_named_tuple(value)
@@ -75,7 +77,7 @@ class TupleLayout(Generic[Nested]):
         # Indexing a list is faster than indexing a numpy array
         return cast('Nested', self._build_tuple(array.tolist()))
 
-    def view(self, array: Array) -> Any:  # noqa: ANN401 - a record has any fields
+    def view(self, array: Array) -> Any:
         """Return numbers, shape (..., n), as records of shape (...) that share their memory."""
         return array.view(_build_record(self._example))[..., 0]
 
@@ -95,7 +97,7 @@ class TupleLayout(Generic[Nested]):
         )
 
 
-def _build_record(value: Any) -> np.dtype[Any]:  # noqa: ANN401
+def _build_record(value: Any) -> np.dtype[Any]:
     """Return the type of a record with the fields of nested tuples; other tuples are arrays."""
     if not isinstance(value, tuple):
         return np.dtype(np.float64)
@@ -105,7 +107,7 @@ def _build_record(value: Any) -> np.dtype[Any]:  # noqa: ANN401
     return np.dtype((kinds[0] if kinds else np.float64, (len(kinds),)))
 
 
-def _iterate_paths(value: Any, own: str = '') -> Iterator[str]:  # noqa: ANN401
+def _iterate_paths(value: Any, own: str = '') -> Iterator[str]:
     if not isinstance(value, tuple):
         yield own
         return
@@ -115,7 +117,7 @@ def _iterate_paths(value: Any, own: str = '') -> Iterator[str]:  # noqa: ANN401
         yield from _iterate_paths(item, inner)
 
 
-def _iterate_numbers(value: Any) -> Iterator[float]:  # noqa: ANN401
+def _iterate_numbers(value: Any) -> Iterator[float]:
     if isinstance(value, tuple):
         for item in value:
             yield from _iterate_numbers(item)
@@ -123,7 +125,7 @@ def _iterate_numbers(value: Any) -> Iterator[float]:  # noqa: ANN401
         yield float(value)
 
 
-def _iterate_types(value: Any) -> Iterator[tuple[str, type]]:  # noqa: ANN401
+def _iterate_types(value: Any) -> Iterator[tuple[str, type]]:
     if isinstance(value, tuple):
         if hasattr(value, '_fields'):
             yield f'{CORE_PREFIX}_{type(value).__name__}', type(value)
@@ -131,7 +133,7 @@ def _iterate_types(value: Any) -> Iterator[tuple[str, type]]:  # noqa: ANN401
             yield from _iterate_types(item)
 
 
-def _iterate_fields(value: Any) -> Iterator[tuple[str, tuple[str, ...]]]:  # noqa: ANN401
+def _iterate_fields(value: Any) -> Iterator[tuple[str, tuple[str, ...]]]:
     if isinstance(value, tuple):
         if hasattr(value, '_fields'):
             yield type(value).__name__, value._fields
@@ -139,7 +141,7 @@ def _iterate_fields(value: Any) -> Iterator[tuple[str, tuple[str, ...]]]:  # noq
             yield from _iterate_fields(item)
 
 
-def _render_expression(value: Any, numbers: Iterator[str]) -> str:  # noqa: ANN401
+def _render_expression(value: Any, numbers: Iterator[str]) -> str:
     if isinstance(value, tuple):
         items = ''.join(f'{_render_expression(item, numbers)}, ' for item in value)
         kind = f'{CORE_PREFIX}_{type(value).__name__}' if hasattr(value, '_fields') else ''

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Cache compiled kernels on disk, each in a folder named by the hash of its source.
 

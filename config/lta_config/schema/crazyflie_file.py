@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The Crazyflie file: command mode, wiring, parameters and limits of a vehicle's Crazyflie.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The mapping file of an import: how columns of a log map to fields of our topics.
 
@@ -135,7 +137,7 @@ class VectorField(_InUnit):
 
     @property
     def scales(self) -> tuple[float, float, float]:
-        """The factor of each column."""
+        """Return the factor of each column."""
         return self.scale if isinstance(self.scale, tuple) else (self.scale,) * 3
 
     @model_validator(mode='after')
@@ -198,12 +200,12 @@ class OrientationField(StrictModel):
 
     @property
     def forms(self) -> tuple[list[str] | None, ...]:
-        """The four forms, exactly one of which is set."""
+        """Return the four forms, exactly one of which is set."""
         return self.quaternion, self.euler, self.rotation_vector, self.matrix
 
     @property
     def columns(self) -> list[str]:
-        """The columns of the form that is set."""
+        """Return the columns of the form that is set."""
         return next(form for form in self.forms if form is not None)
 
 
@@ -296,7 +298,7 @@ class TimeColumn(StrictModel):
 
     @property
     def columns(self) -> list[str]:
-        """The columns of the time."""
+        """Return the columns of the time."""
         return [one for one in (self.column, self.fraction) if one is not None]
 
 
@@ -337,12 +339,12 @@ class TopicMapping(_WithAxes):
 
     @property
     def labels(self) -> list[str]:
-        """The columns of `where` whose cells are words."""
+        """Return the columns of `where` whose cells are words."""
         return [name for name, value in self.where.items() if isinstance(value, str)]
 
     @property
     def parts(self) -> dict[str, ScalarField | VectorField | OrientationField]:
-        """The fields of the message that are set, by name."""
+        """Return the fields of the message that are set, by name."""
         fields = ((name, getattr(self, name)) for name in type(self).model_fields)
         kinds = ScalarField | VectorField | OrientationField
         return {name: part for name, part in fields if isinstance(part, kinds)}

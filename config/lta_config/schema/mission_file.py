@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The mission file: vehicle, route of beacons, payload and reserve of a patrol, and its light.
 

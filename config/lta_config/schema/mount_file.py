@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The mount file: position and orientation of a vehicle's solar panels, and their carrier.
 
@@ -114,7 +116,7 @@ def mount_panels(
     }
 
 
-def _replace_array(energy: Any, mount: MountFile) -> Any:  # noqa: ANN401 - what YAML holds
+def _replace_array(energy: Any, mount: MountFile) -> Any:
     """Return the energy block with its array on the first panel; it supports a single plane."""
     if not isinstance(energy, Mapping) or not isinstance(energy.get('array'), Mapping):
         return energy
@@ -124,7 +126,7 @@ def _replace_array(energy: Any, mount: MountFile) -> Any:  # noqa: ANN401 - what
 
 
 def _move_part(held: Mapping[str, Any], part: PartBlock, ahead: float) -> dict[str, Any]:
-    """Return a part as YAML holds it, shifted forward. [m]"""
+    """Return a part as YAML holds it, shifted forward [m]."""
     x, y, z = part.position.vector
     place = {'value': [x + ahead, y, z], 'unit': 'm', 'source': 'deliberate mounting error'}
     return {**held, 'position': place}

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 One row of the reproduction: the claims of the seed paper, and how they are measured here.
 
@@ -41,7 +43,7 @@ class PaperMeasure(StrictModel):
 
     @property
     def factor(self) -> float:
-        """The unit in SI."""
+        """Return the unit in SI."""
         return 1.0 if self.unit is None else SI_UNITS[self.unit][1]
 
     @property
@@ -112,7 +114,7 @@ class PaperClaim(StrictModel):
 
     @property
     def measures(self) -> dict[str, str]:
-        """The measure of each reading, by its name; '' where the words allow only one."""
+        """Return the measure of each reading, by its name; '' where the words allow only one."""
         return {} if self.measure is None else {self.reading: self.measure, **self.readings}
 
 
@@ -147,7 +149,7 @@ class SceneRange(StrictModel):
 
     @model_validator(mode='before')
     @classmethod
-    def _convert_list(cls, content: Any) -> Any:  # noqa: ANN401 - whatever the file held
+    def _convert_list(cls, content: Any) -> Any:
         if isinstance(content, dict) and isinstance(content.get('range'), list):
             return {**content, 'range': tuple(map(float, content['range']))}
         return content

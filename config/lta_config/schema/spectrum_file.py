@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Spectra of light, and the spectral responses of detectors: short tables with their sources.
 
@@ -112,7 +114,7 @@ def load_spectral_response(name: str) -> SpectralResponse:
 
 
 def sample_spectrum(light: LightSpectrum) -> Array:
-    """Return the share of the power by wavelength at `WAVELENGTHS`. [1/nm]"""
+    """Return the share of the power by wavelength at `WAVELENGTHS` [1/nm]."""
     nm = WAVELENGTHS
     if light.points is not None and light.total is not None:
         # The total includes what lies outside of the table
@@ -152,14 +154,14 @@ def photopic_sensitivity(wavelength: Array) -> Array:
 
 @cache
 def luminous_efficacy(light: str) -> float:
-    """Return the luminous efficacy of the radiation of a shipped spectrum. [lm/W]"""
+    """Return the luminous efficacy of the radiation of a shipped spectrum [lm/W]."""
     power = sample_spectrum(load_spectrum(light))
     return PEAK_EFFICACY * float(
         np.trapezoid(power * photopic_sensitivity(WAVELENGTHS), WAVELENGTHS)
     )
 
 
-def read_light(value: Any) -> Any:  # noqa: ANN401 - as the file has it
+def read_light(value: Any) -> Any:
     """Return the efficacy of a shipped spectrum, by its name; another value as it is."""
     if not isinstance(value, str) or value not in list_shipped_names('spectra'):
         return value

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Aerodynamic coefficients in the vehicle file and the aero file, and the tunnel file."""
 
 from collections.abc import Mapping

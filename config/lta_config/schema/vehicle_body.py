@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The body of a vehicle: hull, parts in layers, trim, and measured mass properties.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The photodiodes of a vehicle file: geometry, amplifier and converter.
 
@@ -17,7 +19,7 @@ Axis = Annotated[list[float], Field(min_length=3, max_length=3)]
 DATA_SHEET = 'OPT101 data sheet, SBBS002'
 
 
-def _default_quantity(value: float, unit: str, source: str) -> Any:  # noqa: ANN401 - a default of a field
+def _default_quantity(value: float, unit: str, source: str) -> Any:
     return Field(default=Quantity(value=value, unit=unit, source=source))
 
 
@@ -123,12 +125,12 @@ class PhotodiodesBlock(StrictModel):
 
     @property
     def output_limit(self) -> float:
-        """Highest output of the amplifiers. [V]"""
+        """Highest output of the amplifiers [V]."""
         return self.supply.si - self.headroom.si
 
     @property
     def largest_reading(self) -> float:
-        """Largest reading, at which converter or amplifier saturate. [counts]"""
+        """Largest reading, at which converter or amplifier saturate [counts]."""
         return largest_reading(self.bits, self.full_scale.si, self.output_limit)
 
     @model_validator(mode='after')

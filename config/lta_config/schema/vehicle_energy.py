@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The `energy` block of a vehicle file: battery, solar array, charger and loads.
 

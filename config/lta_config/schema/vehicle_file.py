@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The vehicle file: parts in layers, rotors, an aero block and effects; all numbers with sources.
 
@@ -109,7 +111,7 @@ class ValidityBlock(StrictModel):
 
     @property
     def limits(self) -> dict[str, Quantity]:
-        """The limits of all quantities, by name."""
+        """Return the limits of all quantities, by name."""
         return {**{name: getattr(self, name) for name in REGION_QUANTITIES}, **self.commands}
 
 
@@ -150,7 +152,7 @@ class VehicleFile(StrictModel):
 
     @property
     def panel_normal(self) -> Vector:
-        """The direction that the panel faces, unit length, body frame."""
+        """Return the direction that the panel faces, unit length, body frame."""
         if self.energy.array is None:
             return UPWARD_AXIS
         x, y, z = self.energy.array.normal.vector
@@ -159,7 +161,7 @@ class VehicleFile(StrictModel):
 
     @field_validator('aero', mode='before')
     @classmethod
-    def _load_named_aero(cls, value: Any) -> Any:  # noqa: ANN401 - whatever the file held
+    def _load_named_aero(cls, value: Any) -> Any:
         """Return the aero block of the named aero file, or the value if it is not a name."""
         if not isinstance(value, str):
             return value
@@ -253,7 +255,7 @@ def load_vehicle_file(name: str) -> VehicleFile:
     return validate_content(VehicleFile, load_vehicle_content(path), str(path))
 
 
-def load_vehicle_content(path: Path) -> Any:  # noqa: ANN401 - whatever the file held
+def load_vehicle_content(path: Path) -> Any:
     """Return the content of a vehicle file; a gains file beside it gets the path to it."""
     content = load_yaml(path)
     control = content.get('control') if isinstance(content, dict) else None

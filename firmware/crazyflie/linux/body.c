@@ -1,3 +1,5 @@
+// Copyright 2026 The LTA maintainers
+// SPDX-License-Identifier: Apache-2.0
 /* A body that only rises and sinks: enough for a firmware whose safety is judged, not its flight.
  *
  * It stays level, so that the IMU shows gravity and vertical acceleration alone. Defaults are a

@@ -1,3 +1,5 @@
+// Copyright 2026 The LTA maintainers
+// SPDX-License-Identifier: Apache-2.0
 /* The Crazyflie firmware as a Linux process: its own modules above, this file below.
  *
  *   crazyflie LINK_PORT BENCH_PORT

@@ -1,3 +1,5 @@
+// Copyright 2026 The LTA maintainers
+// SPDX-License-Identifier: Apache-2.0
 /* FreeRTOS's interface on POSIX threads; see include/FreeRTOS.h.
  *
  * The firmware relies on a single core: its log task frees blocks that another task may send. So

@@ -1,3 +1,5 @@
+// Copyright 2026 The LTA maintainers
+// SPDX-License-Identifier: Apache-2.0
 /* LTA's app layer for crazyflie-firmware: the ground's duties go to the motors.
  *
  * It is an out-of-tree controller that hands four forces to the stock power distribution

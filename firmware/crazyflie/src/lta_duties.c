@@ -1,3 +1,5 @@
+// Copyright 2026 The LTA maintainers
+// SPDX-License-Identifier: Apache-2.0
 #include "lta_duties.h"
 
 #define SIZE (2 + 2 * LTA_MOTORS + 2)

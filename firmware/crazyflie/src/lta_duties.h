@@ -1,3 +1,5 @@
+// Copyright 2026 The LTA maintainers
+// SPDX-License-Identifier: Apache-2.0
 /* Duties from the ground and for how long they hold; plain C, no firmware headers. */
 #pragma once
 

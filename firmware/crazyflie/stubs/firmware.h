@@ -1,3 +1,5 @@
+// Copyright 2026 The LTA maintainers
+// SPDX-License-Identifier: Apache-2.0
 /* As much of crazyflie-firmware as the app touches, for the host's compiler. */
 #pragma once
 

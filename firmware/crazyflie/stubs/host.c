@@ -1,3 +1,5 @@
+// Copyright 2026 The LTA maintainers
+// SPDX-License-Identifier: Apache-2.0
 /* The firmware around the app, as a test drives it: a clock, one packet at a time, what was said. */
 #include <string.h>
 

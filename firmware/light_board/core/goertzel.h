@@ -1,3 +1,5 @@
+// Copyright 2026 The LTA maintainers
+// SPDX-License-Identifier: Apache-2.0
 /* One frequency in a row of samples: the amplitude of its sine, and what remains beside it. */
 #pragma once
 #include <stdint.h>

@@ -1,3 +1,5 @@
+// Copyright 2026 The LTA maintainers
+// SPDX-License-Identifier: Apache-2.0
 #include "lamp.h"
 
 #define TURN 18446744073709551616.0 /* 2^64 */

@@ -1,3 +1,5 @@
+// Copyright 2026 The LTA maintainers
+// SPDX-License-Identifier: Apache-2.0
 /* A lamp's square wave by a timer that counts whole ticks: frequency and duty on average exact, whatever the ratio. */
 #pragma once
 #include <stdbool.h>

@@ -1,3 +1,5 @@
+// Copyright 2026 The LTA maintainers
+// SPDX-License-Identifier: Apache-2.0
 #include "light_board.h"
 #include "lta_identity.h"
 #include <string.h>

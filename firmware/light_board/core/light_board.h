@@ -1,3 +1,5 @@
+// Copyright 2026 The LTA maintainers
+// SPDX-License-Identifier: Apache-2.0
 /* The light board without its hardware: rows in, MAVLink 2 out, questions for the time answered. */
 #pragma once
 #include "goertzel.h"

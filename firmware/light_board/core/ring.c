@@ -1,3 +1,5 @@
+// Copyright 2026 The LTA maintainers
+// SPDX-License-Identifier: Apache-2.0
 #include "ring.h"
 
 uint32_t ring_waiting(const ring_t *ring)

@@ -1,3 +1,5 @@
+// Copyright 2026 The LTA maintainers
+// SPDX-License-Identifier: Apache-2.0
 /* Rows of samples between the interrupt that takes them and the loop that sends them: one writer, one reader, no lock. */
 #pragma once
 #include <stdbool.h>

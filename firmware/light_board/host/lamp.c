@@ -1,3 +1,5 @@
+// Copyright 2026 The LTA maintainers
+// SPDX-License-Identifier: Apache-2.0
 /* The lamp's wave as bytes 0 and 1 on standard output: FREQUENCY DUTY TICK_RATE DRIFT TICKS */
 #include "../core/lamp.h"
 #include <stdio.h>

@@ -1,3 +1,5 @@
+// Copyright 2026 The LTA maintainers
+// SPDX-License-Identifier: Apache-2.0
 /* The firmware's portable part as a program of the host: rows from a file, MAVLink on a terminal.
  *
  *   light_board TERMINAL ROWS DIODES RATE DRIFT PEAK    TERMINAL: a serial device; ROWS: u16, little endian

@@ -1,3 +1,5 @@
+// Copyright 2026 The LTA maintainers
+// SPDX-License-Identifier: Apache-2.0
 /* A beacon: a transistor on pin 2 switches the lamp at its frequency. Any Arduino board with IntervalTimer (Teensy).
  *
  * NOT RUN ON HARDWARE YET. Put core/lamp.h and core/lamp.c beside this file. */

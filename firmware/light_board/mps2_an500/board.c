@@ -1,3 +1,5 @@
+// Copyright 2026 The LTA maintainers
+// SPDX-License-Identifier: Apache-2.0
 /* The light board on Arm's MPS2 board with a Cortex-M7 (AN500), which QEMU emulates: for tests.
  *
  * SysTick takes the samples, UART0 is the link. There are no diodes: raw rows are a pattern by their

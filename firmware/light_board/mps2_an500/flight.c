@@ -1,3 +1,5 @@
+// Copyright 2026 The LTA maintainers
+// SPDX-License-Identifier: Apache-2.0
 /* The light board on an emulated Cortex-M7 in a simulated world: `make campaign end_to_end`.
  *
  * Converter and link are memory that a program of the host shares, which takes the place of DMA: rows

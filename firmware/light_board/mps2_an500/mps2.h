@@ -1,3 +1,5 @@
+// Copyright 2026 The LTA maintainers
+// SPDX-License-Identifier: Apache-2.0
 /* What the programs for Arm's MPS2 board with a Cortex-M7 (AN500) share: its registers. */
 #pragma once
 #include <stdint.h>

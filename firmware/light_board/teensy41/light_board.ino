@@ -1,3 +1,5 @@
+// Copyright 2026 The LTA maintainers
+// SPDX-License-Identifier: Apache-2.0
 /* The light board on a Teensy 4.1: eight diodes on A0 to A7, USB or a UART to a WiFi module.
  *
  * NOT RUN ON HARDWARE YET. `make firmware` compiles it; `make -C firmware/light_board sketch` makes a folder

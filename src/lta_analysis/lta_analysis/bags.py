@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Inspect, check, plot, repair and export recordings: the `lta bag` commands."""
 
 from collections.abc import Sequence

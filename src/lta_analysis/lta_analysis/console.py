@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The console on which studies and commands print; it is the only one that does."""
 
 from collections.abc import Iterator

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Perform a request, from Python or from the command line: the one way into every study."""
 
 from collections.abc import Callable
@@ -123,7 +125,7 @@ def as_function(model: Callable[P, Any]) -> Callable[P, Any]:
     """Return the function that builds and performs a request; its arguments are the fields."""
     request_type = cast('type[Request]', model)
 
-    def call(*values: object, **named: object) -> Any:  # noqa: ANN401 - as above
+    def call(*values: object, **named: object) -> Any:
         names = request_type.list_fields()
         request = build_request(request_type, dict(zip(names, values, strict=False)) | named)
         # Progress goes to stderr, in a notebook below the cell

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Fly, simulate, import and report flights: the commands, and what a notebook flies besides."""
 
 from collections.abc import Iterable, Mapping

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Run `lta import --draft`: propose a mapping, ask where two readings fit, and write it."""
 
 from collections.abc import Mapping, Sequence

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """List the effects of the model, and write the skeleton of one's own: `lta effects`."""
 
 from pathlib import Path

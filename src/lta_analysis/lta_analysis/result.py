@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The result of a study in a notebook: it shows itself, and gives its numbers to pandas."""
 
 from collections.abc import Iterator, Mapping
@@ -47,16 +49,16 @@ class StudyResult:
     folder: Path
     page: Path | None
 
-    def __getitem__(self, name: str) -> Any:  # noqa: ANN401 - what JSON holds
+    def __getitem__(self, name: str) -> Any:
         """Return an entry of the results, in SI units."""
         return self.report.data[name]  # type: ignore[call-overload]
 
     @property
-    def data(self) -> Any:  # noqa: ANN401 - what JSON holds
-        """The content of the JSON file, in SI units."""
+    def data(self) -> Any:
+        """Return the content of the JSON file, in SI units."""
         return self.report.data
 
-    def to_json(self) -> Any:  # noqa: ANN401 - what JSON holds
+    def to_json(self) -> Any:
         """Return the content of the JSON file, with the path of the page if it has names."""
         named = self.page is not None and isinstance(self.data, Mapping)
         return {**self.data, 'page': str(self.page)} if named else self.data
@@ -69,13 +71,13 @@ class StudyResult:
 
     @property
     def tables(self) -> dict[str, TextTable]:
-        """The tables of the page, by heading."""
+        """Return the tables of the page, by heading."""
         blocks = iterate_blocks(self.report.blocks)
         return {each.heading: each for each in blocks if isinstance(each, TextTable)}
 
     @property
     def figures(self) -> 'dict[str, Figure]':
-        """The figures of the page, by name; each shows itself."""
+        """Return the figures of the page, by name; each shows itself."""
         blocks = iterate_blocks(self.report.blocks)
         return {each.name: each.figure for each in blocks if isinstance(each, Picture)}
 
@@ -122,7 +124,7 @@ def has_rows(value: object) -> bool:
     return bool(rows) and all(isinstance(row, dict) for row in rows)
 
 
-def iterate_blocks(blocks: 'Iterator[Block] | Any') -> Iterator[Block]:  # noqa: ANN401
+def iterate_blocks(blocks: 'Iterator[Block] | Any') -> Iterator[Block]:
     """Yield all blocks, also those inside others."""
     for block in blocks:
         if isinstance(block, Grid | ReportSection):

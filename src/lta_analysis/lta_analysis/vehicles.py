@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Create, show, check, compare and draw vehicles: the `lta vehicle` commands."""
 
 from collections.abc import Mapping

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 List the radios, drones and boards connected by USB, and whether the user may open them.
 

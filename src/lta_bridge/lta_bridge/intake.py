@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Receive raw messages for a bag: assign log times and count losses."""
 
 from collections import Counter
@@ -95,7 +97,7 @@ class MessageIntake:
         self._early.clear()
 
     def _assign_common_time(self, name: str, data: bytes) -> int:
-        """Return the log time of a shared topic's message: its own, or the newest of all. [ns]"""
+        """Return the log time of a shared topic's message: its own, or the newest of all [ns]."""
         when = self._common.assign_log_time(name, data)
         row = self._table.topics.get(name)
         if row is not None and row.repeatable and (row.period_ns or self._lockstep):
@@ -104,7 +106,7 @@ class MessageIntake:
         return max(books.now for books in self._books.values())
 
     def set_due_times(self, robot: str, due: Mapping[str, Sequence[int]]) -> None:
-        """Set the log times of a robot's unstamped messages by topic, from a replay. [ns]"""
+        """Set the log times of a robot's unstamped messages by topic, from a replay [ns]."""
         self._books[robot].due = due
 
     def summarize_recording(

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Assign log times to raw messages and count lost ones.
 
@@ -21,7 +23,7 @@ AGREED = 1.0  # wall seconds; if all stamps stay ahead this long, graph time its
 
 def read_stamp(data: bytes, skipped: int = 0) -> int | None:
     """
-    Return the header stamp of a serialised message; None if it is truncated. [ns]
+    Return the header stamp of a serialised message; None if it is truncated [ns].
 
     `skipped` is the number of bytes before the header, which comes first in a stamped message.
     """
@@ -95,7 +97,7 @@ class LogTimeAssigner:
 
     @property
     def now(self) -> int:
-        """Time of the newest publication. [ns]"""
+        """Time of the newest publication [ns]."""
         return self._now
 
     @property
@@ -105,7 +107,7 @@ class LogTimeAssigner:
 
     def assign_log_time(self, name: str, data: bytes) -> int:
         """
-        Return the log time of a serialised message, in graph time. [ns]
+        Return the log time of a serialised message, in graph time [ns].
 
         A topic that is not in the table gets the newest publication time.
         """
@@ -124,7 +126,7 @@ class LogTimeAssigner:
         return self._now
 
     def _scheduled_time(self, name: str) -> int:
-        """Return the due time of the newest message of an unstamped topic, if known. [ns]"""
+        """Return the due time of the newest message of an unstamped topic, if known [ns]."""
         topic = self._table.topics.get(name)
         if topic is None or not topic.period_ns:
             once = topic is not None and topic.repeatable
@@ -138,7 +140,7 @@ class LogTimeAssigner:
         return self._table.start_ns + turn * topic.period_ns + topic.latency_ns
 
     def _accept_time(self, published: int) -> bool:
-        """Advance the present to a publication time; return False if it is implausible. [ns]"""
+        """Advance the present to a publication time; return False if it is implausible [ns]."""
         if published < self._table.start_ns:
             return False  # earlier than any flight: the stamp was not set
         if self._dated and published > self._now + LARGEST_JUMP_NS:
@@ -152,7 +154,7 @@ class LogTimeAssigner:
         return True
 
     def _count_gap(self, name: str, stamp: int, period: int) -> None:
-        """Count the messages missing between a topic's last stamp and this one. [ns]"""
+        """Count the messages missing between a topic's last stamp and this one [ns]."""
         # In real time the recorder may have joined late, so nothing counts before the first stamp
         first = self._table.start_ns if self._lockstep else stamp
         before = self._last.get(name, first - period)

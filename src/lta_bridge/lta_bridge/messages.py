@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Record raw topics of a graph: subscribe to them, and give a bag their types and QoS profiles."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -105,7 +107,7 @@ class RecordedTopics:
 
     @property
     def lost_counts(self) -> Mapping[str, int]:
-        """Number of messages lost by the middleware, by topic."""
+        """Return the number of messages lost by the middleware, by topic."""
         return self._taps.lost_counts
 
     def poll(self) -> Iterator[HealthFact]:

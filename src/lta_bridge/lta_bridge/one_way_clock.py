@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Map a device's clock to graph time from the arrival times of its stamped messages.
 
@@ -48,7 +50,7 @@ class OneWayClock:
 
     @property
     def drift(self) -> float:
-        """Relative rate error of the device's clock, positive if it runs fast. [1]"""
+        """Relative rate error of the device's clock, positive if it runs fast [1]."""
         return -self._slope
 
     def discard_estimate(self) -> None:
@@ -57,7 +59,7 @@ class OneWayClock:
         self._reset_estimate()
 
     def stamp_arrival(self, device_ns: int, arrival_ns: int) -> int:
-        """Add a message and return its graph time, never later than its arrival. [ns]"""
+        """Add a message and return its graph time, never later than its arrival [ns]."""
         ahead = self._predict_fastest(device_ns) - arrival_ns
         if self._lows and (ahead > RESTART_JUMP_NS or ahead < -20 * RESTART_JUMP_NS):
             self.discard_estimate()
@@ -65,7 +67,7 @@ class OneWayClock:
         return min(self.to_graph_time(device_ns), arrival_ns)
 
     def to_graph_time(self, device_ns: int) -> int:
-        """Convert a device time to graph time; needs at least one message. [ns]"""
+        """Convert a device time to graph time; needs at least one message [ns]."""
         return self._predict_fastest(device_ns) - self.one_way_ns
 
     def _predict_fastest(self, device_ns: int) -> int:

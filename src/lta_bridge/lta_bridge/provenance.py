@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Collect a bag's provenance: everything needed to repeat the flight."""
 
 from collections.abc import Mapping

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The graph of a real drone on emulated hardware; `lta call crazyflie_bridge/arm true` flies.
 

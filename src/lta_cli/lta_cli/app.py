@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Build the `lta` command line from its verbs, one file each in `verbs/`.
 
@@ -72,7 +74,7 @@ class Verb:
 
     @property
     def module(self) -> str:
-        """The module of `verbs/`, or of a request elsewhere."""
+        """Return the module of `verbs/`, or of a request elsewhere."""
         return self.file if self.file.startswith('lta_') else f'lta_cli.verbs.{self.file}'
 
     def read_docstring(self) -> str:
@@ -97,7 +99,7 @@ class VerbGroup:
     verbs: Mapping[str, Verb]
 
 
-def call(name: str, **settings: Any) -> Verb:  # noqa: ANN401 - of a verb
+def call(name: str, **settings: Any) -> Verb:
     """Return the verb of a request, by the name of its function in `lta_analysis`."""
     module, _, request = FUNCTIONS[name].partition(':')
     return Verb(module, request, **settings)
@@ -217,12 +219,12 @@ VERBS: Final = {name: verb for verbs in FAMILIES.values() for name, verb in verb
 class OrderedGroup(TyperGroup):
     """A command group that lists verbs in the order of `VERBS`; Typer would put groups last."""
 
-    def list_commands(self, ctx: Any) -> list[str]:  # noqa: ANN401 - as in Click
+    def list_commands(self, ctx: Any) -> list[str]:
         """Return the names of the registered verbs; those of one word to a shell."""
         shell = ctx is not None and ctx.resilient_parsing
         return [name for name in VERBS if name in self.commands and not (shell and ' ' in name)]
 
-    def resolve_command(self, ctx: Any, args: list[str]) -> Any:  # noqa: ANN401 - as in Click
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return name and command of the first words, and the other words."""
         return super().resolve_command(ctx, join_verb(args))
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Turn a request into a command of Typer: each of its fields is an option or an argument."""
 
 from collections.abc import Callable, Mapping
@@ -29,16 +31,16 @@ def complete_names(kind: str) -> Callable[[str], list[str]]:
     return find
 
 
-def print_json(content: Any) -> None:  # noqa: ANN401 - plain data
+def print_json(content: Any) -> None:
     """Print results."""
     # One write for the whole text, so that other output cannot split it
     sys.stdout.write(json_text.dumps(content, indent=1) + '\n')
 
 
-def build_command(model: type[Request]) -> Any:  # noqa: ANN401 - a function that Typer inspects
+def build_command(model: type[Request]) -> Any:
     """Return the function of a command, with the help and the options of a request."""
 
-    def command(context: typer.Context, **values: Any) -> None:  # noqa: ANN401 - the options
+    def command(context: typer.Context, **values: Any) -> None:
         json = values.pop(JSON_FIELD, False)
         # What is left at its default is not passed on, as --quick may preset it
         own = {name: each for name, each in values.items() if not is_unset(context, name)}
@@ -95,7 +97,7 @@ def build_parameter(model: type[Request], name: str) -> inspect.Parameter:
     )
 
 
-def find_click_type(annotation: Any) -> Any:  # noqa: ANN401 - a type
+def find_click_type(annotation: Any) -> Any:
     """Return the type that Click parses: text for what the request parses itself."""
     origin, inner = get_origin(annotation), get_args(annotation)
     if origin in (Union, UnionType):

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Report a missing ROS 2 installation; most verbs do not need ROS 2."""
 
 from importlib import metadata

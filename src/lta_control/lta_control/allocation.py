@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Allocate a wanted force and moment to rotor thrusts, and convert thrusts to duties.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Estimate altitude and climb rate from range, pressure and vertical acceleration.
 
@@ -37,7 +39,7 @@ class AltitudeEstimate(NamedTuple):
 
 
 class SensorWatch(NamedTuple):
-    """The newest reading of a sensor, and how long motors have turned since it changed. [s]"""
+    """The newest reading of a sensor, and how long motors have turned since it changed [s]."""
 
     reading: float = 0.0
     age: float = 0.0

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Estimate the attitude from gyroscope and accelerometer, and rotate vectors by it."""
 
 import math
@@ -19,7 +21,7 @@ def yaw_from_quaternion(q: Quaternion) -> float:
 
 
 def level_quaternion(yaw: float) -> Quaternion:
-    """Return the attitude of a level vehicle with a heading. [rad]"""
+    """Return the attitude of a level vehicle with a heading [rad]."""
     return 0.0, 0.0, math.sin(0.5 * yaw), math.cos(0.5 * yaw)
 
 
@@ -83,7 +85,7 @@ def rotate_level_to_world(yaw: float, forward: float, left: float) -> tuple[floa
 
 
 def quaternion_from_angles(roll: float, pitch: float, yaw: float) -> Quaternion:
-    """Return the quaternion of yaw, then pitch (positive nose down), then roll; REP-103. [rad]"""
+    """Return the quaternion of yaw, then pitch (positive nose down), then roll; REP-103 [rad]."""
     cr, sr = math.cos(0.5 * roll), math.sin(0.5 * roll)
     cp, sp = math.cos(0.5 * pitch), math.sin(0.5 * pitch)
     cy, sy = math.cos(0.5 * yaw), math.sin(0.5 * yaw)

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Fly one drone in one process: `flight_step` of its control law, compiled.
 
@@ -176,7 +178,7 @@ class Autopilot:
 
     @property
     def mass_place(self) -> Vector | None:
-        """Commanded position of the moving mass; None if the law does not move it. [m, body]"""
+        """Commanded position of the moving mass; None if the law does not move it [m, body]."""
         if not self.law.moves_mass:
             return None
         if not is_flying(self._flight_state):
@@ -200,7 +202,7 @@ class Autopilot:
 
     @property
     def modelled_motion(self) -> ModelledMotion:
-        """What the filter of the motion over ground takes from the estimator."""
+        """Return what the filter of the motion over ground takes from the estimator."""
         estimate, measured = self._estimated, self._measured
         altitude, airspeed = estimate['altitude'], estimate['airspeed']
         on_ground = is_on_ground(float(altitude['height']), self._standing)
@@ -228,7 +230,7 @@ class Autopilot:
 
     @property
     def measurement(self) -> CascadeMeasurement | None:
-        """The motion that the law is given; None while it is unknown."""
+        """Return the motion that the law is given; None while it is unknown."""
         if not self._estimated['ready']:
             return None
         if not self.law.is_tracked:
@@ -240,7 +242,7 @@ class Autopilot:
 
     @property
     def estimate(self) -> MotionEstimate:
-        """The estimator's full state."""
+        """Return the estimator's full state."""
         return ESTIMATE_LAYOUT.read(self._memory[: ESTIMATE_LAYOUT.size])
 
     def copy_estimate(self) -> Array:
@@ -249,7 +251,7 @@ class Autopilot:
 
     @property
     def memory(self) -> DroneMemory:
-        """The full state of estimator, rules and law."""
+        """Return the full state of estimator, rules and law."""
         return self._layout.read(self._memory)
 
 

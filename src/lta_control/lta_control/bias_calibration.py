@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Calibrate the sensor biases while the drone is at rest on level ground.
 
@@ -100,7 +102,7 @@ def is_turning(biases: SensorBiases, expected: Vector) -> bool:
 
 
 def is_tilted(biases: SensorBiases, expected: Vector) -> bool:
-    """Return whether the mean force indicates a tilt; `expected` as in `is_turning`. [m/s2]"""
+    """Return whether the mean force indicates a tilt; `expected` as in `is_turning` [m/s2]."""
     return largest_deviation(biases.force, expected) > MOST_FORCE
 
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The cascaded controller of the paper: position loops outside, velocity loops inside.
 
@@ -139,7 +141,7 @@ def slope_step(slope: SlopeEstimate, value: float, dt: float) -> SlopeEstimate:
 
 
 def wrap_angle(angle: float) -> float:
-    """Return an angle in [-pi, pi). [rad]"""
+    """Return an angle in [-pi, pi) [rad]."""
     return angle - 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
 
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Fly by commands: take off, go to a lamp or to places, land, and hold between them.
 
@@ -208,7 +210,7 @@ class CommandedFlight:
         return ''
 
     def _find_lowest(self, settings: MissionSettings) -> float:
-        """Return the height above which the drone does not count as landed. [m]"""
+        """Return the height above which the drone does not count as landed [m]."""
         return self._ground_height + FOOT + settings.reached
 
     def _find_obstacle_to_climb(self, settings: MissionSettings, value: float) -> str:

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Estimate the drone's motion from its own sensors and commands.
 
@@ -124,7 +126,7 @@ def has_height(estimate: MotionEstimate) -> bool:
 
 
 def air_relative_velocity(estimate: MotionEstimate) -> Vector:
-    """Return the air-relative body velocity that matches the estimated climb rate. [m/s]"""
+    """Return the air-relative body velocity that matches the estimated climb rate [m/s]."""
     ux, uy, uz = up_in_body(estimate.attitude)
     surge, sway = estimate.airspeed.surge, estimate.airspeed.sway
     climb = estimate.altitude.climb

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Say in words what a flight does and why, as the nodes report it on /diagnostics."""
 
 from collections.abc import Sequence

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The rules of a flight: one control period of a drone, from sensor readings to duties.
 
@@ -221,7 +223,7 @@ def measure_motion(motion: ControlMotion) -> CascadeMeasurement:
 
 def control_motors(
     law: ControlLaw,
-    constants: Any,  # noqa: ANN401 - of any law
+    constants: Any,
     rules: FlightRules,
     memory: PilotMemory,
     inputs: ControlInputs,
@@ -332,7 +334,7 @@ def is_control_input_finite(motion: ControlMotion, setpoint: Setpoint) -> bool:
 
 
 def climb_rate(motion: ControlMotion) -> float:
-    """Return the vertical velocity. [m/s]"""
+    """Return the vertical velocity [m/s]."""
     (x, y, z), (u, v, w) = up_in_body(motion.attitude), motion.velocity
     return x * u + y * v + z * w
 
@@ -372,5 +374,5 @@ def reckon_motion(memory: DroneMemory) -> DeadReckonedMotion:
 
 
 def guidance_altitude(memory: DroneMemory) -> float:
-    """Return the estimated altitude; NaN while the estimator calibrates. [m]"""
+    """Return the estimated altitude; NaN while the estimator calibrates [m]."""
     return memory.measured.altitude if memory.estimate.ready else math.nan

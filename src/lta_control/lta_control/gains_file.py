@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Load the gains of a vehicle from its controller's ROS parameter file."""
 
 from typing import TypeVar

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Choose the setpoint after each light block, along the scenario's course or by the mission.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Convert motions, setpoints and duties to and from ROS messages."""
 
 import array
@@ -45,7 +47,7 @@ FARTHEST_PLACE = 1e4  # m from the origin, and m/s: beyond any hall
 
 def to_air_velocity(odom: Odometry, airspeed: TwistWithCovarianceStamped | None) -> Vector:
     """
-    Return the velocity through the air, body frame. [m/s]
+    Return the velocity through the air, body frame [m/s].
 
     Without an airspeed, that of `odom`: recordings of earlier versions have the velocity through
     the air there, and without wind it is that over ground.

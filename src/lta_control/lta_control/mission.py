@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Step the mission: rest, climb, seek the lamp, hold there, and land when the energy requires it.
 

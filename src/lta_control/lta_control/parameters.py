@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The parameters of the nodes of estimator, controller and navigator."""
 
 from lta_config.settings import setting, Settings

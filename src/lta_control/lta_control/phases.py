@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """State of a mission: its phase, its start, and its current lamp."""
 
 from enum import IntEnum

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 One PID loop as a pure function.
 
@@ -81,7 +83,7 @@ def lift_step(
     gains: ClimbGains, integral: float, error: float, climb: float, missing: float, dt: float
 ) -> tuple[float, float]:
     """
-    Return the vertical force beyond the weight, and the new integral. [N]
+    Return the vertical force beyond the weight, and the new integral [N].
 
     `error` is the altitude setpoint minus the altitude [m], `climb` the upward velocity [m/s],
     and `missing` the delivered minus the demanded force of the last step [N]. The derivative gain

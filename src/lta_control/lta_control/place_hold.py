@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Fly to a place and hold it: position -> velocity over ground -> heading and airspeed.
 
@@ -28,7 +30,7 @@ REST_DISTANCE = 0.5  # m from the place, within which it begins to rest; twice t
 
 
 class Place(NamedTuple):
-    """Where to fly, in the map. [m]"""
+    """Where to fly, in the map [m]."""
 
     x: float
     y: float

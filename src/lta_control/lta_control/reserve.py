@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Decide from the energy monitor's reports whether to fly, return, or land at once.
 
@@ -63,7 +65,7 @@ class ReserveResponseSettings(Settings):
 
     @property
     def rule(self) -> ReserveRule:
-        """The part that decides in flight."""
+        """Return the part that decides in flight."""
         action = ReserveAction[self.action.upper()]
         return ReserveRule(action, self.home, self.patience, self.turning)
 
@@ -79,7 +81,7 @@ class ReserveReport(NamedTuple):
     status_ns: int | None = None
 
     def age(self, now_ns: int) -> float:
-        """Return the time since the arrival of the older part, in graph time. [s]"""
+        """Return the time since the arrival of the older part, in graph time [s]."""
         status_ns = self.reserve_ns if self.status_ns is None else self.status_ns
         return (now_ns - min(self.reserve_ns, status_ns)) * 1e-9
 
@@ -87,7 +89,7 @@ class ReserveReport(NamedTuple):
 def decide_permission(
     settings: ReserveResponseSettings, word: ReserveReport | None, now_ns: int
 ) -> FlightPermission:
-    """Return what the energy allows; without a fresh report the drone must land. [ns]"""
+    """Return what the energy allows; without a fresh report the drone must land [ns]."""
     if word is None or word.age(now_ns) > settings.stale or word.urgent:
         return FlightPermission.DOWN
     return permission_at_reserve(word.reserve)
@@ -101,7 +103,7 @@ def permission_at_reserve(reserve: bool) -> FlightPermission:
 def explain_restriction(
     settings: ReserveResponseSettings, word: ReserveReport | None, now_ns: int
 ) -> str:
-    """Return why the energy restricts the flight, in words. [ns]"""
+    """Return why the energy restricts the flight, in words [ns]."""
     if word is None:
         return 'no report from the energy monitor'
     age = word.age(now_ns)
@@ -157,10 +159,10 @@ def apply_reserve(
 
 
 def heading_to_start(start: Place, place: Place) -> float:
-    """Return the heading to the start. [rad, odom]"""
+    """Return the heading to the start [rad, odom]."""
     return math.atan2(start[1] - place[1], start[0] - place[0])
 
 
 def distance_to_start(start: Place, place: Place) -> float:
-    """Return the distance from the start. [m]"""
+    """Return the distance from the start [m]."""
     return math.hypot(start[0] - place[0], start[1] - place[1])

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 r"""
 Convert the demodulator's output of one block to a `LightMeasurement` for the strategies.
 
@@ -40,7 +42,7 @@ class LampPosition(NamedTuple):
 
 
 class LampDirection(NamedTuple):
-    """Whether the lamp is seen, and where in the body frame; zeros where it is not. [rad]"""
+    """Whether the lamp is seen, and where in the body frame; zeros where it is not [rad]."""
 
     seen: bool
     bearing: float
@@ -117,7 +119,7 @@ def sight_from_direction(
 
 
 def bearing_deviation(lamp: LampPosition) -> float:
-    """Return the standard deviation of a lamp's bearing. [rad]"""
+    """Return the standard deviation of a lamp's bearing [rad]."""
     squared = lamp.x * lamp.x + lamp.y * lamp.y
     if squared <= 0.0:
         return math.pi
@@ -130,7 +132,7 @@ def bearing_deviation(lamp: LampPosition) -> float:
 
 
 def facing_strength(axes: tuple[tuple[float, float], ...], amplitudes: tuple[float, ...]) -> float:
-    """Return the amplitude of a diode that would face the lamp. [ADC counts]"""
+    """Return the amplitude of a diode that would face the lamp [ADC counts]."""
     forward = left = 0.0
     for k in range(len(axes)):  # numba does not compile a strict zip
         forward += amplitudes[k] * axes[k][0]

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Collect the vehicle data for estimator and controller, from the nominal values of its file."""
 
 from collections.abc import Mapping, Sequence
@@ -49,7 +51,7 @@ def build_rotors(vehicle: Vehicle, weights: Wrench = WEIGHTS) -> Rotors:
 
 
 def _lowest_heave(vehicle: Vehicle, low: Sequence[float], high: Sequence[float]) -> float:
-    """Return the strongest downward force of the rotors within 60 degrees of the vertical. [N]"""
+    """Return the strongest downward force of the rotors within 60 degrees of the vertical [N]."""
     force = 0.0
     for column, least, most in zip(vehicle.allocation, low, high, strict=False):
         if abs(column[2]) > VERTICAL:
@@ -59,7 +61,7 @@ def _lowest_heave(vehicle: Vehicle, low: Sequence[float], high: Sequence[float])
 
 
 def _heave_per_surge(vehicle: Vehicle) -> float:
-    """Return the heave per newton of surge, caused by the forward-pushing rotors. [N/N]"""
+    """Return the heave per newton of surge, caused by the forward-pushing rotors [N/N]."""
     # Rotors within 60 degrees of the forward axis
     pushing = [column for column in vehicle.allocation if column[0] > 0.5]
     surge = sum(column[0] for column in pushing)
@@ -92,7 +94,7 @@ def allocation_columns(vehicle: Vehicle) -> Columns:
 
 
 def thrust_curves(vehicle: Vehicle) -> tuple[PerRotor, PerRotor]:
-    """Return a and b of the thrust curve T = a u^2 + b u by slot. [N]"""
+    """Return a and b of the thrust curve T = a u^2 + b u by slot [N]."""
     return pad_to_slots(rotor.a for rotor in vehicle.rotors), pad_to_slots(
         rotor.b for rotor in vehicle.rotors
     )

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Check whether the time stamps of a recording allow an even grid, and build it.
 
@@ -21,7 +23,7 @@ FINEST = 1e-9  # s; resolution of a ROS stamp
 
 
 def is_grid_allowed(span: float, step: float, samples: int, most: float = HOLES) -> bool:
-    """Return whether a grid over so many samples may have such a span and step. [s]"""
+    """Return whether a grid over so many samples may have such a span and step [s]."""
     # Short grids are always allowed, however sparse.
     return span / max(FINEST, step) <= max(GRID_POINTS, most * samples)
 
@@ -63,7 +65,7 @@ def check_time_span(
 def build_uniform_time_grid(
     first: float, last: float, step: float, samples: int
 ) -> NDArray[np.float64]:
-    """Return an even grid over `samples` samples, empty if it would be too long. [s]"""
+    """Return an even grid over `samples` samples, empty if it would be too long [s]."""
     allowed = is_grid_allowed(last - first, step, samples)
     return np.arange(first, last, max(FINEST, step)) if allowed else NO_SAMPLES
 
@@ -129,7 +131,7 @@ def sort_samples(time: ArrayLike, values: ArrayLike) -> SampledSignal:
 
 def median_period(time: Array) -> float:
     """
-    Return the median time between samples; NaN for fewer than two. [s]
+    Return the median time between samples; NaN for fewer than two [s].
 
     Over several samples, since a network may deliver some together.
     """

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Hold a flight in memory: named channels over time, read from a bag or built from a log.
 
@@ -31,12 +33,12 @@ class Channel:
 
     @property
     def topic(self) -> str:
-        """The topic; relative to the robot for the robot's topics."""
+        """Return the topic; relative to the robot for the robot's topics."""
         return self.name.rpartition('/')[0]
 
     @property
     def field(self) -> str:
-        """The field, as in the channel's name."""
+        """Return the field, as in the channel's name."""
         return self.name.rpartition('/')[2]
 
 
@@ -58,7 +60,7 @@ class Flight:
 
     @property
     def topics(self) -> dict[str, list[Channel]]:
-        """The channels of each topic; none of one that could not be decoded."""
+        """Return the channels of each topic; none of one that could not be decoded."""
         topics: dict[str, list[Channel]] = {topic: [] for topic in self.types}
         for channel in self.channels.values():
             topics.setdefault(channel.topic, []).append(channel)
@@ -66,7 +68,7 @@ class Flight:
 
     @property
     def span(self) -> tuple[float, float]:
-        """First and last time of any channel. [s]"""
+        """First and last time of any channel [s]."""
         times = [channel.time for channel in self.channels.values() if len(channel.time)]
         if not times:
             return 0.0, 0.0

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Read scenario and vehicle from the provenance of a bag.
 
@@ -209,7 +211,7 @@ SHIPPED: Final = re.compile('[A-Za-z0-9_-]*')  # a name of a file of LTA, which 
 NUMBERS: Final = (bool, int, float)
 
 
-def read_recorded_file(provenance: Mapping[str, str], key: str) -> Any:  # noqa: ANN401 - YAML
+def read_recorded_file(provenance: Mapping[str, str], key: str) -> Any:
     """
     Return the content of a vehicle, scenario or gains file in a recording; it names no file.
 
@@ -239,7 +241,7 @@ def read_recorded_file(provenance: Mapping[str, str], key: str) -> Any:  # noqa:
     return content
 
 
-def _keep_gains(content: Any) -> Any:  # noqa: ANN401 - YAML
+def _keep_gains(content: Any) -> Any:
     """Return a parameter file with nothing but the gains of the controller."""
     gains = content
     for name in GAINS:

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 List the quantities of a vehicle file that changed, with their places and sources.
 
@@ -106,7 +108,7 @@ def _find_changed_parameters(
 
 
 def _list_block_quantities(
-    content: Any,  # noqa: ANN401 - as YAML has it
+    content: Any,
     vehicle: Vehicle,
     learned: NominalVehicle,
     effect: str,
@@ -140,7 +142,7 @@ def _list_block_quantities(
             )
 
 
-def _format_provenance(source: str, notes: Sequence[str], content: Any, place: str) -> str:  # noqa: ANN401 - YAML
+def _format_provenance(source: str, notes: Sequence[str], content: Any, place: str) -> str:
     """Return the source of a number: note, flights, and the value before."""
     try:
         before = get_parameter(content, place, 'vehicle')

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Show the forecast errors of some models: tiles, tables and figures."""
 
 from collections.abc import Iterator, Mapping, Sequence

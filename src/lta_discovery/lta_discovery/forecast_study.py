@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Judge a vehicle file alone: how well it forecasts recorded flights, beside coasting.
 

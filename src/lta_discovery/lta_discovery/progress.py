@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Progress bar of a discovery: its stage, and how far it is."""
 
 from typing import Final, final

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Everything that decides what is calibrated, found, named and advised: priors and limits.
 

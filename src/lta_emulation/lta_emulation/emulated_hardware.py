@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Emulate the hardware of a drone in a simulated world (`lta run lta_emulation emulated_hardware`).
 

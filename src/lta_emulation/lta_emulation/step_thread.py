@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The thread of a device that is emulated: it repeats a step until the device is switched off."""
 
 from collections.abc import Callable

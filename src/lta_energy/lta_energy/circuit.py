@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The cell on the perch over a time step: power path, energy totals, and the gauge of its charge.
 
@@ -25,7 +27,7 @@ from lta_model.electrical.charger import (
 
 
 class EnergyTotals(NamedTuple):
-    """Energy harvested, available but not harvested, consumed, and lost as heat. [J]"""
+    """Energy harvested, available but not harvested, consumed, and lost as heat [J]."""
 
     harvested: float
     curtailed: float
@@ -77,7 +79,7 @@ SLOPE_REACH = 0.02  # state of charge to either side over which the slope is tak
 
 
 class ChargeGauge(NamedTuple):
-    """Estimated state of charge and its standard deviation. [1]"""
+    """Estimated state of charge and its standard deviation [1]."""
 
     charge: float
     deviation: float

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Maximum power of a solar array under steady and flickering light, and the light that feeds a load.
 
@@ -51,7 +53,7 @@ class HarvestCurve:
         self._power = np.array([voltage * current for voltage, current in points])
 
     def steady_light_power(self, irradiance: float) -> float:
-        """Return the maximum power in steady sunlight [W/m2]. [W]"""
+        """Return the maximum power in steady sunlight [W/m2] [W]."""
         return float(np.interp(irradiance, self._light, self._power))
 
     @classmethod
@@ -71,7 +73,7 @@ class HarvestCurve:
         )
 
     def __call__(self, light: PanelIrradiance) -> float:
-        """Return the maximum power in a mission's light, averaged over the flicker. [W]"""
+        """Return the maximum power in a mission's light, averaged over the flicker [W]."""
         always = light.sun + self.led_factor * light.lamps
         if light.beacon <= 0.0:
             return self.steady_light_power(always)
@@ -94,7 +96,7 @@ class LightSource(NamedTuple):
 
     @property
     def efficacy(self) -> float:
-        """Luminous flux by radiant flux. [lm/W]"""
+        """Luminous flux by radiant flux [lm/W]."""
         return self.efficacy_ratio * luminous_efficacy(self.spectrum)
 
 
@@ -118,14 +120,14 @@ def irradiance_from_lux(lamp: LightSource, lux: float) -> PanelIrradiance:
 def charging_power(
     harvest: HarvestCurve, charger: ChargerModel, lamp: LightSource, lux: float
 ) -> float:
-    """Return the charger's output power at an illuminance. [W]"""
+    """Return the charger's output power at an illuminance [W]."""
     return charger_output(charger, harvest(irradiance_from_lux(lamp, lux)))
 
 
 def break_even_illuminance(
     harvest: HarvestCurve, charger: ChargerModel, lamp: LightSource, load: float
 ) -> float:
-    """Return the illuminance at which the charger supplies a load [W]; inf above 100 klx. [lx]"""
+    """Return the illuminance at which the charger supplies a load [W]; inf above 100 klx [lx]."""
     low, high = 0.0, HIGHEST_ILLUMINANCE
     if charging_power(harvest, charger, lamp, high) < load:
         return math.inf

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Simulate the light on the perch over days, minute by minute, and forecast it.
 
@@ -50,7 +52,7 @@ class IrradianceSeries:
     efficacies: tuple[float, float, float]  # of sun, lamps and beacon [lm/W]
 
     def at(self, time: float) -> PanelIrradiance:
-        """Return the irradiance at a time since the first midnight. [s]"""
+        """Return the irradiance at a time since the first midnight [s]."""
         k = self._minute_index(time)
         return PanelIrradiance(
             float(self.sun[k]), float(self.lamps[k]), float(self.beacon[k]), self.duty
@@ -63,14 +65,14 @@ class IrradianceSeries:
         return PanelIrradiance(sun, float(self.lamps[k]), float(self.beacon[k]), self.duty)
 
     def illuminance(self) -> Array:
-        """Return the illuminance of the panel, with the beacon averaged over its flicker. [lx]"""
+        """Return the illuminance of the panel, with the beacon averaged over its flicker [lx]."""
         sun, lamps, beacon = self.efficacies
         # [W/m2] times [lm/W]
         return sun * self.sun + lamps * self.lamps + beacon * self.duty * self.beacon
 
     @property
     def end(self) -> float:
-        """End of the last day. [s]"""
+        """End of the last day [s]."""
         return len(self.sun) * MINUTE
 
     def _minute_index(self, time: float) -> int:
@@ -111,7 +113,7 @@ def simulate_irradiance(day: LightDay, days: int, seed: int) -> IrradianceSeries
 
 
 def solar_elevation_sine(latitude: float, day: int, times: Array) -> Array:
-    """Return the sine of the solar elevation at solar times since midnight. [s]"""
+    """Return the sine of the solar elevation at solar times since midnight [s]."""
     # Cooper's equation; `day` counts from 1 January
     declination = math.radians(23.45) * math.sin(2.0 * math.pi * (284 + day) / 365.0)
     # Hour angle, zero at solar noon
@@ -121,7 +123,7 @@ def solar_elevation_sine(latitude: float, day: int, times: Array) -> Array:
 
 
 def clear_sky_irradiance(sun: SunModel, times: Array) -> Array:
-    """Return the clear-sky irradiance of a horizontal surface behind the glass. [W/m2]"""
+    """Return the clear-sky irradiance of a horizontal surface behind the glass [W/m2]."""
     # The lower bound keeps the exponent finite below the horizon, where the result is set to 0
     sine = np.maximum(solar_elevation_sine(sun.latitude.si, sun.day, times), 1e-3)
     outside = 1098.0 * sine * np.exp(-0.057 / sine)
@@ -129,7 +131,7 @@ def clear_sky_irradiance(sun: SunModel, times: Array) -> Array:
 
 
 def simulate_cloud_transmittance(clouds: CloudSequence, chance: Generator) -> Array:
-    """Simulate the cloud transmittance of one day, one value per minute. [1]"""
+    """Simulate the cloud transmittance of one day, one value per minute [1]."""
     low, high = clouds.cover.vector
     cover = float(chance.uniform(low, high))
     share = np.ones(MINUTES)
@@ -149,14 +151,14 @@ def simulate_cloud_transmittance(clouds: CloudSequence, chance: Generator) -> Ar
 
 
 def mean_cloud_transmittance(clouds: CloudSequence) -> float:
-    """Return the mean transmittance of the clouds. [1]"""
+    """Return the mean transmittance of the clouds [1]."""
     # Cover and transmittance are drawn uniformly and independently: use the means of their ranges
     cover = sum(clouds.cover.vector) / 2.0
     return 1.0 - cover * (1.0 - sum(clouds.through.vector) / 2.0)
 
 
 def lamp_irradiance(lamp: TimedLamp, times: Array) -> Array:
-    """Return the irradiance of a lamp that is switched by a timer. [W/m2]"""
+    """Return the irradiance of a lamp that is switched by a timer [W/m2]."""
     begin, end = lamp.hours.vector
     clock = times % DAY
     # A timer with begin > end burns over midnight

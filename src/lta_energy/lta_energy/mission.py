@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Simulate a mission over days: charge on the perch, fly by the schedule, keep the energy totals.
 
@@ -82,7 +84,7 @@ class MissionLog:
 
     @property
     def imbalance(self) -> float:
-        """Residual of the energy balance, relative to the harvested or consumed energy. [1]"""
+        """Residual of the energy balance, relative to the harvested or consumed energy [1]."""
         spent = self.spent
         rest = spent.harvested - spent.consumed - spent.lost - (self.ended - self.begun)
         # The bound [J] avoids 0 / 0 in a mission without light and loads
@@ -90,7 +92,7 @@ class MissionLog:
 
     @property
     def failure_count(self) -> int:
-        """Number of flights that failed or came home in the dark, plus outages on the perch."""
+        """Return how many flights failed or came home in the dark, plus outages on the perch."""
         return sum(each.ending != 'home' for each in self.flights) + self.dark + self.outages
 
 
@@ -170,7 +172,7 @@ class MissionSimulation:
         self.diary.ended = self.diary.begun
 
     def run(self, on_progress: Callable[[float], None] = lambda _: None) -> MissionLog:
-        """Simulate all days and return the log; `on_progress` receives the simulated time. [s]"""
+        """Simulate all days and return the log; `on_progress` receives the simulated time [s]."""
         while self.now < self._light.end:
             wish = self._schedule(self._collect_schedule_inputs())
             if self._out:
@@ -196,7 +198,7 @@ class MissionSimulation:
         return light.sun + light.lamps > self._upkeep.brightest
 
     def _flight_time(self) -> float:
-        """Return the time that a flight takes: the last one's, at first the assumed one. [s]"""
+        """Return the time that a flight takes: the last one's, at first the assumed one [s]."""
         return self.diary.flights[-1].duration if self.diary.flights else self._guess[1]
 
     def _collect_schedule_inputs(self) -> ScheduleInputs:
@@ -291,7 +293,7 @@ class MissionSimulation:
         self._out = not self._store.fed
 
     def _charger_output(self, light: PanelIrradiance) -> float:
-        """Return the charger's maximum output in some light. [W]"""
+        """Return the charger's maximum output in some light [W]."""
         return charger_output(self._upkeep.charger, self._upkeep.harvest(light))
 
     def _track_clearness(self, light: PanelIrradiance, dt: float) -> None:

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Decide when to fly: a fixed duty cycle, or a schedule that accounts for light, charge and night.
 
@@ -67,25 +69,25 @@ def is_within_working_hours(inputs: ScheduleInputs) -> bool:
 
 
 def next_work_start(inputs: ScheduleInputs) -> float:
-    """Return the next start of the working hours. [s]"""
+    """Return the next start of the working hours [s]."""
     today = inputs.time - inputs.time % DAY + inputs.work[0]
     return today if today > inputs.time else today + DAY
 
 
 def next_work_end(inputs: ScheduleInputs) -> float:
-    """Return the next end of the working hours. [s]"""
+    """Return the next end of the working hours [s]."""
     today = inputs.time - inputs.time % DAY + inputs.work[1]
     return today if today >= inputs.time else today + DAY
 
 
 def reserve_energy(inputs: ScheduleInputs) -> float:
-    """Return the energy of the reserve plus the margin for the uncertain charge. [J]"""
+    """Return the energy of the reserve plus the margin for the uncertain charge [J]."""
     sure = inputs.reserve + MARGIN_DEVIATIONS * inputs.gauge.deviation
     return stored_energy(min(sure, 1.0), inputs.cell.capacity)
 
 
 def estimate_cell_energy(inputs: ScheduleInputs) -> float:
-    """Return the estimated energy in the cell. [J]"""
+    """Return the estimated energy in the cell [J]."""
     return stored_energy(inputs.gauge.charge, inputs.cell.capacity)
 
 
@@ -132,7 +134,7 @@ def schedule_by_light(inputs: ScheduleInputs) -> ScheduleDecision:
 
 
 def forecast_charge(inputs: ScheduleInputs) -> tuple[bool, float]:
-    """Return whether the cell fills before the end of work, and its energy then. [J]"""
+    """Return whether the cell fills before the end of work, and its energy then [J]."""
     energy, most = estimate_cell_energy(inputs), stored_energy(1.0, inputs.cell.capacity)
     full, time = False, inputs.time
     # Not `is_within_working_hours` of each step: a break shorter than a step is stepped over,
@@ -148,7 +150,7 @@ def forecast_charge(inputs: ScheduleInputs) -> tuple[bool, float]:
 
 
 def night_energy(inputs: ScheduleInputs) -> float:
-    """Return the energy needed at the end of work to last until the next morning. [J]"""
+    """Return the energy needed at the end of work to last until the next morning [J]."""
     time = next_work_end(inputs)
     end, needed, used = time + DAY, 0.0, 0.0
     # Until the morning light covers the load of the sleeping drone; a day at most
@@ -161,7 +163,7 @@ def night_energy(inputs: ScheduleInputs) -> float:
 
 
 def forecast_harvest(inputs: ScheduleInputs, time: float) -> float:
-    """Forecast the harvest at a time, starting from the present cloudiness. [W]"""
+    """Forecast the harvest at a time, starting from the present cloudiness [W]."""
     light = inputs.light.forecast_irradiance(time)
     # Decay from the present cloudiness to the mean, with a time constant of two hours [s]
     weight = math.exp(-(time - inputs.time) / 7200.0)

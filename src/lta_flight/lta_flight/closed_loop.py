@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Simulate a flight in one process without ROS, with the same cores in the same order as the graph.
 
@@ -63,7 +65,7 @@ class LightObservation:
 
     @property
     def peaks(self) -> Peaks:
-        """The peaks of the wanted lamp."""
+        """Return the peaks of the wanted lamp."""
         return self.hearing.peaks[0]
 
 
@@ -164,17 +166,17 @@ class ClosedLoop:
 
     @property
     def mission(self) -> Mission:
-        """The state of the mission."""
+        """Return the state of the mission."""
         return self._guidance.mission
 
     @property
     def beacon(self) -> float:
-        """Frequency that the navigator requests next; 0 for the demodulator's own. [Hz]"""
+        """Frequency that the navigator requests next; 0 for the demodulator's own [Hz]."""
         return self._guidance.beacon
 
     @property
     def estimate(self) -> MotionEstimate:
-        """The motion estimate of the newest step."""
+        """Return the motion estimate of the newest step."""
         return self.autopilot.estimate
 
     def step(self) -> FlightOutcome:
@@ -341,7 +343,7 @@ def round_to_float32(value: float) -> float:
 
 def newest_range(ranges: Sequence[tuple[int, float]], reach: tuple[float, float]) -> float:
     """
-    Return the newest range as in its message, or NaN if there is none. [m]
+    Return the newest range as in its message, or NaN if there is none [m].
 
     `ranges` holds stamps [ns] and distances, `reach` the limits of the sensor.
     """

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The result of a flight, of the graph or of one process."""
 
 from dataclasses import dataclass

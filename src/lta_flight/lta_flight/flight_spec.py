@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Define a flight: its files as read, with single parameters replaced.
 
@@ -87,7 +89,7 @@ class FlightSpec:
         named = {'strategy': self.strategy, **self.names, **own, **names}
         return load_spec(named['vehicle'], named['scenario'], named['strategy'], named['gains'])
 
-    def read_value(self, path: str) -> Any:  # noqa: ANN401 - what YAML holds
+    def read_value(self, path: str) -> Any:
         """Return the value at a path; None for an omitted parameter of an effect."""
         if path in NAMED_ROOTS:
             return {'strategy': self.strategy, **self.names}[path]
@@ -154,21 +156,21 @@ def load_spec(vehicle: str, scenario: str, strategy_name: str, gains: str) -> Fl
     return FlightSpec(names, strategy_name, contents)
 
 
-def read_control(content: Any) -> dict[str, str]:  # noqa: ANN401 - what YAML holds
+def read_control(content: Any) -> dict[str, str]:
     """Return law and gains that a vehicle's file names, as far as they are text."""
     control = content.get('control') if isinstance(content, dict) else None
     block = control if isinstance(control, dict) else {}
     return {key: word for key, word in block.items() if isinstance(word, str)}
 
 
-def select_settings_models(vehicle: Any) -> dict[str, type[Settings]]:  # noqa: ANN401 - what YAML holds
+def select_settings_models(vehicle: Any) -> dict[str, type[Settings]]:
     """Return the models of all settings; the gains are those of the vehicle's control law."""
     return SPEC_SETTINGS | {
         'gains': find_control_law(read_control(vehicle).get('law', CASCADE)).gains
     }
 
 
-def read_gains(content: Any, name: str) -> Any:  # noqa: ANN401 - what YAML holds
+def read_gains(content: Any, name: str) -> Any:
     """Return the gains from a ROS parameter file."""
     try:
         return content['/**/controller']['ros__parameters']['gains']
@@ -223,7 +225,7 @@ def build_loop(spec: FlightSpec, seed: int) -> ClosedLoop:
     return ClosedLoop(world, table, policy)
 
 
-def _validate_part(model: type[Any], spec: FlightSpec, root: str) -> Any:  # noqa: ANN401 - a model
+def _validate_part(model: type[Any], spec: FlightSpec, root: str) -> Any:
     """Return one validated part; errors name its file and the replaced parameters."""
     where = (
         str(find_file(root, spec.names[root])) if root in SPEC_FILES else f'the settings of {root}'

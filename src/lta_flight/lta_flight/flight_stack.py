@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The algorithms and settings of the drone, and the autopilot built from them."""
 
 from collections.abc import Callable

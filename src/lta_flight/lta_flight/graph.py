@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Run any launch file: start it, supervise it, and stop it when its first process ends."""
 
 from collections.abc import Callable

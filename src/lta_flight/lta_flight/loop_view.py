@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Data of a simulated flight in the form that results and pages use, without a bag."""
 
 from functools import cached_property
@@ -97,17 +99,17 @@ class LoopView:
 
     @property
     def span(self) -> tuple[float, float]:
-        """First and last time. [s]"""
+        """First and last time [s]."""
         return self._times[0], self._times[-1]
 
     @cached_property
     def goal(self) -> FlightGoal:
-        """The target lamps, and when each was reached."""
+        """Return the target lamps, and when each was reached."""
         return FlightGoal(self.scene.scenario, self.truth, self._loop.policy.strategy.name)
 
     @cached_property
     def truth(self) -> MotionCurve:
-        """The true motion, with the speed relative to the air."""
+        """Return the true motion, with the speed relative to the air."""
         # Columns: time, then the values
         table, wind = np.array(self._truth), np.array(self._winds)
         time, state = table[:, 0], table[:, 1:]
@@ -118,19 +120,19 @@ class LoopView:
 
     @property
     def true_positions(self) -> Array:
-        """Times and true positions, shape (n, 4). [s, m]"""
+        """Return the times and true positions, shape (n, 4) [s, m]."""
         return np.array(self._truth)[:, :4]
 
     @property
     def true_poses(self) -> Array:
-        """Times, true positions and attitudes x y z w, shape (n, 8). [s, m]"""
+        """Return the times, true positions and attitudes x y z w, shape (n, 8) [s, m]."""
         table = np.array(self._truth)
         state = table[:, 1:]
         return np.column_stack([table[:, 0], state[:, POSITION], state[:, QUATERNION]])
 
     @property
     def warning(self) -> str:
-        """A warning if the flight leaves the region of validity of its vehicle file, else ''."""
+        """Return a warning if the flight leaves the validity of its vehicle file, else ''."""
         state = np.array(self._truth)[:, 1:]
         motion = list_motion(state[:, QUATERNION], state[:, VELOCITY], state[:, RATES])
         vehicle = self.scene.vehicle
@@ -138,7 +140,7 @@ class LoopView:
 
     @cached_property
     def estimate(self) -> MotionCurve:
-        """The estimated motion, aligned with the truth at the start."""
+        """Return the estimated motion, aligned with the truth at the start."""
         estimates, time = ESTIMATE_LAYOUT.view(np.array(self._estimates)), np.array(self._times)
         # The estimator keeps x, y and the altitude separately
         place = np.column_stack([estimates['position'], estimates['altitude']['height']])
@@ -147,12 +149,12 @@ class LoopView:
 
     @property
     def altitude_setpoint(self) -> TimeCurve:
-        """Altitude to hold. [m]"""
+        """Altitude to hold [m]."""
         return TimeCurve(self._block_starts, np.array([block.altitude for block in self._light]))
 
     @property
     def speed_setpoint(self) -> TimeCurve:
-        """Forward airspeed to hold. [m/s]"""
+        """Forward airspeed to hold [m/s]."""
         return TimeCurve(self._block_starts, np.array([block.speed for block in self._light]))
 
     @cached_property
@@ -173,7 +175,7 @@ class LoopView:
 
     @cached_property
     def bearing(self) -> DirectionCurve:
-        """The paper's bearing of the lamp, at the middle of each block."""
+        """Return the paper's bearing of the lamp, at the middle of each block."""
         return DirectionCurve(
             self._block_middles,
             vector_directions(np.array([block.bearing for block in self._light])),
@@ -189,6 +191,6 @@ class LoopView:
 
     @cached_property
     def battery(self) -> ElectricalCurve:
-        """The battery as measured."""
+        """Return the battery as measured."""
         time, voltage, current = np.array(self._power).T
         return ElectricalCurve(time, voltage, current)

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Convert a flight in one process to the messages of the graph."""
 
 from collections.abc import Callable, Mapping
@@ -79,7 +81,7 @@ class LoopRecorder:
         if 'battery' in rest and loop.energy is not None:
             self._write_energy(rest, loop.energy)
 
-    def _write_message(self, name: str, message: Any) -> None:  # noqa: ANN401 - of any type
+    def _write_message(self, name: str, message: Any) -> None:
         if name in self._names:
             data = encode_message(message, self._table[name].type)
             self._writer.write(self._names[name], data, self._books.assign_log_time(name, data))

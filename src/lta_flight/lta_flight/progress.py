@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The progress bar of a flight: distance to the lamp and pace."""
 
 from typing import final

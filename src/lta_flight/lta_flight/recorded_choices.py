@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Read what a recording says was flown: strategy, vehicle, scenario and settings of nodes.
 

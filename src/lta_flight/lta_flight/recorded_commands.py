@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Read the commands of a recorded flight, to fly them through a vehicle file.
 
@@ -93,7 +95,7 @@ class RecordedCommands:
         return tuple(row.tolist())
 
     def find_mass_place(self, elapsed: float) -> Vector | None:
-        """Return the commanded place of the moving mass; None if there is none. [m]"""
+        """Return the commanded place of the moving mass; None if there is none [m]."""
         index = self._find_index(elapsed)
         if self.mass_places is None or index < 0:
             return None
@@ -111,7 +113,7 @@ class RecordedCommands:
         return int(np.searchsorted(self.times, elapsed + EARLY, side='right')) - 1
 
     def distances_from(self, times: Array, positions: Array) -> Array:
-        """Return the distances of positions, shape (k, 3), from the track at those times. [m]"""
+        """Return the distances of positions, shape (k, 3), from the track at those times [m]."""
         recorded = np.column_stack(
             [np.interp(times, self.track_times, each) for each in self.track.T]
         )
@@ -305,6 +307,6 @@ def find_velocity(
 
 
 def _find_raise(vehicle: Vehicle, track: Array) -> float:
-    """Return by how much a track lies below where the vehicle stands on the floor. [m]"""
+    """Return by how much a track lies below where the vehicle stands on the floor [m]."""
     sunk = vehicle.hull_height_on_floor - float(track[:, 2].min())
     return sunk if sunk > SUNK else 0.0

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Simulate one flight in one process, and record the same bytes as the graph would.
 
@@ -44,7 +46,7 @@ BAR_PERIOD = 0.1  # wall seconds between two updates of the progress bar
 @final
 @dataclass(frozen=True, slots=True)
 class CommandRequest:
-    """The part of a recording whose commands are flown instead of those of a controller. [s]"""
+    """The part of a recording whose commands are flown instead of those of a controller [s]."""
 
     bag: Path
     robot: str | None = None

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Report problems of a running graph: nodes that stall it, and faults that nodes report."""
 
 from collections.abc import Callable, Collection, Iterable, Mapping
@@ -83,7 +85,7 @@ class StallMonitor:
 
     @property
     def stall_duration(self) -> float:
-        """Duration of the current stall. [wall s]"""
+        """Duration of the current stall [wall s]."""
         return self._blame.standing
 
     def report_stalled_nodes(

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The viewer processes of a graph, without which a flight continues."""
 
 from collections.abc import Callable

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Start, signal and reap one process of a launcher."""
 
 from collections import deque
@@ -38,7 +40,7 @@ class ProcessExit:
 
     @property
     def sentence(self) -> str:
-        """Description without a full stop, such as 'estimator was killed by SIGKILL'."""
+        """Return the end in words, such as 'estimator was killed by SIGKILL'."""
         if self.status < 0:
             return f'{self.name} was killed by {signal_name(-self.status)}'
         return f'{self.name} ended' + (f' with status {self.status}' if self.status else '')

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The health of nodes: one status per task for /diagnostics, the lines it calls for, and its cause.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Defer SIGINT, SIGTERM and SIGHUP during a critical section.
 

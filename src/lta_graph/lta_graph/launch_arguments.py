@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Arguments of the shipped launches, for `lta launch`, `ros2 launch` and the generated page."""
 
 from typing import Literal
@@ -210,7 +212,7 @@ class FlyArguments(DroneArguments, PacedArguments):
 
     @property
     def use_sim_time(self) -> bool:
-        """A real drone flies by the time of day; whoever else plays the vehicle tells /clock."""
+        """Return False for a real drone: whoever else plays the vehicle tells /clock."""
         return self.source != 'crazyflie'
 
     @property
@@ -220,13 +222,13 @@ class FlyArguments(DroneArguments, PacedArguments):
 
     @property
     def tracked_topic(self) -> str:
-        """The topic with the poses of the drone."""
+        """Return the topic with the poses of the drone."""
         played = 'ground_truth/odom' if self.is_tracked_perfectly else 'tracker/pose'
         return self.tracker_pose or played
 
     @property
     def tracked_type(self) -> str:
-        """The type of that topic."""
+        """Return the type of that topic."""
         return 'odometry' if self.is_tracked_perfectly else self.tracker_type
 
     @property
@@ -236,18 +238,18 @@ class FlyArguments(DroneArguments, PacedArguments):
 
     @property
     def starts_controller(self) -> bool:
-        """A drone that flies its own controller by setpoints needs none of ours."""
+        """Return False for a drone that flies its own controller by setpoints."""
         return self.controller and self.command != 'setpoint'
 
     @property
     def starts_demodulator(self) -> bool:
-        """A light board that demodulates needs no demodulator."""
+        """Return False for a light board that demodulates."""
         return self.demodulator and not self.light_peaks
 
     @property
     def wait_for(self) -> str:
         """
-        The nodes that the simulator waits for, separated by spaces.
+        Return the nodes that the simulator waits for, separated by spaces.
 
         In real time they are those that start here, in lockstep all of the topic table. What the
         description publishes once has to be in the bag of a short flight as well.
@@ -265,7 +267,7 @@ class FlyArguments(DroneArguments, PacedArguments):
 
     @property
     def pose(self) -> str:
-        """The pose to publish on /tf where our estimator, which does it, does not run."""
+        """Return the pose to publish on /tf where our estimator, which does it, does not run."""
         return '' if self.estimator else 'odom'
 
     @property
@@ -280,5 +282,5 @@ class FlyArguments(DroneArguments, PacedArguments):
 
     @property
     def gains_file(self) -> str:
-        """The path of the gains."""
+        """Return the path of the gains."""
         return str(find_file('gains', self.gains))

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Launches in Python: their arguments, the nodes that these start, and the processes that result.
 
@@ -55,7 +57,7 @@ class LaunchProcess:
 
     @property
     def ros_arguments(self) -> list[str]:
-        """The parameters as `--ros-args`, after which ROS reads them."""
+        """Return the parameters as `--ros-args`, after which ROS reads them."""
         # ROS lets the file win over parameters that stand before it
         words = ['--params-file', self.parameter_file] if self.parameter_file else []
         for name, value in self.parameters.items():
@@ -64,7 +66,7 @@ class LaunchProcess:
 
     @property
     def arguments(self) -> tuple[str, ...]:
-        """The command line after the executable."""
+        """Return the command line after the executable."""
         if not self.takes_ros_arguments:
             return self.words
         # `__node` and `__ns` are the special remapping rules of rcl
@@ -85,7 +87,7 @@ class LaunchPlan:
 
     @property
     def namespaces(self) -> list[str]:
-        """The namespaces of the nodes, without leading slash, in order of appearance."""
+        """Return the namespaces of the nodes, without leading slash, in order of appearance."""
         return list(dict.fromkeys(item.namespace.strip('/') for item in self.processes))
 
     def label(self, process: LaunchProcess) -> str:
@@ -95,7 +97,7 @@ class LaunchPlan:
 
     @property
     def started(self) -> list[LaunchProcess]:
-        """The processes to start: one for the nodes that share it, one for each of the others."""
+        """Return the processes to start: one that nodes share, one for each of the others."""
         shared = [process for process in self.processes if process.shared]
         if not shared:
             return list(self.processes)

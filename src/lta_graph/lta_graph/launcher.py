@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Start the processes of a launch plan, monitor them and stop them all.
 
@@ -191,7 +193,7 @@ class Launcher:
     @property
     def outcome(self) -> ProcessExit | None:
         """
-        The exit that ended the run; None while it continues.
+        Return the exit that ended the run; None while it continues.
 
         This is the exit of a process with `on_exit_shutdown`, or of the last
         process of all. `success` is whether it was planned.
@@ -293,7 +295,7 @@ class Launcher:
         ]
 
     def _stop_grace(self, process: LaunchProcess) -> float:
-        """Return the time from SIGINT to SIGTERM. [s]"""
+        """Return the time from SIGINT to SIGTERM [s]."""
         return self._grace if process.sigterm_timeout is None else process.sigterm_timeout
 
     def _reap_processes(self) -> None:

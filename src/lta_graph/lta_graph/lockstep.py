@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Synchronise the inputs of a node.
 
@@ -91,12 +93,12 @@ class InboxStep:
     # The newest message of each topic since the start; None before the first
     latest: Mapping[str, Any]
 
-    def last_message(self, topic: str) -> Any:  # noqa: ANN401 - a message of whatever type the topic has
+    def last_message(self, topic: str) -> Any:
         """Return the newest new message of a topic, or None."""
         messages = self.messages[topic]
         return messages[-1] if messages else None
 
-    def last_valid(self, topic: str) -> Any:  # noqa: ANN401 - as above
+    def last_valid(self, topic: str) -> Any:
         """Return the newest new message of a topic if it is valid, or None."""
         messages, valid = self.messages[topic], self.valid[topic]
         return messages[-1] if valid and valid[-1] is messages[-1] else None
@@ -168,7 +170,7 @@ class Inbox:
         period = self._table[name].period_ns
         return max(1, BACKLOG_NS // period) if period else APERIODIC_QUEUE
 
-    def put(self, topic: str, stamp_ns: int, message: Any, valid: bool = True) -> None:  # noqa: ANN401
+    def put(self, topic: str, stamp_ns: int, message: Any, valid: bool = True) -> None:
         """Add a message; `stamp_ns` is ignored for topics without a header."""
         if self._lockstep:
             self._count_gap(topic, stamp_ns)

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Find out from the environment whether other computers reach the ROS graph."""
 
 from collections.abc import Mapping

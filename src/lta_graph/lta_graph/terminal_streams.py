@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Standard output and error that a file's text cannot misuse, and that nothing breaks.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Convert attitudes to Euler angles and back."""
 
 import math
@@ -13,7 +15,7 @@ _atan2 = np.frompyfunc(math.atan2, 2, 1)
 
 
 class EulerAngles(NamedTuple):
-    """Yaw in (-pi, pi], pitch in [-pi/2, pi/2] and roll in (-pi, pi], each of shape (n,). [rad]"""
+    """Yaw in (-pi, pi], pitch in [-pi/2, pi/2] and roll in (-pi, pi], each of shape (n,) [rad]."""
 
     yaw: NDArray[np.float64]
     pitch: NDArray[np.float64]

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Compute the strips of `strip_damping` from the boxes of a vehicle's frame and panels.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Compute a vehicle's limits of force, speed and stability from its parameters.
 
@@ -90,7 +92,7 @@ def _jet_constraints(vehicle: Vehicle) -> tuple[list[float], np.ndarray]:
 
 def steady_speed(force: float, linear: float, quadratic: float) -> float:
     """
-    Return the speed at which linear v + quadratic v^2 equals a force. [m/s]
+    Return the speed at which linear v + quadratic v^2 equals a force [m/s].
 
     The force is not negative [N]; one of the coefficients is positive [N s/m, N s2/m2].
     """

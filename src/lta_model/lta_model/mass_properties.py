@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Mass, centre of gravity and inertia of a vehicle, and the air that moves with its hull.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 What stands between a true value and a reading: measurement effects, and rounding to counts.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Build the numerical model of a vehicle for the kernel.
 
@@ -216,7 +218,7 @@ SPEED_LIMIT = 1000.0  # m/s and rad/s; only a diverged simulation gets there
 
 
 def find_fastest_damping(model: VehicleModel) -> tuple[str, float]:
-    """Return the effect with the fastest linear damping and its rate; '' and 0 if none. [1/s]"""
+    """Return the effect with the fastest linear damping and its rate; '' and 0 if none [1/s]."""
     inverse = model.inverse.reshape(6, 6)
     rates = {
         name: float(np.linalg.eigvals(inverse @ damping).real.max())
@@ -226,7 +228,7 @@ def find_fastest_damping(model: VehicleModel) -> tuple[str, float]:
 
 
 def compute_linear_damping(model: VehicleModel) -> dict[str, Array]:
-    """Return the damping of each effect that is linear in the velocity. [N s/m, N m s]"""
+    """Return the damping of each effect that is linear in the velocity [N s/m, N m s]."""
     damping_by_effect = {}
     values = model.effect_parameters
     for name, axes in (('linear_drag', slice(0, 3)), ('rotational_drag', slice(3, 6))):
@@ -275,7 +277,7 @@ def has_diverged(state: Sequence[float]) -> bool:
 
 
 def build_divergence_error(name: str, elapsed: float) -> BadInput:
-    """Return the error for a diverged flight. [s after the start]"""
+    """Return the error for a diverged flight [s after the start]."""
     return BadInput(
         f'The simulation of {name} diverged {elapsed:.2f} s after the start, probably because '
         'one of its effects is too strong for its mass or inertia; check the values under '

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The rotors of a vehicle: position, thrust curve and wrench of each.
 
@@ -176,7 +178,7 @@ def hover_duty(
     gravity: float,
 ) -> float:
     """
-    Return the largest duty among the rotors that carry a weight, all with the same thrust. [1]
+    Return the largest duty among the rotors that carry a weight, all with the same thrust [1].
 
     `weight` is less buoyancy [N], nothing to carry if not positive; `gravity` [m/s2] is for the
     message.

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Rigid-body motion in moving air, as scalar functions that the kernel is composed of.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Read scenario files: the world of a flight, its start and its goal.
 
@@ -38,7 +40,7 @@ When = Annotated[Quantity, si_quantity('s', low=0.0, high=86400.0)]
 
 
 class FaultTimes(NamedTuple):
-    """`SupplyFaults` as numbers, for compiled code: times after the start, inf for never. [s]"""
+    """`SupplyFaults` as numbers, for compiled code: times after the start, inf for never [s]."""
 
     panel_short: float
     brown_out: float
@@ -57,7 +59,7 @@ class SupplyFaults(StrictModel):
 
     @property
     def times(self) -> FaultTimes:
-        """The times of the faults."""
+        """Return the times of the faults."""
         return FaultTimes(
             math.inf if self.panel_short is None else self.panel_short.si,
             math.inf if self.brown_out is None else self.brown_out.si,
@@ -65,12 +67,12 @@ class SupplyFaults(StrictModel):
 
 
 def is_shorted(faults: FaultTimes, elapsed: float) -> bool:
-    """Return whether the array is shorted at a time after the start. [s]"""
+    """Return whether the array is shorted at a time after the start [s]."""
     return elapsed >= faults.panel_short
 
 
 def is_cut_off(faults: FaultTimes, before: float, elapsed: float) -> bool:
-    """Return whether the supply is cut off between two times after the start. [s]"""
+    """Return whether the supply is cut off between two times after the start [s]."""
     return before <= faults.brown_out < elapsed
 
 
@@ -109,7 +111,7 @@ class ScenarioGoal(StrictModel):
     stay: Annotated[Quantity, si_quantity('s', low=0.0, high=3600.0)] = STAY
 
     def find_stay(self, strategy: str) -> float:
-        """Return how long a drone that flies by a strategy must stay at the last lamp. [s]"""
+        """Return how long a drone that flies by a strategy must stay at the last lamp [s]."""
         return self.stay.si if strategy in STAYING else 0.0
 
 
@@ -196,7 +198,7 @@ class Scenario(StrictModel):
         return self
 
     def _is_beyond_door(self, x: float, y: float, z: float) -> bool:
-        """Return whether a place is out of the door and within reach. [m]"""
+        """Return whether a place is out of the door and within reach [m]."""
         if self.outside is None:
             return False
         reach, wall = self.outside.reach.si, self.room.size.vector[0] / 2
@@ -204,7 +206,7 @@ class Scenario(StrictModel):
 
     @property
     def wind_file(self) -> Path | None:
-        """The recorded wind; beside the scenario file where that was read by name or path."""
+        """Return the recorded wind, from beside a scenario file that was read by name or path."""
         return None if self.air.recorded is None else Path(self.air.recorded)
 
     @property
@@ -214,41 +216,41 @@ class Scenario(StrictModel):
 
     @property
     def goal_lamp(self) -> LampScene:
-        """The lamp that is the goal: the last of the route, or else the first there is."""
+        """Return the lamp that is the goal: the last of the route, or else the first there is."""
         return self.target_lamps[-1]
 
     @property
     def target_lamps(self) -> tuple[LampScene, ...]:
-        """The lamps to reach, in order."""
+        """Return the lamps to reach, in order."""
         names = self.route or tuple(self.lamps)[:1]
         return tuple(self.lamps[name] for name in names)
 
     @property
     def goal_places(self) -> tuple[tuple[float, float], ...]:
-        """Where the lamps to reach stand on the floor plan, each once. [m, map]"""
+        """Where the lamps to reach stand on the floor plan, each once [m, map]."""
         places = (stop.position.vector for stop in self.target_lamps)
         # dict.fromkeys removes duplicates and keeps the order
         return tuple(dict.fromkeys((x, y) for x, y, _ in places))
 
     @property
     def beacons(self) -> tuple[tuple[str, float], ...]:
-        """Name and nominal frequency of each lamp. [Hz]"""
+        """Name and nominal frequency of each lamp [Hz]."""
         return tuple((name, lamp.frequency.si) for name, lamp in self.lamps.items())
 
     @property
     def route_beacons(self) -> tuple[tuple[str, float], ...]:
-        """The lamps of the route as `beacons`, in order; none without a route."""
+        """Return the lamps of the route as `beacons`, in order; none without a route."""
         beacons = dict(self.beacons)
         return tuple((name, beacons[name]) for name in self.route)
 
     @property
     def sun(self) -> DaylightScene | None:
-        """The daylight of the scene, or of the place outside its door."""
+        """Return the daylight of the scene, or of the place outside its door."""
         return self.daylight if self.outside is None else self.outside.daylight
 
     @property
     def light_field(self) -> LightField:
-        """The light of the scene; `BadInput` where the light itself cannot be."""
+        """Return the light of the scene; `BadInput` where the light itself cannot be."""
         return LightField(
             tuple(lamp.lamp for lamp in self.lamps.values()),
             self.ambient.ambient,
@@ -281,7 +283,7 @@ def load_room_size(name: str) -> tuple[float, float, float] | None:
     return to_triple(load_scenario(name).room.size) if name else None
 
 
-def resolve_wind_file(content: Any, folder: Path) -> Any:  # noqa: ANN401 - what YAML holds
+def resolve_wind_file(content: Any, folder: Path) -> Any:
     """Return the content of a scenario file with the full path of its wind file."""
     try:
         wind_file = content['air']['recorded']

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Compute turbulence intensity and length near the ground by MIL-F-8785C, for scenarios.
 
@@ -118,12 +120,12 @@ class WindProfile(StrictModel):
         return self
 
     def mean_wind(self, height: float) -> float:
-        """Return the mean wind at a height [m] by the log law. [m/s]"""
+        """Return the mean wind at a height [m] by the log law [m/s]."""
         rough = self.roughness.si
         return self.wind.si * max(math.log(height / rough), 0.0) / math.log(self.height.si / rough)
 
     def effect_parameters(self, half_height: float) -> Parameters:
-        """Return the parameters of `wind_profile` for half the height of a hull. [m]"""
+        """Return the parameters of `wind_profile` for half the height of a hull [m]."""
         speed, towards = self.wind.si, self.towards.si
         return {
             'x': speed * math.cos(towards),
@@ -279,7 +281,7 @@ class ScenarioAir(StrictModel):
         return self.pressure.si / (GAS_CONSTANT_OF_AIR * (self.temperature.si + 273.15))
 
     def mean_wind(self, height: float) -> float:
-        """Return the speed of uniform wind and profile together at a height [m]. [m/s]"""
+        """Return the speed of uniform wind and profile together at a height [m] [m/s]."""
         x, y, _ = self.wind.vector
         if self.profile is not None:
             speed, towards = self.profile.mean_wind(height), self.profile.towards.si

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The light section of a scenario file: room, lamps and ambient light.
 
@@ -36,7 +38,7 @@ class Surfaces(StrictModel):
     ceiling: Share
 
 
-def _expand_albedo(value: Any) -> Any:  # noqa: ANN401 - as the file has it
+def _expand_albedo(value: Any) -> Any:
     """Return one albedo for all surfaces as that of each."""
     # bool is an int in Python
     if isinstance(value, bool) or not isinstance(value, int | float):
@@ -61,7 +63,7 @@ class RoomShape(StrictModel):
 
     @property
     def room(self) -> Room:
-        """The room as reflecting surfaces."""
+        """Return the room as reflecting surfaces."""
         floor, walls, ceiling = self.albedo.floor, self.albedo.walls, self.albedo.ceiling
         return Room(to_triple(self.size), Albedo(floor, walls, ceiling))
 
@@ -87,7 +89,7 @@ class LampScene(StrictModel):
 
     @property
     def lamp(self) -> BeaconLamp:
-        """The lamp; `BadInput` if it is impossible."""
+        """Return the lamp; `BadInput` if it is impossible."""
         return BeaconLamp(
             position=to_triple(self.position),
             axis=to_triple(self.facing),
@@ -121,7 +123,7 @@ class AmbientScene(StrictModel):
 
     @property
     def ambient(self) -> Ambient:
-        """The light; `BadInput` if it is impossible."""
+        """Return the light; `BadInput` if it is impossible."""
         return Ambient(
             efficacy=self.efficacy.si,
             steady=self.steady.si,
@@ -147,7 +149,7 @@ class DaylightScene(StrictModel):
     slack: Annotated[Quantity, si_quantity('1', low=0.0, high=1.0)] = DEFAULT_SLACK
 
     def build_daylight(self, ground: float) -> Daylight:
-        """Return the light over ground of some albedo. [1]"""
+        """Return the light over ground of some albedo [1]."""
         return Daylight(
             self.sun.si, self.azimuth.si, self.elevation.si, self.sky.si, ground, self.efficacy.si
         )
@@ -176,13 +178,13 @@ class OutsideScene(StrictModel):
 
     @property
     def outdoor_area(self) -> OutdoorArea:
-        """The light outdoors; `BadInput` if it is impossible."""
+        """Return the light outdoors; `BadInput` if it is impossible."""
         door = self.door
         daylight = self.daylight.build_daylight(self.ground)
         return OutdoorArea(daylight, door.middle.si, door.width.si, door.height.si)
 
 
 def to_triple(quantity: Quantity) -> tuple[float, float, float]:
-    """Return the numbers of a quantity that has three. [SI]"""
+    """Return the numbers of a quantity that has three [SI]."""
     x, y, z = quantity.vector
     return x, y, z

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Derive a vehicle's physical properties from its file.
 
@@ -156,12 +158,12 @@ class Vehicle:
 
     @property
     def added_mass(self) -> Vector:
-        """Added mass and inertia: as published, or of the hull as a spheroid. [kg, kg m2]."""
+        """Return the added mass and inertia, as published or of a spheroid [kg, kg m2]."""
         return mass_properties.added_mass(self.file.hull, self.air_density)
 
     @cached_property
     def rotors(self) -> tuple[propulsion.RotorModel, ...]:
-        """The rotors in the order of `motors`."""
+        """Return the rotors in the order of `motors`."""
         return propulsion.build_rotors(self.file)
 
     @property
@@ -207,7 +209,7 @@ class Vehicle:
 
     @cached_property
     def diodes(self) -> PhotodiodeArray:
-        """The photodiodes with the gains of the file, before the spread is drawn."""
+        """Return the photodiodes with the gains of the file, before the spread is drawn."""
         ring = self.file.sensors.diodes
         return PhotodiodeArray(
             count=ring.count,
@@ -233,17 +235,17 @@ class Vehicle:
 
     @cached_property
     def battery(self) -> BatteryModel:
-        """The cell."""
+        """Return the cell."""
         return BatteryModel.from_energy(self.file.energy)
 
     @cached_property
     def loads(self) -> LoadModel:
-        """The consumers."""
+        """Return the consumers."""
         return LoadModel.from_energy(self.file.energy)
 
     @cached_property
     def panel(self) -> SolarArrayModel:
-        """The solar panels."""
+        """Return the solar panels."""
         return SolarArrayModel.from_energy(self.file.energy)
 
     @cached_property

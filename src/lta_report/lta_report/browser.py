@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Run a headless Chromium to inspect and photograph pages.
 
@@ -159,7 +161,7 @@ class Browser:
                 answer: Mapping[str, Any] = message['result']
                 return answer
 
-    def evaluate(self, expression: str) -> Any:  # noqa: ANN401 - any JSON value
+    def evaluate(self, expression: str) -> Any:
         """Return the value of an expression in the page; a promise is awaited."""
         answer = self.call(
             'Runtime.evaluate', expression=expression, awaitPromise=True, returnByValue=True

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Generic figures of studies: lines and dots over one axis, polar curves, and stacked bars."""
 
 from collections.abc import Iterable, Mapping, Sequence

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Connect to a Dask cluster of the same LTA; only importer of the optional dask.distributed."""
 
 from collections.abc import Callable
@@ -41,7 +43,7 @@ class ClusterSoftware(NamedTuple):
         return f'{lta}Python {self.python} and Dask {self.dask}'
 
 
-def import_dask() -> Any:  # noqa: ANN401 - Dask has no types
+def import_dask() -> Any:
     """Return the module dask.distributed, or raise `BadInput` if it is not installed."""
     try:
         # Optional, so most installations do not have it
@@ -54,7 +56,7 @@ def import_dask() -> Any:  # noqa: ANN401 - Dask has no types
         ) from None
 
 
-def connect_cluster(address: str) -> Any:  # noqa: ANN401 - Dask has no types
+def connect_cluster(address: str) -> Any:
     """
     Return a client of dask.distributed of the scheduler at an address.
 
@@ -80,7 +82,7 @@ def connect_cluster(address: str) -> Any:  # noqa: ANN401 - Dask has no types
     return client
 
 
-def open_client(address: str) -> Any:  # noqa: ANN401 - Dask has no types
+def open_client(address: str) -> Any:
     """Return a client of a scheduler; raise `BadInput` if none answers."""
     dask = import_dask()
     # Dask prints the traceback of each lost connection; our errors say it
@@ -104,12 +106,12 @@ def open_client(address: str) -> Any:  # noqa: ANN401 - Dask has no types
         ) from None
 
 
-def explain_losses(client: Any, address: str) -> None:  # noqa: ANN401 - Dask has no types
+def explain_losses(client: Any, address: str) -> None:
     """Let all calls of a client raise `BadInput` if the cluster loses its work or itself."""
     sync = client.sync
 
     # All blocking calls of a client and of its futures come through here
-    def sync_or_explain(*given: Any, **options: Any) -> Any:  # noqa: ANN401 - Dask has no types
+    def sync_or_explain(*given: Any, **options: Any) -> Any:
         try:
             return sync(*given, **options)
         except TimeoutError:
@@ -130,7 +132,7 @@ def flatten_error(error: BaseException) -> str:
     return ' '.join(str(error).split())
 
 
-def check_software(client: Any) -> None:  # noqa: ANN401 - Dask has no types
+def check_software(client: Any) -> None:
     """Raise `BadInput` if the scheduler or a worker does not run this software."""
     ours = read_software()
     for name, theirs in read_cluster_software(client).items():
@@ -153,7 +155,7 @@ def read_software() -> ClusterSoftware:
     return ClusterSoftware(VERSION, read_commit(), shorten_python(platform.python_version()), dask)
 
 
-def read_cluster_software(client: Any) -> dict[str, ClusterSoftware]:  # noqa: ANN401 - Dask has no types
+def read_cluster_software(client: Any) -> dict[str, ClusterSoftware]:
     """Return the versions of the scheduler and of all workers, by name."""
     # Dask's own request: it does not pickle a function, so it works between different Pythons
     versions = client.get_versions()

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Curves of a flight for figures, and their conversions.
 
@@ -25,21 +27,21 @@ class MotionCurve(NamedTuple):
 
 
 class TimeCurve(NamedTuple):
-    """One quantity over time. [s, its unit]"""
+    """One quantity over time [s, its unit]."""
 
     time: Array
     value: Array
 
 
 class DirectionCurve(NamedTuple):
-    """A direction in the body frame over time; NaN if undefined. [s, rad]"""
+    """A direction in the body frame over time; NaN if undefined [s, rad]."""
 
     time: Array
     angle: Array
 
 
 class FloorPoint(NamedTuple):
-    """A place on the floor plan. [m, map]"""
+    """A place on the floor plan [m, map]."""
 
     x: float
     y: float
@@ -61,7 +63,7 @@ class PeakCurves(NamedTuple):
 
 
 class DutyCurves(NamedTuple):
-    """Commanded duty of each rotor, shape (n, rotors). [1]"""
+    """Commanded duty of each rotor, shape (n, rotors) [1]."""
 
     time: Array
     names: list[str]
@@ -109,7 +111,7 @@ def align_start(motion: MotionCurve, truth: MotionCurve) -> MotionCurve:
 
 
 def vector_directions(vectors: Array) -> Array:
-    """Return the directions of bearing vectors; NaN for a zero vector. [rad]"""
+    """Return the directions of bearing vectors; NaN for a zero vector [rad]."""
     angle = np.arctan2(vectors[:, 1], vectors[:, 0])
     # The estimator publishes a zero vector if it has no bearing
     angle[np.hypot(vectors[:, 0], vectors[:, 1]) == 0.0] = np.nan

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Shared style and elements of figures: fonts, axes, lines and labels at line ends."""
 
 from collections.abc import Sequence

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 A 3-D view of flights on a page: vehicles, their paths and what they sense, at the time cursor.
 
@@ -89,7 +91,7 @@ class FanFlight:
 
 
 def sample_times(first: float, last: float) -> Array:
-    """Return the times at which tracks are sampled. [s]"""
+    """Return the times at which tracks are sampled [s]."""
     return np.linspace(
         first, last, min(MOST_SCENE_SAMPLES, int((last - first) * SCENE_RATE) + 2)
     )  # at least two

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Format numbers with units and tables in Markdown, and define the tiles of a page."""
 
 from collections.abc import Iterable, Sequence

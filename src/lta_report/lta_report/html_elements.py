@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """HTML elements of pages: tiles, tables, figures, definition lists and embedded data."""
 
 from base64 import b85encode

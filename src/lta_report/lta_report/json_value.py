@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Make results valid JSON, which has neither NaN nor infinity."""
 
 from base64 import b64decode, b64encode
@@ -18,7 +20,7 @@ def pack_array(array: NDArray[np.float64]) -> dict[str, Any]:
     return {'shape': list(array.shape), 'data': b64encode(data).decode()}
 
 
-def unpack_array(content: Any) -> NDArray[np.float64]:  # noqa: ANN401 - what JSON holds
+def unpack_array(content: Any) -> NDArray[np.float64]:
     """Return the array of `pack_array`; an array as it is."""
     if isinstance(content, np.ndarray):
         return content
@@ -38,7 +40,7 @@ StoredArray = Annotated[
 ]
 
 
-def replace_nonfinite(value: Any) -> Any:  # noqa: ANN401 - what JSON holds
+def replace_nonfinite(value: Any) -> Any:
     """Return a nested value with None for all NaN and infinite numbers."""
     if isinstance(value, Mapping):
         return {key: replace_nonfinite(part) for key, part in value.items()}
@@ -48,7 +50,7 @@ def replace_nonfinite(value: Any) -> Any:  # noqa: ANN401 - what JSON holds
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def to_json_value(value: Any) -> Any:  # noqa: ANN401 - what JSON holds
+def to_json_value(value: Any) -> Any:
     """Convert data classes, arrays and NumPy numbers as well, with text as keys."""
     if is_dataclass(value) and not isinstance(value, type):
         value = asdict(value)

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The base of progress bars: shown on a terminal while work lasts, else a line each minute."""
 
 import sys
@@ -47,7 +49,7 @@ class ProgressBar:
         begin: str = '',
         total: float | None = None,
         period: float = 30.0,
-        **fields: Any,  # noqa: ANN401 - as rich takes them
+        **fields: Any,
     ) -> None:
         self._console = console
         columns = columns or (
@@ -103,7 +105,7 @@ class ProgressBar:
         sys.stderr.write(f'{self._describe()} ...\n')
         sys.stderr.flush()
 
-    def update_bar(self, **change: Any) -> None:  # noqa: ANN401 - as rich takes them
+    def update_bar(self, **change: Any) -> None:
         """Change description, total, completed, or fields; `advance` adds to completed."""
         share = self._share
         self._bar.update(self._task, **change)

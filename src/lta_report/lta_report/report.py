@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Declare the report of a study once; it renders to a page, a terminal, JSON and pictures.
 

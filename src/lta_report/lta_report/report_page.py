@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Render a report as one self-contained HTML page, and write all files of its folder."""
 
 from collections.abc import Mapping, Sequence
@@ -90,7 +92,7 @@ def render_report(report: Report) -> str:
 
 
 def choose_tile_width(tiles: Sequence[Tile]) -> int:
-    """Return the least width of a tile. [px]"""
+    """Return the least width of a tile [px]."""
     # Ten tiles fit one line of a wide window; long words, such as channels, need more
     usual = 140 if len(tiles) <= 8 else 118
     longest = max((len(word) for each in tiles for word in each.name.split()), default=0)

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Declare once what a command takes: a request, a model whose fields are checked at the door.
 
@@ -58,12 +60,12 @@ OUTPUT = frozenset(('out', 'page', 'pictures'))  # fields that say where results
 def option(
     about: str,
     *,
-    default: Any = ...,  # noqa: ANN401 - of the field's own type
+    default: Any = ...,
     low: float | None = None,
     high: float | None = None,
     kw_only: bool = False,
-    **declared: Any,  # noqa: ANN401 - texts
-) -> Any:  # noqa: ANN401 - pydantic's own idiom for a field
+    **declared: Any,
+) -> Any:
     """
     Return the declaration of a field that is an option of the command line.
 
@@ -76,7 +78,7 @@ def option(
     return Field(default, description=about, json_schema_extra=declared)
 
 
-def argument(about: str, *, default: Any = ..., **declared: Any) -> Any:  # noqa: ANN401 - as above
+def argument(about: str, *, default: Any = ..., **declared: Any) -> Any:
     """Return the declaration of a field that the command line takes by its place."""
     return option(about, default=default, positional=True, **declared)
 
@@ -169,7 +171,7 @@ class Request(BaseModel):
     model_config = ConfigDict(frozen=True, extra='forbid', validate_default=True, defer_build=True)
     command: ClassVar[str]  # its words, such as 'energy budget'
 
-    def __init_subclass__(cls, *, command: str = '', **rest: Any) -> None:  # noqa: ANN401
+    def __init_subclass__(cls, *, command: str = '', **rest: Any) -> None:
         """Store what is declared with the class."""
         super().__init_subclass__(**rest)
         cls.command = command
@@ -189,7 +191,7 @@ class Request(BaseModel):
 
     @field_validator('*')
     @classmethod
-    def _check_bounds(cls, value: Any, info: ValidationInfo) -> Any:  # noqa: ANN401 - of any field
+    def _check_bounds(cls, value: Any, info: ValidationInfo) -> Any:
         """Refuse a number, or one of several, that is out of bounds."""
         declared = cls.read_declaration(info.field_name or '')
         low, high, unit = declared['low'], declared['high'], declared.get('unit', '1')
@@ -207,7 +209,7 @@ class Request(BaseModel):
                 raise ValueError(f'is {own}, but must be {bounds}')
         return value
 
-    def replace(self, **values: Any) -> Self:  # noqa: ANN401 - of the fields
+    def replace(self, **values: Any) -> Self:
         """Return a request with other values, which are not checked again."""
         return self.model_copy(update=values)
 
@@ -278,7 +280,7 @@ def build_request(
 
 
 def _describe_fault(
-    fault: Any,  # noqa: ANN401 - as pydantic has it
+    fault: Any,
     model: type[Request],
     name_field: Callable[[str], str],
 ) -> BadInput:
@@ -301,7 +303,7 @@ class Outcome(NamedTuple, Generic[Value]):
     data: Any = None  # content of --json; the value by default
     status: int = 0  # exit status of the command
 
-    def to_json(self) -> Any:  # noqa: ANN401 - what JSON holds
+    def to_json(self) -> Any:
         """Return the content of --json; None if nothing is to be printed."""
         return self.value if self.data is None else self.data
 
@@ -311,7 +313,7 @@ class Action(Request):
 
     prints_json: ClassVar[bool]
 
-    def __init_subclass__(cls, *, json: bool = False, **rest: Any) -> None:  # noqa: ANN401
+    def __init_subclass__(cls, *, json: bool = False, **rest: Any) -> None:
         """Store what is declared with the class."""
         super().__init_subclass__(**rest)
         cls.prints_json = json
@@ -358,7 +360,7 @@ class ReportRequest(Request):
         metavar='FOLDER', kw_only=True,
     )  # fmt: skip
 
-    def __init_subclass__(cls, *, folder: str = '', **rest: Any) -> None:  # noqa: ANN401
+    def __init_subclass__(cls, *, folder: str = '', **rest: Any) -> None:
         """Store what is declared with the class."""
         super().__init_subclass__(**rest)
         cls.folder = folder or cls.command.split()[-1] if cls.command else ''
@@ -389,7 +391,7 @@ class LocalStudyRequest(ReportRequest):
     )
 
     def __init_subclass__(
-        cls, *, quick: Mapping[str, Any] | str = '', resumes: bool = True, **rest: Any  # noqa: ANN401
+        cls, *, quick: Mapping[str, Any] | str = '', resumes: bool = True, **rest: Any
     ) -> None:  # fmt: skip
         """Store what is declared with the class."""
         super().__init_subclass__(**rest)

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 A long table of results: one row an item, and columns that carry name, unit, digits and meaning.
 
@@ -48,7 +50,7 @@ def unit_factor(unit: str) -> float:
     return 1.0 / SI_UNITS[unit.strip('±').translate(TYPED)][1] if unit else 1.0
 
 
-def format_value(value: Any, digits: int | None = None, factor: float = 1.0) -> str:  # noqa: ANN401 - any cell
+def format_value(value: Any, digits: int | None = None, factor: float = 1.0) -> str:
     """
     Return a cell: a number, an interval, a spread, or words.
 
@@ -96,7 +98,7 @@ class Column(Generic[Row]):
     of: Callable[[Row], Any] | None = None
     factor: float | None = None  # from SI to display units, where `UNITS` lacks the unit
 
-    def value(self, row: Row) -> Any:  # noqa: ANN401 - any cell
+    def value(self, row: Row) -> Any:
         """Return the value of a row, in SI units."""
         return getattr(row, self.key) if self.of is None else self.of(row)
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The results folder of a command: its name, atomic writing, and the templates of its pages.
 

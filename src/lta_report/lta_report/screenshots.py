@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Take pictures of a page and its figures in a browser."""
 
 import base64
@@ -108,7 +110,7 @@ def open_page(browser: Browser, page: Path, theme: Theme, width: int) -> None:
 
 
 def resize_window(browser: Browser, width: int, height: int) -> None:
-    """Set the size of the window. [px]"""
+    """Set the size of the window [px]."""
     browser.call(
         'Emulation.setDeviceMetricsOverride',
         width=width,
@@ -137,7 +139,7 @@ def capture_part(browser: Browser, panel: str, out: Path) -> None:
 
 
 def locate_part(browser: Browser, panel: str) -> Mapping[str, float]:
-    """Return the position and size of a part of the open page. [px]"""
+    """Return the position and size of a part of the open page [px]."""
     box: Mapping[str, float] | None = browser.evaluate(FIND_BOX % {'panel': panel})
     if box is None:
         raise unknown_name_error('panel', panel, [TOP_PICTURE, *browser.evaluate(LIST_PANELS)])

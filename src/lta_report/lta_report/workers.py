@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Run a function on many items in worker processes of this machine or on a Dask cluster.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Delay the commands on their way to the rotors, according to the vehicle's effects.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Compiled sensor models with counter-based random numbers, for batches of closed loops.
 
@@ -145,7 +147,7 @@ def draw_errors(sensors: SensorDatasheets, seed: int) -> SensorErrors:
 
 
 def simulate_axis_reading(imu: ImuAxes, axis: int, truth: float, normal: float) -> float:
-    """Return the reading of one axis. [m/s2 or rad/s]"""
+    """Return the reading of one axis [m/s2 or rad/s]."""
     return read_axis(
         truth,
         normal,
@@ -183,7 +185,7 @@ def simulate_imu_reading(
 def simulate_range_reading(
     sensors: SensorDatasheets, errors: SensorErrors, seed: int, tick: int, state: tuple[float, ...]
 ) -> float:
-    """Return range reading number `tick` in whole millimetres, NaN out of range. [m]"""
+    """Return range reading number `tick` in whole millimetres, NaN out of range [m]."""
     height, up = height_and_tilt(state, sensors.range_place)
     distance = slant_range(height, up, sensors.farthest)
     if distance == math.inf:
@@ -201,7 +203,7 @@ def simulate_pressure_reading(
     state: tuple[float, ...],
     elapsed: float,
 ) -> float:
-    """Return the pressure reading at a state and a flight time; it is beside the IMU. [Pa]"""
+    """Return the pressure reading at a state and a flight time; it is beside the IMU [Pa]."""
     truth = air_pressure(sensors.floor, height_and_tilt(state, sensors.imu_place)[0])
     noise = sensors.pressure_noise * draw_normals(seed, PRESSURE, step, 0)[0]
     return read_pressure(
@@ -210,7 +212,7 @@ def simulate_pressure_reading(
 
 
 def draw_white_noise(seed: int, step: int, period: float) -> Vector:
-    """Return turbulence noise of unit intensity, constant over a period [s]. [s^-1/2]"""
+    """Return turbulence noise of unit intensity, constant over a period [s] [s^-1/2]."""
     a, b = draw_normals(seed, TURBULENCE, step, 0)
     c, _ = draw_normals(seed, TURBULENCE, step, 1)
     # Noise held for a period has unit intensity if its variance is 1 / period

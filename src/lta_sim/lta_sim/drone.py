@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 One drone of the simulator: its world, the command that it obeys, and its state for others.
 
@@ -168,7 +170,7 @@ class SimulatedDrone:
 
     @property
     def duties(self) -> list[float]:
-        """The duties that it obeys, by rotor."""
+        """Return the duties that it obeys, by rotor."""
         return self._duties
 
     @property

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Compute wind, noise, light and voltage around a vehicle for each control period."""
 
 from collections.abc import Mapping
@@ -41,7 +43,7 @@ class SteadyWind(NamedTuple):
 
 
 def build_steady_wind(scenario: Scenario, radius: float) -> SteadyWind:
-    """Return the steady wind of a scene on a hull of some half length. [m]"""
+    """Return the steady wind of a scene on a hull of some half length [m]."""
     x, y, z = scenario.air.wind.vector
     outside = scenario.outside
     beyond = (x, y, z) if outside is None else outside.wind.vector

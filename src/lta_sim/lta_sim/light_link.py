@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Model the lamp's signal at the photodiode ring without simulating the ADC samples.
 

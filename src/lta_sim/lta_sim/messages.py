@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Build the messages of a simulated drone from the readings of its sensors."""
 
 from collections.abc import Iterator

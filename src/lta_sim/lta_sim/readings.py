@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Readings of a vehicle at one control step, and the outcome of its flight."""
 
 from dataclasses import dataclass, field

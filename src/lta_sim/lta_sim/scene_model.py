@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Build the model of a vehicle in a scene: the scenario's effects added to the vehicle's own.
 
@@ -30,7 +32,7 @@ WARMED = SUPERHEAT.name
 
 def vehicle_reach(vehicle: Vehicle) -> tuple[float, float]:
     """
-    Return the extent of a vehicle from its hull centre: horizontal and upward. [m]
+    Return the extent of a vehicle from its hull centre: horizontal and upward [m].
 
     A hull that is not rotationally symmetric counts as the enclosing symmetric one.
     """

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Hold one simulated vehicle as a row of numbers that compiled code reads and changes in place."""
 
 from functools import cache

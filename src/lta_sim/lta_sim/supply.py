@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Simulate the electric supply of a flight: power path, solar array, power meters, energy totals.
 
@@ -45,7 +47,7 @@ class PowerMeterSettings:
 @final
 @dataclass(frozen=True, slots=True)
 class PowerMeterErrors:
-    """Errors that stay constant during a flight: two gains, and the current offset. [A]"""
+    """Errors that stay constant during a flight: two gains, and the current offset [A]."""
 
     voltage_gain: float
     current_gain: float
@@ -130,7 +132,7 @@ def advance_supply(
     constants: SupplyConstants,
     before: SupplyState,
     meantime: SupplyInputs,
-    scratch: Any,  # noqa: ANN401
+    scratch: Any,
 ) -> SupplyState:
     """Return the supply's state one control period later; `scratch` is not needed."""
     parts, faults, dt = constants.parts, constants.faults, meantime.dt
@@ -208,7 +210,7 @@ class Supply:
 
     @property
     def _account(self) -> SupplyState:
-        """The state."""
+        """Return the state."""
         return SUPPLY_STATE.read(self._memory)
 
     @property
@@ -223,7 +225,7 @@ class Supply:
 
     @property
     def voltage(self) -> float:
-        """Voltage of the cell. [V]"""
+        """Voltage of the cell [V]."""
         return float(self._flow['voltage'])
 
     @property
@@ -234,17 +236,17 @@ class Supply:
 
     @property
     def energy_totals(self) -> EnergyBalance:
-        """True energy totals since the start. [J]."""
+        """Return the true energy totals since the start [J]."""
         now = self._account
         stored = total_stored_energy(self._parts.cell, now.flow) - self._begun
         return EnergyBalance(now.harvested, now.consumed, now.lost, stored)
 
     def set_irradiance(self, irradiance: float) -> None:
-        """Set the irradiance on the array until the next call. [W/m2]"""
+        """Set the irradiance on the array until the next call [W/m2]."""
         self._irradiance = irradiance
 
     def feed_loads(self, thrusts: Sequence[float], seconds: float) -> None:
-        """Supply the rotors, with the thrusts of all slots [N], for a control period. [s]"""
+        """Supply the rotors, with the thrusts of all slots [N], for a control period [s]."""
         self._pack(self._meantime.data, 0, self._irradiance, *thrusts, 0.0, self._periods, seconds)
         self._step(self._constants, self._memory, self._meantime, NO_SCRATCH)
         self._periods += 1

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Decide the outcome of a flight: goal reached, out of the room, out of time, or still flying.
 
@@ -19,7 +21,7 @@ LIFT_OFF = 0.01  # m above the start that count as lift-off, with which the flig
 
 
 class DoorBounds(NamedTuple):
-    """The door in the wall at the high end of x, and how far a flight may go beyond it. [m]"""
+    """The door in the wall at the high end of x, and how far a flight may go beyond it [m]."""
 
     middle: float
     half_width: float
@@ -77,7 +79,7 @@ def build_goal(scenario: Scenario, strategy: str = '') -> EndConditions:
 
 
 def is_indoors(goal: EndConditions, x: float, y: float, z: float) -> bool:
-    """Return whether a hull centre is in the room. [m, map]"""
+    """Return whether a hull centre is in the room [m, map]."""
     return abs(x) <= goal.half_length and abs(y) <= goal.half_width and z <= goal.height
 
 
@@ -95,19 +97,19 @@ def is_in_bounds(goal: EndConditions, was_indoors: bool, x: float, y: float, z: 
 
 
 def distance_to_goal(goal: EndConditions, progress: GoalProgress, x: float, y: float) -> float:
-    """Return the horizontal distance to the lamp that is to be reached next. [m]"""
+    """Return the horizontal distance to the lamp that is to be reached next [m]."""
     stop = goal.stops[progress.stop]
     return math.hypot(stop[0] - x, stop[1] - y)
 
 
 def is_at_lamp(goal: EndConditions, lamp: Place, x: float, y: float, z: float) -> bool:
-    """Return whether a hull centre is where a lamp counts as reached. [m, map]"""
+    """Return whether a hull centre is where a lamp counts as reached [m, map]."""
     near = math.hypot(lamp[0] - x, lamp[1] - y) <= goal.radius
     return near and abs(lamp[2] - z) <= goal.vertical_tolerance
 
 
 def has_stayed(goal: EndConditions, since: float, time: float) -> bool:
-    """Return whether a drone that came to the last lamp at `since` is reckoned to stay. [s]"""
+    """Return whether a drone that came to the last lamp at `since` is reckoned to stay [s]."""
     return time - since >= goal.stay - TIME_ROUNDING
 
 
@@ -147,11 +149,11 @@ class FlightTermination:
         self._progress = GoalProgress()
 
     def goal_distance(self, x: float, y: float) -> float:
-        """Return the horizontal distance to the lamp that is to be reached next. [m]"""
+        """Return the horizontal distance to the lamp that is to be reached next [m]."""
         return distance_to_goal(self._goal, self._progress, x, y)
 
     def is_at_lamp(self, x: float, y: float, z: float) -> bool:
-        """Return whether a hull centre is at the lamp that is to be reached next. [m, map]"""
+        """Return whether a hull centre is at the lamp that is to be reached next [m, map]."""
         return is_at_lamp(self._goal, self._goal.stops[self._progress.stop], x, y, z)
 
     def evaluate_outcome(self, x: float, y: float, z: float, elapsed: float) -> FlightOutcome:

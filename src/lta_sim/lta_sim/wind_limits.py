@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Compute the wind that a vehicle can hold against, from its parameters alone.
 
@@ -68,7 +70,7 @@ def _to_level_axes(wrench: Array, pitch: float) -> Array:
 
 def thrust_speed(vehicle: Vehicle) -> float:
     """
-    Return the largest airspeed that the rotors can hold at constant height and heading. [m/s]
+    Return the largest airspeed that the rotors can hold at constant height and heading [m/s].
 
     Infinite if the known drag allows more than `FASTEST`.
 
@@ -128,7 +130,7 @@ def _bisect_speed(
 
 def rise_speed(vehicle: Vehicle) -> float:
     """
-    Return the airspeed along body x above which a freely hanging hull rises. [m/s]
+    Return the airspeed along body x above which a freely hanging hull rises [m/s].
 
     Forward thrust below the hull pitches its nose up until the weight and the Munk moment of the
     inclined hull balance it. The rotors then also push upwards, which only the excess weight can
@@ -157,7 +159,7 @@ def rise_speed(vehicle: Vehicle) -> float:
 
 def _hanging_moment(vehicle: Vehicle, speed: float, pitch: float) -> float:
     """
-    Return the nose-down moment of weight and added mass at a pitch. [N m]
+    Return the nose-down moment of weight and added mass at a pitch [N m].
 
     The added-mass part is the Munk moment (Munk 1924), (A_z - A_x) u w, with A the added mass.
     """
@@ -197,7 +199,7 @@ def _is_balanced(
 def _most_forward_thrust(
     wrench: Array, axes: list[int], balance: Array, tops: list[float]
 ) -> float:
-    """Return the largest forward force subject to balance on `axes`; -inf if none balances. [N]"""
+    """Return the largest forward force subject to balance on `axes`; -inf if none balances [N]."""
     bounds = [(0.0, top) for top in tops]
     # linprog minimises
     solution = linprog(-wrench[0], A_eq=wrench[axes], b_eq=balance[axes], bounds=bounds)
@@ -205,7 +207,7 @@ def _most_forward_thrust(
 
 
 def static_wind_limit(vehicle: Vehicle) -> float:
-    """Return the largest uniform wind that thrust and balance allow. [m/s]"""
+    """Return the largest uniform wind that thrust and balance allow [m/s]."""
     speed = thrust_speed(vehicle)
     if vehicle.file.hull.shape == 'none':
         return speed  # its rotors keep it upright, at any speed

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The simulated world around one drone, one control period at a time, without ROS.
 
@@ -198,7 +200,7 @@ class World:
 
     @property
     def charge(self) -> float:
-        """State of charge of the cell. [1]"""
+        """State of charge of the cell [1]."""
         return self.supply.flow.charge
 
     @property
@@ -217,7 +219,7 @@ class World:
 
     @property
     def goal_distance(self) -> float:
-        """Horizontal distance from the hull centre to the next lamp. [m]"""
+        """Horizontal distance from the hull centre to the next lamp [m]."""
         return self._referee.goal_distance(float(self.state[0]), float(self.state[1]))
 
     @property
@@ -380,7 +382,7 @@ class World:
         self._craft.surroundings[:] = self._around.numbers
 
     def _integrate_until(self, now: int, end: int) -> None:
-        """Integrate from one time to another, with the range readings on the way. [ns]"""
+        """Integrate from one time to another, with the range readings on the way [ns]."""
         period = self._range_ns
         while now < end:
             # Stop at every range reading, which may lie inside a control period.
@@ -393,7 +395,7 @@ class World:
                 self._sense_range(now)
 
     def _integrate_for_duration(self, span_ns: int) -> None:
-        """Integrate for a duration under the present command. [ns]"""
+        """Integrate for a duration under the present command [ns]."""
         # Rounded up, so that no integration step exceeds the stable one.
         steps = -(-span_ns // model.STEP_NS)
         place = self.state[:RIGID].copy()
@@ -404,7 +406,7 @@ class World:
             self.state[2] += HELD_TREMOR if self.steps % 2 else -HELD_TREMOR
 
     def _predict_state(self, span_ns: int) -> Array:
-        """Return the state after a duration under the present command. [ns]"""
+        """Return the state after a duration under the present command [ns]."""
         # The state is one array in place: integrate ahead, then restore it.
         now = self.state.copy()
         self._integrate_for_duration(span_ns)

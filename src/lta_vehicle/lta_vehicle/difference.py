@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Compare two vehicle files and the figures derived from them."""
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -56,7 +58,7 @@ class FigureChange:
 
     @property
     def figure(self) -> DerivedFigure:
-        """The later figure, or the earlier one if the later vehicle has none."""
+        """Return the later figure, or the earlier one if the later vehicle has none."""
         figure = self.after or self.before
         if figure is None:
             raise ValueError('A FigureChange needs at least one of its figures before and after.')
@@ -100,7 +102,7 @@ class VehicleDifference:
 
     @property
     def stale_source_notes(self) -> list[str]:
-        """A warning about numbers that changed while their source did not."""
+        """Return a warning about numbers that changed while their source did not."""
         stale = [change for change in self.changes if change.has_stale_source]
         if not stale:
             return []

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Write the skeleton of an effect of one's own: its file, and the package that installs it."""
 
 from importlib.util import find_spec

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Read poses and commands of a recorded flight from a bag: rotor duties, or a wrench."""
 
 from typing import Final, final, NamedTuple

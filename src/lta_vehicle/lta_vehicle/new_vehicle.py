@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Create a vehicle file: a renamed copy of another, comments included, or one by size.
 

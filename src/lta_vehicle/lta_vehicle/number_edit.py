@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Set numbers in a vehicle file, with their sources."""
 
 from collections.abc import Sequence

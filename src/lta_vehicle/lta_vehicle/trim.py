@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Estimate and report the heaviness of a vehicle from the rotor duties of a hover.
 
@@ -57,7 +59,7 @@ class HeavinessEstimate:
 
     @property
     def ballast_change(self) -> float:
-        """Ballast to add to reach the declared heaviness; negative to remove. [kg]"""
+        """Ballast to add to reach the declared heaviness; negative to remove [kg]."""
         return self.declared - self.heaviness
 
 
@@ -213,7 +215,7 @@ def _sample_commands(commands: RotorCommands | WrenchCommands, grid: Array) -> A
 def _vertical_command(
     vehicle: Vehicle, commands: WrenchCommands, grid: Array, rotation: Array
 ) -> Array:
-    """Return the commanded force along the vertical of the map, after its gains. [N]"""
+    """Return the commanded force along the vertical of the map, after its gains [N]."""
     inputs = (*_sample_commands(commands, grid).T, *np.zeros((3, len(grid))))
     chain = build_chains(vehicle.collect_effects(), EFFECTS)['command_wrench']
     acting = apply_chain(chain, inputs, 0.0)[:3]
@@ -223,7 +225,7 @@ def _vertical_command(
 def _vertical_thrust(
     vehicle: Vehicle, commands: RotorCommands, grid: Array, rotation: Array
 ) -> Array:
-    """Return the rotor force along the vertical of the map. [N]"""
+    """Return the rotor force along the vertical of the map [N]."""
     duties = _sample_commands(commands, grid)
     effects = vehicle.collect_effects()
     _refuse_other_curves(vehicle, effects)
@@ -277,7 +279,7 @@ def _apply_motor_lag(target: Array, grid: Array, up: float, down: float) -> Arra
 
 
 def _vertical_drag(vehicle: Vehicle, velocity: Array, rotation: Array) -> Array:
-    """Return the drag in still air along the vertical of the map, positive downwards. [N]"""
+    """Return the drag in still air along the vertical of the map, positive downwards [N]."""
     effects = vehicle.collect_effects()
     axes = ('surge', 'sway', 'heave')
     linear = np.array([effects['linear_drag'][axis] for axis in axes])

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Estimate the content of a vehicle file from size, mass and motors.
 
@@ -127,13 +129,13 @@ def build_blocks(name: str, size: VehicleSize, gains: str) -> dict[str, Any]:
     }
 
 
-def _cite(value: Any, unit: str, source: str) -> dict[str, Any]:  # noqa: ANN401 - number or list
+def _cite(value: Any, unit: str, source: str) -> dict[str, Any]:
     """Return a quantity, with four digits."""
     return {'value': round_digits(value), 'unit': unit, 'source': source}
 
 
 def _assume(
-    value: Any,  # noqa: ANN401 - number or list
+    value: Any,
     unit: str,
     source: str,
     cause: str,
@@ -147,11 +149,11 @@ def _assume(
     }
 
 
-def _scale(value: Any, factor: float) -> Any:  # noqa: ANN401 - number or list
+def _scale(value: Any, factor: float) -> Any:
     return [_scale(each, factor) for each in value] if isinstance(value, list) else value * factor
 
 
-def round_digits(value: Any) -> Any:  # noqa: ANN401 - number or list
+def round_digits(value: Any) -> Any:
     """Return a number, or the numbers of a list, with four digits."""
     if isinstance(value, list):
         return [round_digits(each) for each in value]
@@ -179,7 +181,7 @@ def _build_hull(size: VehicleSize) -> dict[str, Any]:
 
 
 def _find_envelope_mass(size: VehicleSize, half: tuple[float, float, float]) -> dict[str, Any]:
-    """Return the mass of the empty envelope: given, or of a film of its area. [g]"""
+    """Return the mass of the empty envelope: given, or of a film of its area [g]."""
     if size.envelope is not None:
         if size.envelope >= size.mass:
             raise BadInput(

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Bearing to a beacon from a ring of photodiodes: the paper's weighted mean.
 

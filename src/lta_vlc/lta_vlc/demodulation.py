@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Demodulate a block of samples to each diode's peak and signal-to-noise ratio, as in the paper.
 

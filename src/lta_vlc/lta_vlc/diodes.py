@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Describe an arrangement of photodiodes as given by the vehicle file."""
 
 from collections.abc import Sequence
@@ -72,7 +74,7 @@ class DiodeArray:
 
     @property
     def ring(self) -> DiodeRing:
-        """The horizontal axes, for the paper's weighted mean."""
+        """Return the horizontal axes, for the paper's weighted mean."""
         return DiodeRing(
             tuple(axis[0] for axis in self.axes), tuple(axis[1] for axis in self.axes)
         )
@@ -121,7 +123,7 @@ def _normalize_axis(axis: Sequence[float]) -> Axis:
 
 
 def _place_on_sphere(axes: Sequence[Axis], radius: float) -> tuple[Axis, ...]:
-    """Return the places of diodes that look outwards from a sphere, less their mean. [m]"""
+    """Return the places of diodes that look outwards from a sphere, less their mean [m]."""
     # The model's origin is the middle of the diodes
     means = [sum(axis[k] for axis in axes) / len(axes) for k in range(3)]
     return tuple(

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Find the direction to a lamp and its position, by the fit of `lta_vlc.direction_fit`.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Fit of a direction to the diode readings: weighted least squares with priors.
 
@@ -197,7 +199,7 @@ def guess_direction(
 def rotate_direction(
     x: float, y: float, z: float, along: float, up: float
 ) -> tuple[float, float, float]:
-    """Return a unit vector after steps to its left and upwards. [rad]"""
+    """Return a unit vector after steps to its left and upwards [rad]."""
     # Straight up or down, left is undefined
     level = max(math.sqrt(x * x + y * y), 1e-9)
     a, b, c = (

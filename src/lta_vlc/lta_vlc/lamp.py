@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Estimate the lamp position in the body frame from one direction and a prior."""
 
 from dataclasses import dataclass
@@ -32,17 +34,17 @@ class Direction:
 
     @property
     def azimuth(self) -> float:
-        """Angle counter-clockwise from forward. [rad]"""
+        """Angle counter-clockwise from forward [rad]."""
         return math.atan2(self.y, self.x)
 
     @property
     def elevation(self) -> float:
-        """Angle above the plane of forward and left. [rad]"""
+        """Angle above the plane of forward and left [rad]."""
         return math.atan2(self.z, math.sqrt(self.x * self.x + self.y * self.y))
 
     @property
     def covariance(self) -> NDArray[np.float64]:
-        """Covariance of azimuth and elevation, shape (2, 2). [rad2]"""
+        """Covariance of azimuth and elevation, shape (2, 2) [rad2]."""
         cross = self.cross_variance
         return np.array([[self.azimuth_variance, cross], [cross, self.elevation_variance]])
 
@@ -81,7 +83,7 @@ class LampEstimate(NamedTuple):
 
 def estimate_range(direction: Direction, prior: LampPrior) -> tuple[float, float]:
     """
-    Return the distance to the lamp and its standard deviation. [m]
+    Return the distance to the lamp and its standard deviation [m].
 
     By the inverse square law if the lamp's strength was measured, else the prior.
     """

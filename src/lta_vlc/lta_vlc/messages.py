@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Convert between light data and ROS messages, and say what the health of the light is."""
 
 import array

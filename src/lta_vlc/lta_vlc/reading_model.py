@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Model of the photodiode readings of a lamp in a room, with priors on its unknowns.
 
@@ -97,7 +99,7 @@ class DirectionPrior(NamedTuple):
 
 
 def pedestal_unevenness(strength: float, pedestal: float) -> float:
-    """Return B, the size of the pedestal's harmonics. [counts]"""
+    """Return B, the size of the pedestal's harmonics [counts]."""
     # A fit may step to a negative pedestal
     diffuse = max(pedestal, 0.0) + LEAST_PEDESTAL * strength
     return diffuse * strength / (strength + DIFFUSE_MIXING * diffuse)

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Demodulate successive light blocks: their order, the beacons present, and their frequencies."""
 
 from collections.abc import Sequence
@@ -36,7 +38,7 @@ class FrequencyTracker:
     silent: int = 0  # blocks since it was last detected
 
     def update_frequency(self, frequency: float, reach: float) -> 'FrequencyTracker':
-        """Return the tracker after a detection; `reach` limits the deviation. [Hz]"""
+        """Return the tracker after a detection; `reach` limits the deviation [Hz]."""
         # First-order low pass
         error = self.error + FREQUENCY_GAIN * (frequency - self.nominal - self.error)
         return FrequencyTracker(self.nominal, min(max(error, -reach), reach))
@@ -51,7 +53,7 @@ def tracking_range(
     beacon: float, beacons: Sequence[float], flicker: Sequence[float], apart: float
 ) -> float:
     """
-    Return how far a beacon may be tracked without entering the bins of another. [Hz]
+    Return how far a beacon may be tracked without entering the bins of another [Hz].
 
     `apart` is half the width of the search range; `flicker` are the frequencies of mains lamps.
     """
@@ -98,7 +100,7 @@ class BlockSequence:
 
     def count_missing_blocks(self, stamp_ns: int) -> int:
         """
-        Return how many blocks are missing before the one whose first sample has this stamp. [ns]
+        Return how many blocks are missing before the one whose first sample has this stamp [ns].
 
         Raise `BadInput` if it is older than the newest one, or overlaps with it by more than half.
         """

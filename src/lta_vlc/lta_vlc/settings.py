@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Define the settings of the demodulation."""
 
 from typing import Annotated
@@ -37,5 +39,5 @@ class DemodulationSettings(Settings):
 
     @property
     def beacons(self) -> tuple[float, ...]:
-        """The frequencies of all beacons, the first one first. [Hz]"""
+        """Return the frequencies of all beacons, the first one first [Hz]."""
         return (self.frequency, *self.others)

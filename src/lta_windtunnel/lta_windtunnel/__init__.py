@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Virtual wind tunnel: compute a vehicle's drag and rotor wrenches from its shape.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Fit drag, rotor columns and coupling to a raw sweep, and collect its warnings.
 
@@ -239,7 +241,7 @@ def sum_processor_time(sweep: TunnelSweep) -> float:
 
 
 def interpolate_estimate(sweep: TunnelSweep, axis: Axis, speed: float) -> float:
-    """Interpolate the estimate by hand for an axis at a speed. [N or N m]"""
+    """Interpolate the estimate by hand for an axis at a speed [N or N m]."""
     points = sweep.by_hand[axis]
     # Drag is close to a power law, which is a straight line in logarithms
     speeds = np.log([point.speed for point in points])
@@ -277,7 +279,7 @@ class InclinedFlow:
 
     @property
     def lost(self) -> float:
-        """Return the missing share of the Munk moment. [1]"""
+        """Return the missing share of the Munk moment [1]."""
         return 1.0 - self.point.moment[1] / self.munk
 
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Format the aero file of a raw sweep."""
 
 from collections.abc import Callable, Sequence

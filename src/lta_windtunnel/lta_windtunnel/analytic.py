@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Estimate by hand: drag by Hoerner, plates and discs, and the pressure of potential flow.
 
@@ -43,7 +45,7 @@ PLATE: Final = 1.17  # square plate across the flow (Aeronautical Engineer's Dat
 
 def hull_drag_coefficient(along: float, across: float, speed: float, viscosity: float) -> float:
     """
-    Return the drag coefficient of a hull relative to its frontal area. [1]
+    Return the drag coefficient of a hull relative to its frontal area [1].
 
     `along` and `across` are its sizes, of two unequal ones across the smaller [m]; `speed` is in
     m/s and `viscosity` kinematic [m2/s].
@@ -119,7 +121,7 @@ def _box_damping(model: TunnelModel, axis: int, density: float) -> float:
 
 def pressure_coefficient(normals: Array, along: int, share: float) -> Array:
     """
-    Return the pressure over the dynamic pressure of the stream. [1]
+    Return the pressure over the dynamic pressure of the stream [1].
 
     `normals`: unit normals of the surface. `along`: 0, 1, 2 for a stream along x, y, z. `share`:
     added mass along it over the displaced mass [1].
@@ -140,7 +142,7 @@ def pressure_extremes(
     shape: HullBlock, along: int, speed: float, density: float
 ) -> tuple[float, float]:
     """
-    Return the lowest and the highest pressure on a hull in flight along an axis. [Pa]
+    Return the lowest and the highest pressure on a hull in flight along an axis [Pa].
 
     A balloon counts as the spheroid of its diameter and height. Speed in m/s, density in kg/m3.
     """

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Sample the fields of a solved flow: pressure on the bodies, and the velocity in a plane."""
 
 from dataclasses import dataclass

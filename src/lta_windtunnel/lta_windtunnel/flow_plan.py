@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Plan the flows of a sweep for a fidelity."""
 
 from collections.abc import Iterator, Mapping, Sequence

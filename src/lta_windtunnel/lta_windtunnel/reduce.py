@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Reduce solved cases to mean forces and moments, in body axes and SI units."""
 
 from collections.abc import Iterable, Mapping
@@ -161,7 +163,7 @@ class SolvedFlow:
         }
 
     def mean_outflow(self, begin: str, patches: tuple[str, ...]) -> Array:
-        """Return the mean momentum and pressure flux out of the domain, at 1 kg/m3. [N]"""
+        """Return the mean momentum and pressure flux out of the domain, at 1 kg/m3 [N]."""
         total: Array = (
             read_forces(self.place, 'outer', begin).select(LAST_ITERATIONS).force.mean(axis=0)
         )
@@ -240,7 +242,7 @@ def summarize_transient_wind(
 
 def standard_error(values: Array, weights: Array, batch: float) -> float:
     """
-    Return the standard error of the mean of a history, relative to its mean. [1]
+    Return the standard error of the mean of a history, relative to its mean [1].
 
     Uses overlapping batch means (Meketon and Schmeiser 1984), because neighbouring values are
     correlated.
@@ -294,7 +296,7 @@ def _build_wind_point(
 
 
 def summarize_rotation(flow: SolvedFlow, about: str, step: ProgramStep, rate: float) -> SweepPoint:
-    """Return the result of one rate of rotation. [rad/s]"""
+    """Return the result of one rate of rotation [rad/s]."""
     axis = np.array(SPIN_AXES[about])
     bodies = flow.read_bodies(step.begin)
     moments = _total_moment(bodies)

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Build hull surfaces, or read those of a user in metres; they must enclose a volume."""
 
 from pathlib import Path
@@ -24,7 +26,7 @@ Z_TURNED_TO: Final = {  # z to x, and z to y
 
 def mylar_profile(points: int = PROFILE_POINTS) -> Array:
     """
-    Return the upper half of a full mylar balloon of radius 1: radius and height, (points, 2). [1]
+    Return the upper half of a full mylar balloon of radius 1: radius and height, (points, 2) [1].
 
     Points are denser towards the rim, where the curve is steep.
     """
@@ -36,7 +38,7 @@ def mylar_profile(points: int = PROFILE_POINTS) -> Array:
 
 
 def ellipse_profile(points: int = PROFILE_POINTS) -> Array:
-    """Return a quarter of a unit circle, from pole to rim, as `mylar_profile`. [1]"""
+    """Return a quarter of a unit circle, from pole to rim, as `mylar_profile` [1]."""
     angle = np.linspace(0.0, 0.5 * np.pi, points)
     return np.column_stack((np.sin(angle), np.cos(angle)))
 
@@ -61,7 +63,7 @@ def revolve_profile(half: Array, radius: float, height: float) -> trimesh.Trimes
 
 def build_hull_surface(hull: HullBlock) -> trimesh.Trimesh:
     """
-    Return the surface of a hull about its centre, body axes. [m]
+    Return the surface of a hull about its centre, body axes [m].
 
     Raise `BadInput` if the vehicle has no hull.
     """
@@ -84,7 +86,7 @@ MAX_SIZE, MIN_SIZE = 30.0, 2e-3  # m; size limits of a drone's part
 
 def read_stl(path: Path, unit: str) -> trimesh.Trimesh:
     """
-    Read the closed surface in an STL file, binary or text. [m]
+    Read the closed surface in an STL file, binary or text [m].
 
     `unit`: unit of the file, which the format does not store: 'm', 'cm', 'mm'. Raise `BadInput` if
     it cannot be read, is open, has mixed normals, or has the size of another unit.

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Solve a whole sweep in parallel threads, each running a program on one core.
 
@@ -150,7 +152,7 @@ ESTIMATE_QUALITY: Final = FlowQuality(spread=0.0, window=0.0, cells=0, seconds=0
 
 
 def check_memory(flows: Sequence[TunnelFlow], jobs: int, limit: float) -> None:
-    """Raise `BadInput` before any work if the meshes would exceed a limit. [bytes]"""
+    """Raise `BadInput` before any work if the meshes would exceed a limit [bytes]."""
     largest = max((flow.case.cells for flow in flows), default=0)
     # Worst case: all jobs mesh the largest case at once
     need = largest * BYTES_A_CELL * jobs

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Build cases in a box of still air: running rotors, and a rotating vehicle.
 
@@ -78,7 +80,7 @@ def build_still_air_mesh(model: TunnelModel) -> FoamCase:
 
 
 def _cylinder_ends(rotor: RotorDisk, half: float) -> list[list[float]]:
-    """Return the ends of a cylinder about a rotor's axis, from its half length. [m]"""
+    """Return the ends of a cylinder about a rotor's axis, from its half length [m]."""
     reach = half * np.array(rotor.axis)
     return [(np.array(rotor.place) + sign * reach).tolist() for sign in (-1.0, 1.0)]
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Define the raw sweep: the result of each flow, in SI units and body axes about the hull centre.
 
@@ -36,7 +38,7 @@ class FlowQuality(StrictModel):
 
 
 class SweepPoint(StrictModel):
-    """Aerodynamic wrench on the vehicle at one speed [m/s] or rate [rad/s]. [N, N m]"""
+    """Aerodynamic wrench on the vehicle at one speed [m/s] or rate [rad/s] [N, N m]."""
 
     speed: Annotated[float, Field(gt=0.0)]
     force: Vector
@@ -48,7 +50,7 @@ class SweepPoint(StrictModel):
 
 class SurfacePressure(StrictModel):
     """
-    Pressure on a body relative to the far field. [Pa]
+    Pressure on a body relative to the far field [Pa].
 
     least, most: extremes over its faces, with their positions [m]; below: map seen from below,
     rows along y from the lowest, columns along x, None outside the body, empty if no map was
@@ -65,7 +67,7 @@ class SurfacePressure(StrictModel):
 
 class Blow(StrictModel):
     """
-    Net wrench with some rotors running, including their own thrust. [N, N m]
+    Net wrench with some rotors running, including their own thrust [N, N m].
 
     pressed: pressure of their jets on each body; missing in older sweeps.
     """

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Compute the columns of B from flows with running rotors, and the coupling of their jets.
 
@@ -122,7 +124,7 @@ def find_rotor_column(
 
 
 def sum_columns(sweep: TunnelSweep, shares: Mapping[str, float]) -> Array | None:
-    """Return the sum of a pattern's columns, or None if one is missing. [N, N m]"""
+    """Return the sum of a pattern's columns, or None if one is missing [N, N m]."""
     total = np.zeros(6)
     for name, share in shares.items():
         column = find_rotor_column(sweep, name, share < 0.0)
@@ -146,7 +148,7 @@ def compute_jet_coupling(sweep: TunnelSweep) -> JetCoupling | None:
 
 def linearity_ratio(sweep: TunnelSweep, pattern: str) -> float | None:
     """
-    Return the wrench at part thrust over its share of that at full thrust. [1]
+    Return the wrench at part thrust over its share of that at full thrust [1].
 
     1 where the wrench is linear in thrust; None if `<pattern>_quarter` was not solved.
     """

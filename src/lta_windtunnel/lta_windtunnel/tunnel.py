@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Build the cases of the wind tunnel: air along the tunnel's x, the vehicle rotated into it.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Define the model in the wind tunnel: closed surfaces by name, and the rotor disks."""
 
 from collections.abc import Mapping, Sequence
@@ -78,11 +80,11 @@ class TunnelModel:
 
     @property
     def length(self) -> float:
-        """Largest dimension of the hull, to which the tunnel is scaled. [m]"""
+        """Largest dimension of the hull, to which the tunnel is scaled [m]."""
         return float(np.max(self.hull.extents))
 
     def frontal_area(self, axis: int) -> float:
-        """Return the projected area of a convex hull along an axis. [m2]"""
+        """Return the projected area of a convex hull along an axis [m2]."""
         # Front and back faces both project onto the shadow, hence the half
         return 0.5 * float(np.abs(self.hull.area_faces * self.hull.face_normals[:, axis]).sum())
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Messages with random content, serialised without ROS; an event without a thread."""
 
 from lta_bridge.bag.schemas import load_jazzy_types

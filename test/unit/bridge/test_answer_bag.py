@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What nodes answer in a replay is safe soon, and a full disk is said once."""
 
 import errno

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A slow, full or broken disk: nobody waits for it, and what is missing is known."""
 
 from collections import Counter

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What the recorder writes is what independent readers read: rosbags and mcap-ros2."""
 
 import struct

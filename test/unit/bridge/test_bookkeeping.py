@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Log time and losses by hand, and what nonsense does to them."""
 
 from itertools import count

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Messages of rclpy in a bag: what rosbags writes is read by ROS, and written as it was by us."""
 
 from lta_bridge.bag.schemas import encode_message

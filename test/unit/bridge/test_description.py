@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The URDF of every shipped vehicle: frames, mass and hull by what the vehicle file says."""
 
 import itertools

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What is drawn of vehicle and room by hand calculation, and turns by scipy."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Whatever comes on the light board's link, from the board or in its name, is survived."""
 
 from types import SimpleNamespace

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Whose a message is, when it was, and what is told of those that are missing."""
 
 from collections import Counter

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What is played from a bag: whose topics, in which order, and which section."""
 
 from itertools import pairwise
@@ -90,7 +92,7 @@ def test_a_section_begins_and_ends_by_the_bag_s_clock(tmp_path):
 
 @pytest.fixture
 def wall(monkeypatch):
-    """Return a clock that a test sets. [s]"""
+    """Return a clock that a test sets [s]."""
     clock = SimpleNamespace(now=100.0)
     fake = SimpleNamespace(monotonic=lambda: clock.now)
     monkeypatch.setattr(message_iterator, 'time', fake)

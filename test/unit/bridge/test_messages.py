@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What discovery tells of publishers, as a bag tells it."""
 
 from lta_bridge.bag import build_offered_qos

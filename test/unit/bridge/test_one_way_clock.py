@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A device clock from arrival times alone: the line below the fastest messages."""
 
 from lta_bridge.one_way_clock import OneWayClock
@@ -5,7 +7,7 @@ import pytest
 
 
 def heard(clock, *pairs):
-    """Feed pairs of device time and arrival time; return the last stamp. [ns]"""
+    """Feed pairs of device time and arrival time; return the last stamp [ns]."""
     return [clock.stamp_arrival(device, arrival) for device, arrival in pairs][-1]
 
 

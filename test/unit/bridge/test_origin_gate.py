@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Who may look at a live view: programs, Foxglove and pages of this machine, but no other page."""
 
 from collections.abc import Iterator

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 A replay in lockstep cannot stand still, and repeats itself, whatever the recording lacks.
 

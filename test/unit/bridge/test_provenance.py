@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What a bag says of its origin is enough to make the flight again."""
 
 from pathlib import Path

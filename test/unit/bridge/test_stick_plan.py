@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What the pilot's sticks do, and that a gamepad with these axes is read as those sticks."""
 
 from itertools import islice

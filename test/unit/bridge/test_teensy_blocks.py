@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Whole blocks out of numbered rows, and what is lost."""
 
 from hypothesis import given, settings

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The board's clock: offset and drift out of delayed answers."""
 
 from copy import deepcopy

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The light board's messages, as pymavlink's generator writes them from our XML."""
 
 import os

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Frames out of torn, false, foreign and malformed bytes."""
 
 from collections import Counter

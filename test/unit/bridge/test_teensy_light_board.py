@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The light board through the bridge's core: light in, the same light out in our time."""
 
 from frame_faults import FrameFaults

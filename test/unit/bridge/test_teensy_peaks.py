@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Peaks that the board finds, beside what a demodulator makes of the same samples."""
 
 from light_frames import build_frame

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The link itself: ports, what cannot be opened, and a cable that is pulled and put back."""
 
 import os

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """When a link that is gone is opened again, and that none is left open: without a thread."""
 
 from types import SimpleNamespace

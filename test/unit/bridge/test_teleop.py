@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Gamepads, keyboards and Joy messages as sticks, and what a full deflection does."""
 
 import os

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The tracker's core: poses chained, sieved, dated, and their motion, against hand calculation."""
 
 import math
@@ -105,7 +107,7 @@ def test_rates_are_about_the_body_s_own_axes():
 
 
 def test_deviations_say_what_noise_does():
-    """Deviations of places and velocities are those that repeated noise makes. [1 mm, 100 Hz]"""
+    """Deviations of places and velocities are those that repeated noise makes [1 mm, 100 Hz]."""
     rng = np.random.default_rng(1)
     found = [
         estimate_motion(

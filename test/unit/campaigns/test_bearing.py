@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Scoring bearings: poses, scores by hand, and both estimators through the whole chain."""
 
 from argparse import Namespace

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Names that are one to a kind of data: by hand, and as they are frozen."""
 
 from campaigns.class_derivation import (

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Cases of the independent simulator are drawn from seed, number and kind alone."""
 
 import ast

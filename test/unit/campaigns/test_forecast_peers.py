@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The two peers of `make campaign forecasts` on flights that are integrated exactly."""
 
 from campaigns import forecast_peers as peers
@@ -63,7 +65,7 @@ def taught():
 
 
 def forecasts(flight):
-    """Return starts of a held-out flight, the truth 3 s ahead, and the error of lines. [m]"""
+    """Return starts of a held-out flight, the truth 3 s ahead, and the error of lines [m]."""
     flown = peers.Flown(flight)
     starts = peers.Starts([flown], [flown.list_starts(1.5)])
     truth = starts.truth(3.0)[:, :3]

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What spoils messages, flies without end, and sees a leak or a lost message."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Every campaign starts, parses its arguments and makes its table; what is quick runs whole."""
 
 import shlex

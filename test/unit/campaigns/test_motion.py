@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The independent simulator moves as hand calculations say."""
 
 from dataclasses import replace

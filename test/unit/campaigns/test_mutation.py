@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """`make campaign mutation`: what is changed, where, and what becomes of a toy."""
 
 import ast

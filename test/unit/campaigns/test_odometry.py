@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The covariances of `odom` and `airspeed` in whole flights; docs/control.md has the table."""
 
 from campaigns import odometry

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The independent simulator's sensors read what hand calculations say, stamped as labs do."""
 
 from dataclasses import replace

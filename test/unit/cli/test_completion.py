@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A shell asks how a line goes on, by the protocol of Typer."""
 
 import shlex

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Every example runs; those that take a flight or a tunnel are tested beside these."""
 
 from pathlib import Path

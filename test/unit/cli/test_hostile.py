@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Whatever a bag carries, it is read or refused in one sentence; it never brings Python down."""
 
 from lta_config.errors import BadInput

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What `lta launch` prints of the lines of its nodes, and its exit status."""
 
 from pathlib import Path

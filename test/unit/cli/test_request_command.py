@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A request as a command and as a function of Python: options, folders, resume and messages."""
 
 import inspect

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """`lta run` starts an executable of a package, or somebody's own Python file."""
 
 import sys

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Too few open files, too little memory, and arithmetic on damaged data: what the user sees."""
 
 import errno

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What `lta` does where rclpy is not installed, as in an environment that has the wheel alone."""
 
 import subprocess

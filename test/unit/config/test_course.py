@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Courses: what they ask for when, and how they shake the motors."""
 
 import math

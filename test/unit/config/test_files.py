@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Strict files: whatever stands in one, it is read exactly or refused in one sentence."""
 
 import contextlib

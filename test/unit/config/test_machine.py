@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The cache folder: where XDG says, or a private one among the temporary files."""
 
 from pathlib import Path

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Manoeuvres and comparisons: what they ask for when."""
 
 from lta_config.files import list_shipped_names

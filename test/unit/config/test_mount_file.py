@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Mount files: what they carry, and what becomes of a vehicle file."""
 
 from lta_config.files import find_file, list_shipped_names, load_yaml

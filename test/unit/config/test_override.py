@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Single parameters of files, replaced by path: found, and of the right kind and unit."""
 
 from lta_config.errors import BadInput

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Ranges of what is assumed: their form, their draws, and that no assumed number lacks one."""
 
 from lta_config.files import find_file, list_shipped_names, load_yaml, validate_content

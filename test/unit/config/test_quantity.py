@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Quantities: units against their definitions, and one sentence for each way to get one wrong."""
 
 import math

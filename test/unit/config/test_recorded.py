@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What is recorded: by the table, by name, and everything."""
 
 from lta_config.errors import BadInput

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The topic table: what is due when, against counting message by message."""
 
 from hypothesis import given

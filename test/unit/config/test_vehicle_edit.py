@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Values go into a vehicle file without disturbing the rest of it."""
 
 import difflib

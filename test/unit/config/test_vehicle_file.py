@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The vehicle file: it says where every number is from, and diodes look anywhere."""
 
 from lta_config.files import find_file, list_shipped_names, load_yaml

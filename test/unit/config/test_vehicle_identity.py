@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The hashes by which boards and vehicle files recognize each other."""
 
 from lta_config.schema.crazyflie_file import hash_airframe, hash_diodes, load_crazyflie

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A file is whole or not there, and what was there before stays until the new one is."""
 
 import os

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Gains in round numbers, for calculations by hand; no vehicle's."""
 
 from lta_control.cascade import CascadeGains

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Airspeed: steady state by the drag model, and why the accelerometer alone will not do."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Allocation on GT-MAB: exact where it can be, and what gives way first where it cannot."""
 
 from lta_control.allocation import (

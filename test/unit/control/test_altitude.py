@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The altitude filter against matrices, and its honesty against noise that is what it believes."""
 
 from lta_control.altitude import AltitudeEstimate, correct_altitude, predict_altitude

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The attitude filter against exact rotations, and what gravity may correct."""
 
 import math

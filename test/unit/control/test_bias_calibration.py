@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Sensor biases learned at rest, and the limits beyond which a drone is not at rest."""
 
 import math

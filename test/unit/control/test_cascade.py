@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The cascade: signs, limits, feed-forward and the course of a hull without a keel."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A flight by commands: each task, how each may end, and what the drone does then."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The strategies compile as they stand: numba gives what Python gives, to the last bit.
 

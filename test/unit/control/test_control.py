@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """One step of control: cascade, allocation and duty in a chain, and the shortfall back."""
 
 from lta_control.allocation import create_working_array, NO_ROTORS

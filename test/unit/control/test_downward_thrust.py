@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A balloon whose lift has grown is held and landed by rotors that push down."""
 
 from lta_config.files import list_shipped_names

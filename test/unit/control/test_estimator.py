@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The estimator: what it learns at rest, what it leaves out, and that it cannot see the truth."""
 
 import math

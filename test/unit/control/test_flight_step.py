@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The rules of a flight in one step, and what keeps the motors off."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The shipped gains say everything."""
 
 from lta_config.files import find_file, load_yaml

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The filter of the motion over ground, by hand calculations and by a simulation of its own."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Guidance after each light block: mission or course, by what is known of motion and energy."""
 
 from lta_config.course import Course

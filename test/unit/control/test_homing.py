@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Homing on lights made by hand: it follows what fits, waits, searches, arrives."""
 
 import itertools

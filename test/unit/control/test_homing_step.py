@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Single steps of homing, by hand: which sights fit, dead reckoning, loss of light, course."""
 
 import math

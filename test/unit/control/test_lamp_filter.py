@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The filter of lamp and drift: against matrices in numpy, and on flights made by hand."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Each law once more, from its docstring: with vectors of numpy and turns of scipy.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Control laws by name: they hold a vehicle by its trim, and refuse what they cannot fly."""
 
 import math
@@ -51,7 +53,7 @@ def once(made, constants, motion, setpoint):
 
 
 def thrusts(vehicle, duties):
-    """Return thrusts along the forward columns, by hand. [N]"""
+    """Return thrusts along the forward columns, by hand [N]."""
     found = []
     for rotor, duty in zip(vehicle.rotors, duties, strict=False):
         size = rotor.a * duty * duty + rotor.b * abs(duty)

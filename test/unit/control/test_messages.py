@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Estimates and setpoints as ROS messages: frames, signs, and what is unknown."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """One PID loop: each term by hand, and that neither kind of saturation winds it up."""
 
 from typing import NamedTuple

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The stop of laws that are not the cascade, by estimate and by tracker."""
 
 import math

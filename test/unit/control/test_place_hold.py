@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The hold of a place: where the nose turns, how fast, and which places are refused."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The reserve obeyed: what the navigator believes, and landing, returning and perching on it."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A mission along a route: it hands over when the next lamp is heard, and stays when it is not."""
 
 from lta_config.errors import BadInput

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A strategy from the user's own file: the example flies, and what is no strategy is refused."""
 
 from dataclasses import replace

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Tracked poses and the estimate: the same way in both frames, and what holds after a loss."""
 
 import math

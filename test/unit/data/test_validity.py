@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A flight outside the region that the numbers of its vehicle file were fitted to is reported."""
 
 from lta_config.files import find_file, parse_yaml

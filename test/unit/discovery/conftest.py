@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """One clean flight for all tests that only look."""
 
 from lta_discovery.flights.measured_flight import resample_flight

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Bags in which something is hidden, flown once for all tests that read them."""
 
 from pathlib import Path

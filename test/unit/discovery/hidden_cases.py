@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What is hidden in flights of a GT-MAB: changes of its file, by the name that is to be found."""
 
 import numpy as np

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Flights in which something is hidden: flown in process, with dither, seen by a noisy tracker."""
 
 from collections.abc import Mapping

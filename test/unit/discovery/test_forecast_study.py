@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A vehicle file, judged by forecasts: `lta simulate --commands --forecasts`."""
 
 from collections.abc import Mapping

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A study names what is missing and says what it is worth; its conclusion follows from both."""
 
 from collections.abc import Sequence

@@ -1,5 +1,7 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
-The load of one flight: what `lta simulate --seed 3` drew from its cell, every 0.1 s. [W]
+The load of one flight: what `lta simulate --seed 3` drew from its cell, every 0.1 s [W].
 
 `python test/unit/energy/flight_load.py --write` stores it anew; the figures in docs/energy.md are
 those of the load that is stored.
@@ -15,7 +17,7 @@ PERIOD = 0.1  # s
 
 
 def flown():
-    """Return the power of a flight, rest and take-off included. [W]"""
+    """Return the power of a flight, rest and take-off included [W]."""
     from lta_flight.flight_spec import build_loop, load_spec
 
     loop = build_loop(load_spec('gtmab', 'lamp_room', 'bag', ''), 3)

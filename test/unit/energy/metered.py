@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 A cell of one's own behind the simulator's meters, for the monitor to look at.
 
@@ -90,7 +92,7 @@ class Metered:
         )
 
     def lasts(self):
-        """Return how long it goes on until it is empty. [s]"""
+        """Return how long it goes on until it is empty [s]."""
         begun = self.stamp
         while self.charge > 0.0:
             self.step()

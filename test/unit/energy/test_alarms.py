@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The texts of energy alarms, and the initial values."""
 
 from dataclasses import astuple, replace

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The cell: its curve, its drop, its relaxation, its age, and that no energy gets lost."""
 
 from hypothesis import given

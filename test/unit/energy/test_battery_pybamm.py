@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The cell against PyBaMM's Thevenin circuit, where PyBaMM is installed (requirements-pybamm.txt).
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Where light and load break even: by the law of lux, and against the array itself."""
 
 import math

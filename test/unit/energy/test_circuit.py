@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Cell, panel and loads in one step: the books balance whatever happens."""
 
 from hypothesis import given

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Each detector of bad readings by itself: its limits, and how long it must see and not see.
 

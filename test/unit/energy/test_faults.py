@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Bad readings: each fault is put into a clean series and must be named; no other may be."""
 
 from dataclasses import replace

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The monitor over cells of unknown charge that feed flights, through the simulator's meters.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What a mission remembers and passes to a schedule, step by step under a constant light."""
 
 import math

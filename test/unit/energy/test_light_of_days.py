@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The light of days: sun by hand, clouds by their law, lamps by their timers."""
 
 import dataclasses

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What goes out, by hand, against the paper and against every row of Bitcraze's bench."""
 
 from hypothesis import given

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A mission over days with flights that cost what the test says: schedules, books, failures."""
 
 from dataclasses import replace

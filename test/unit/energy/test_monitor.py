@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The monitor: one reading through filter, books, way home and reserve; what it says of it."""
 
 from dataclasses import replace

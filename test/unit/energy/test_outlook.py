@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Times, way home and reserve: by hand, and their deviations by chance."""
 
 import math

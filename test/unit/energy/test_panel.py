@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The array: the data sheet comes back, pvlib says the same, strings add up."""
 
 import math

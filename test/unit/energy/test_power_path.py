@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The power path: losses by hand, charging to the end, brown-out, and books that balance."""
 
 from hypothesis import given

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The filter of one cell: by hand where one number decides, against numpy's algebra elsewhere."""
 
 import math

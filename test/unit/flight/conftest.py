@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Batches of flights, as Python and compiled."""
 
 from lta_flight.batch import fly

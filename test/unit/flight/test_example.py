@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The example for notebooks runs as the page shows it, and its figures are right."""
 
 from pathlib import Path
@@ -31,7 +33,7 @@ def flight(tmp_path_factory):
 
 
 def forward(bag, topic):
-    """Return the forward speeds of a topic by stamp, as rosbags decodes them. [ns, m/s]"""
+    """Return the forward speeds of a topic by stamp, as rosbags decodes them [ns, m/s]."""
     with AnyReader([bag]) as reader:
         connections = [each for each in reader.connections if each.topic == topic]
         messages = [

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """How a flight went is the simulator's own last word, whatever /diagnostics carried."""
 
 from lta_flight.flight import describe_line, FLIGHT, parse_final_status, show_status

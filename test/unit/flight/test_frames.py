@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The frames in the bag of a simulated flight: one tree, whose root is the map."""
 
 from xml.etree import ElementTree

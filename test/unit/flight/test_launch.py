@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """To whom `lta launch` hands a launch file, and what names whom."""
 
 from lta_bridge.crazyflie.safety import LEAVE

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A scene whose lamp the drone does not listen for is refused before it flies."""
 
 from dataclasses import replace

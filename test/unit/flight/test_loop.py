@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Whole flights in one process: they reach the lamp in good order, step by step as the graph."""
 
 from dataclasses import dataclass, replace

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The closed loop with a small cell whose reserve is reached on the way to the lamp."""
 
 from dataclasses import replace
@@ -16,7 +18,7 @@ SMALL = {
 
 
 def fly(made_of, seconds):
-    """Return a flight, its phases, all faults, and how far it was at the last phase. [m]"""
+    """Return a flight, its phases, all faults, and how far it was at the last phase [m]."""
     loop, phases, named, there = build_loop(made_of, 3), [], set(), 0.0
     for _ in loop.iterate_steps():
         if loop.mission.phase not in phases:
@@ -43,7 +45,7 @@ def failing(scenario, **faults):
 
 
 def away(loop):
-    """Return the true distance from where it started. [m]"""
+    """Return the true distance from where it started [m]."""
     x, y = loop.world.scenario.start.position.vector
     return math.hypot(loop.world.state[0] - x, loop.world.state[1] - y)
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What a notebook may pass to `lta_analysis`: numbers of numpy and paths; a word is refused."""
 
 import lta_analysis

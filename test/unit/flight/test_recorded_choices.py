@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A recording sets numbers and chooses names that LTA ships; never a path, a module or a word."""
 
 from contextlib import suppress

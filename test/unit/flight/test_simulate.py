@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A flight in this process: its figures are those of its bag, and its changes are kept."""
 
 import json

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Only the bag of a flight that never began is removed."""
 
 from lta_bridge.bag.writer import BagWriter

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Who only looks at a graph, where people can look on, and `lta fly --live`."""
 
 from dataclasses import replace

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """How old a stamp is: what lies far ahead is as old as what never came."""
 
 import math

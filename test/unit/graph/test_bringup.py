@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The launch files of lta_bringup are the shipped launches, for `ros2 launch`."""
 
 from pathlib import Path

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Each fault and its end get a line, whatever the node does; one that flaps is counted."""
 
 from lta_graph.health import (

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Launches as people call them: names, arguments, files of their own, and the command lines."""
 
 from pathlib import Path

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Supervision of real, tiny processes: they get what they need, and every end is named."""
 
 import os

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Ctrl-C while the launcher looks for ends: it waits its turn, and is never lost."""
 
 import os

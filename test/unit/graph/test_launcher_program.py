@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A launcher in a process of its own: Ctrl-C ends all in order, and its death takes all along."""
 
 import os

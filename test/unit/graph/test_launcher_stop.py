@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A stop of real, tiny processes: signals come in order, and nothing is left."""
 
 import signal

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Whose voice is whose on /diagnostics, and when silence means something."""
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Laws of the inbox: in lockstep the order in which DDS mixes topics changes nothing."""
 
 from dataclasses import dataclass
@@ -16,7 +18,7 @@ LENGTH = 400 * MS  # of every stream: four light blocks
 
 
 def nth(name: str, index: int) -> int:
-    """Return the stamp of a periodic topic's message, counted from 0. [ns]"""
+    """Return the stamp of a periodic topic's message, counted from 0 [ns]."""
     return START + index * TABLE[name].period_ns
 
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Messages meet the partner with their stamp, or for a while the last one."""
 
 from types import SimpleNamespace

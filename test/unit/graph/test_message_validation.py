@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What is called a message that cannot be meant, and how much of it is told."""
 
 import math

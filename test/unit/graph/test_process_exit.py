@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A process ends at once, with its words said and its last duties done."""
 
 import subprocess

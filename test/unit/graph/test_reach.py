@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Which settings open the graph to the network, and that the nodes say so, once."""
 
 from lta_graph.health import HealthLevel

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Who holds several robots up: the one that somebody waits for and that does not wait itself."""
 
 from lta_graph.health import find_stalling_roles, HealthFact, HealthLevel

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What a tap asks for: as much as all publishers offer, and no more than it wants."""
 
 from itertools import product

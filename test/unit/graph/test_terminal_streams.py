@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What is written to a terminal has no control characters, and what nobody reads is dropped."""
 
 import io

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Tiny processes for a launcher to supervise."""
 
 from dataclasses import replace

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A cluster of other versions is refused in one sentence, and never listens without encryption."""
 
 import subprocess

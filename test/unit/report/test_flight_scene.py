@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The data of the 3-D view: tracks at common times, and their encoding."""
 
 import base64

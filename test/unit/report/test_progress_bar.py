@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Progress without a terminal: a line now and then, with the time left."""
 
 import io

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Tests of reports: what a page and a terminal show of one declaration."""
 
 from html.parser import HTMLParser

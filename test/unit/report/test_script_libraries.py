@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The JavaScript libraries that pages contain: complete, with their licences, and small."""
 
 import base64

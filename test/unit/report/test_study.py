@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A study resumes from its store, and its results do not depend on the order of its workers."""
 
 from dataclasses import dataclass, replace

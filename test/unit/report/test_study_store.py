@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A store of long work outlives whoever writes it, and is never mixed up or thrown away."""
 
 from lta_config.errors import BadInput

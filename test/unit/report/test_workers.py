@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Workers finish every item even if some of them die, and none outlives the command."""
 
 from functools import partial

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The sandbox in which the tests of a file run commands, one for each file."""
 
 import pytest

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Hostile logs for `lta import`: each function writes one into a folder and returns its path."""
 
 import bz2

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What a browser would make of a page: its elements, its scripts, the texts of its pictures."""
 
 import base64

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 A place in which `lta` meets hostile files: bounded, and watched for what it leaves behind.
 

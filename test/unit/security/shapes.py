@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Hostile shapes for the wind tunnel: each function writes a tunnel file and returns its path."""
 
 import os

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Files of strangers: whatever is in them, a command ends with one sentence and leaves nothing.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Pages made of strangers' bags and files: whatever stands in them is words on the page."""
 
 from dataclasses import replace

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Recordings whose clock was set: no command takes memory or time for what lies between."""
 
 from lta_bridge.bag import BagWriter

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Code that a recording names is not run by any command that reads the recording."""
 
 from lta_config.files import find_file

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Hostile texts of YAML: each function writes one into a folder and returns its path."""
 
 from pathlib import Path

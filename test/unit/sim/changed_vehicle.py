@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """GT-MAB's file with something changed, for tests of what follows from a vehicle file."""
 
 import copy

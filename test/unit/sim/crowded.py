@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Random vehicles with every effect of the model on, and random states in which each effect works.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Simple light for tests: a room's whole echo the same everywhere, and blocks of given light."""
 
 from lta_model.light.field import PlaneIlluminance

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A flat foil balloon of 1 m with four rotors, to test the model on: numbers, not a claim."""
 
 from lta_model.effects import initial_memory

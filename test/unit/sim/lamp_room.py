@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Worlds of the shipped vehicle in the shipped room, with other numbers where wanted."""
 
 import copy

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A motion to look at single effects with: at rest, level, in calm and dark, unless told else."""
 
 from lta_model.effects.protocol import VehicleMotion

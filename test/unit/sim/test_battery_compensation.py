@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What the firmware of a Crazyflie makes of a duty at the present voltage of its battery."""
 
 from itertools import pairwise
@@ -35,7 +37,7 @@ def pwm(duty, volts=NOMINAL, which='2.1+', nominal=NOMINAL):
 
 
 def cubic(mean, which='2.1+'):
-    """Return the thrust at a mean voltage of a motor. [N]"""
+    """Return the thrust at a mean voltage of a motor [N]."""
     _, _, c_0, c_1, c_2, c_3 = FIRMWARE[which]
     return c_0 + c_1 * mean + c_2 * mean**2 + c_3 * mean**3
 
@@ -135,7 +137,7 @@ def declared(nominal=NOMINAL):
 
 
 def thrust_of(vehicle, duty, volts):
-    """Return the thrust of the first rotor after half a second of a duty. [N]"""
+    """Return the thrust of the first rotor after half a second of a duty [N]."""
     model, command = vehicle.build_model(), vehicle.pack_command((duty,) * 4)
     start = pack_state((0.0, 0.0, 2.0), memory=initial_memory())
     late = advance(start, model, command, around(volts), 2.5e-3, 200)

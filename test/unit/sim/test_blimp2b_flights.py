@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Blimp2b (Zufferey 2006) by kernel flights: where its published numbers say it settles."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Walls, ceiling and floor as the hull and its rotors feel them, by hand."""
 
 import math

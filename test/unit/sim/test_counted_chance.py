@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Counted chance is Threefry's, the same compiled, and what comes out of it is as declared."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """With the same deviates the counted sensors read what the sensors read, and hear what they do."""
 
 import math

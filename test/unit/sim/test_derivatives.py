@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Analytic against finite differences: rates against flights, power against energy."""
 
 from lta_model.effects import EFFECTS

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Values of lift and balance effects by hand and by quadrature, and what may be an effect."""
 
 from itertools import pairwise

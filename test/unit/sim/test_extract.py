@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What a function uses comes with its text, or is refused."""
 
 from importlib.util import module_from_spec, spec_from_file_location

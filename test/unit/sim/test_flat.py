@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Nests of tuples as flat arrays: there and back, and in compiled code."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """One vehicle compiled, and the text as plain Python: the same to the bit."""
 
 from functools import cache

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Drag against measured spheres; cross flow, Munk moment and lift of a hull by hand.
 

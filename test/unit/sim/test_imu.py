@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The BMI088: specific force against analysis, errors and noise against the data sheet."""
 
 import math

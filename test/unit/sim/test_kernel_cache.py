@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A kernel on disk is the one that its effects describe, whoever wrote it and whenever."""
 
 from concurrent.futures import ThreadPoolExecutor

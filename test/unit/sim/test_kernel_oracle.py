@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The kernel and the slow, obvious model agree, effect by effect and with everything on.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The model against what is known in closed form."""
 
 from lta_model.state import POSITION, QUATERNION, RATES, VELOCITY

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Compiled light against the arrays of `light.field`, and counts against plain Python."""
 
 from lta_config.compilation.compiler import compile_functions

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Blocks of counts: levels by hand, noise by theory, the filter by a fine simulation."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Light by hand: the paper's figures, total flux, an echo; volts and noise of photodiodes."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Mass matrices against Lamb's limits, a numerical integral and a body of point masses."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A model is refused in one sentence, or it is a body that can exist."""
 
 from lta_model.effects import EFFECTS

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Simulated time keeps to the wall clock: short delays are caught up, long ones are lost."""
 
 from lta_sim import drone
@@ -6,7 +8,7 @@ import pytest
 
 @pytest.fixture
 def wall(monkeypatch):
-    """Return the wall time, which a test sets. [s]"""
+    """Return the wall time, which a test sets [s]."""
     now = [100.0]
     monkeypatch.setattr(drone.time, 'monotonic', lambda: now[0])
     return now

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Each platform's published steady state or limit, by hand from its file and by the kernel."""
 
 import math
@@ -46,7 +48,7 @@ def spun_up(vehicle, duty):
 
 
 def blown(name, pattern):
-    """Return what the rotors of a pattern did at full thrust in the wind tunnel. [N, N m]"""
+    """Return what the rotors of a pattern did at full thrust in the wind tunnel [N, N m]."""
     blow = read_sweep(share_folder() / 'aero' / f'{name}.sweep.json').blows[pattern]
     return np.array([*blow.force, *blow.moment])
 

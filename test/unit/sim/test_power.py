@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The INA219: steps of 4 mV and 0.1 mA, errors of the data sheet, clipping."""
 
 from hypothesis import given

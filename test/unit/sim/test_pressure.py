@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The BMP388: the standard atmosphere's tables, noise, offset, drift and counts."""
 
 import math

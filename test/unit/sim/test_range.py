@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The VL53L1x: limits, tilt, rounding, and noise against the firmware's formula."""
 
 import math

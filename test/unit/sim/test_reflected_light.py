@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Reflections, shade, daylight and a door against sums over patches and rays, and by hand."""
 
 from dataclasses import replace

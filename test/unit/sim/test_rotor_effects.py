@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What becomes of a duty on its way to newtons, by hand and against published benches."""
 
 from lta_model.effects.commands import COMMAND_DELAY

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What rotors do to the hull beyond B: tilted axes, reversed jets and jets that collide."""
 
 from lta_model.effects.protocol import AXES, VehicleMotion

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The scenario file: the shipped scene by hand, each mistake in one sentence, a moved start."""
 
 import copy

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The air and the walls of a scenario: what they come to for a vehicle, and what is refused."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Scenes in the sun and with a door: what saturates, warm gas, wind and bounds at the door."""
 
 from lta_config.files import find_file, load_yaml

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Lamps at their own frequencies, clocks that are off, slow edges, diodes that are not alike."""
 
 from dataclasses import replace
@@ -27,7 +29,7 @@ def ring(**given) -> PhotodiodeArray:
 
 
 def block(array, lamps, lux, start=0, seed=1):
-    """Return the counts of diodes that all read so much of each lamp. [lx]"""
+    """Return the counts of diodes that all read so much of each lamp [lx]."""
     field = LightField(tuple(lamps), Ambient(LED))
     lit = np.array(lux)[:, None, None] * np.ones((1, 1, array.count))
     nothing = np.zeros((1, array.count))

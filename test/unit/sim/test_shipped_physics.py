@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Shipped vehicles as numerical objects: what they conserve, and how fast steps converge."""
 
 from itertools import pairwise

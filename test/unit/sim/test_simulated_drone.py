@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What a simulated drone says of its flight at the end."""
 
 from lta_config.topics import load_topic_table

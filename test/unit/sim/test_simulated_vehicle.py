@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A vehicle in its row: a commanded wrench acts on it as the mass matrix says."""
 
 from lta_sim.simulated_vehicle import SimulatedVehicle

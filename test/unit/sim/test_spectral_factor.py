@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Spectral factors against pvlib's sunlight, published ranges, and integrals by hand."""
 
 from lta_config.schema.spectrum_file import (

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What reacts faster than the step can follow is refused, before the flight or as it runs away."""
 
 import re

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """GT-MAB's mass, balance, inertia and hover by hand, and what a vehicle cannot be."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What follows from a vehicle file that is not GT-MAB's: other parts, rotors, scales and trims."""
 
 from lta_config.errors import BadInput

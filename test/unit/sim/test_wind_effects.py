@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Steady wind, profile, gradient, gust and turbulence by hand, quadrature and spectra."""
 
 import math
@@ -195,7 +197,7 @@ def filters(speed, p=P):
 
 
 def military(axis, omega, speed):
-    """Return the one-sided spectrum of MIL-F-8785C over angular frequency. [m2/s2 per rad/s]"""
+    """Return the one-sided spectrum of MIL-F-8785C over angular frequency [m2/s2 per rad/s]."""
     sigma, length = SIGMA[axis], LENGTH[axis]
     x = (length * omega / speed) ** 2
     if axis == 0:

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The static limit in wind, by hand and against the paper."""
 
 from functools import cache

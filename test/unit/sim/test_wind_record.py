@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Recorded wind: read strictly, interpolated, and felt by the hull."""
 
 from lta_config.errors import BadInput

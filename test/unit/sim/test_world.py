@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The world: at rest on the floor, obedient, on its way, and honest about ends."""
 
 import math

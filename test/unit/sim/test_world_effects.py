@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Measurement effects in the world: what is told and obeyed, against the undisturbed flight."""
 
 import math

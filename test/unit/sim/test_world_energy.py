@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The world's electricity: what loads draw from the cell, what light brings, and what fails."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What the world lets be sensed: where the sensors sit, on time, and each by its own chance."""
 
 import itertools

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Wind and walls in the world: told, felt and in motion from the beginning."""
 
 import math

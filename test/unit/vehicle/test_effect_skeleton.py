@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The skeleton of an effect is an effect like any other."""
 
 import importlib.util

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Setting numbers of a vehicle file: value, source, and refusals that change nothing."""
 
 from lta_config.errors import BadInput

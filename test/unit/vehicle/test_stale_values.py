@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Columns of another place, and drag of another hull, against levers by hand."""
 
 from io import StringIO

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A vehicle weighed by its flight: the loop flies one that is heavier or lighter than its file."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What follows from a vehicle file, against sums by hand and against the kernel in free flight."""
 
 import math
@@ -125,7 +127,7 @@ def tilted(vehicle, angle):
 
 
 def pitches(vehicle, angle, step, count):
-    """Let a vehicle go and return sin(pitch) at even steps. [1]"""
+    """Let a vehicle go and return sin(pitch) at even steps [1]."""
     model, state, found = vehicle.build_model(), tilted(vehicle, angle), []
     for _ in range(count):
         x, y, z, w = state[3:7]
@@ -135,7 +137,7 @@ def pitches(vehicle, angle, step, count):
 
 
 def crossings(values, step):
-    """Return when a swing passes the vertical. [s]"""
+    """Return when a swing passes the vertical [s]."""
     before = np.nonzero(values[:-1] * values[1:] < 0.0)[0]
     return step * (before + values[before] / (values[before] - values[before + 1]))
 
@@ -177,7 +179,7 @@ def test_helium_of_gtmab_by_hand(gtmab):
 
 
 def area(half):
-    """Return the surface of a spheroid about z by the sum of narrow cones. [m2]"""
+    """Return the surface of a spheroid about z by the sum of narrow cones [m2]."""
     turns = np.linspace(0.0, math.pi, 20001)
     across, along = half[0] * np.sin(turns), half[1] * np.cos(turns)
     slant = np.hypot(np.diff(across), np.diff(along))

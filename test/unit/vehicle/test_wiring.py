@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The drawing of the wiring in docs/: pins of the firmware, motors of the Crazyflie file."""
 
 from pathlib import Path

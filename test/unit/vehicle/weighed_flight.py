@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A recorded hover of the closed loop, of a vehicle that is not as heavy as its file says."""
 
 from lta_bridge.bag.writer import BagWriter

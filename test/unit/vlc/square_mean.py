@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The exact mean of a square wave over intervals, for samplers that average."""
 
 import numpy as np

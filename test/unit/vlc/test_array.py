@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The paper's bearing: exact where it must be, wrong where the paper's study needs it wrong."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Bins of beacons and of noise, at the limits of what is allowed, and lamps to tell apart."""
 
 from lta_config.errors import BadInput

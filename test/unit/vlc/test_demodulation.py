@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Peaks and SNR of built blocks, false alarms, and what is refused."""
 
 import math

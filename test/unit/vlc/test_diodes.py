@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The model of the diodes at the limits of what is allowed, and the direction finder."""
 
 from dataclasses import replace

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The fit of a direction: exact without noise, the best there is with it, and honest about it."""
 
 from dataclasses import replace

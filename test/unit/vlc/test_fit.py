@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The parts of the fit of a direction, each checked against numpy or by hand."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Several beacons, wishes, drifting clocks, gaps and faults, from block to block."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The square wave against exact fractions, its Fourier series and numbers by hand."""
 
 from fractions import Fraction

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The spectrum against a sum over sines written out here; its statistics and faults."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Frequency and amplitude between the bins, against exact tones and against other ways.
 

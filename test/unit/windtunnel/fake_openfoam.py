@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Stands in for OpenFOAM's programs: writes what they would, and fails as it is told.
 

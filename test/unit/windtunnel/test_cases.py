@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Cases on disk: named by content, gone on with, and failures in words. No OpenFOAM."""
 
 from concurrent.futures import ThreadPoolExecutor

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Columns of B, by symmetry and by what superposes, from sweeps written by hand."""
 
 from lta_config.files import validate_content

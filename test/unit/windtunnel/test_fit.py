@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Fits, estimates by hand and the sphere against figures found elsewhere."""
 
 import math

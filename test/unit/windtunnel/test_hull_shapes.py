@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The example of a design loop runs, and its figures are those of closed forms."""
 
 import math

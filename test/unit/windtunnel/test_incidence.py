@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Flows with the nose up, by hand and as the effects of the library."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What an aero file says beside its coefficients, from points written by hand."""
 
 from lta_config.files import validate_content
@@ -66,7 +68,7 @@ def test_what_a_fidelity_cannot_do_is_a_warning():
 
 
 def reference(fast, slow):
-    """Return a sweep with a transient drag at 1 m/s and a steady one at 0.2 m/s. [N s2/m2]"""
+    """Return a sweep with a transient drag at 1 m/s and a steady one at 0.2 m/s [N s2/m2]."""
     points = [point(0.2, (-slow, 0.0, 0.0)), point(1.0, (-fast, 0.0, 0.0))]
     return surge().model_copy(update={'fidelity': 'reference', 'axes': {'surge': points}})
 

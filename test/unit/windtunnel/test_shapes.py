@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Surfaces of hulls against closed forms; what users draw against what could be wrong with it."""
 
 from lta_config.errors import BadInput

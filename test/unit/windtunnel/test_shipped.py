@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The sweeps that are shipped: of these shapes, and the aero files beside them are their fits."""
 
 from decimal import Decimal

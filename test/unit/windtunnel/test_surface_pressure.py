@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Pressure on surfaces: potential flow against a sphere and panels, and what a flow leaves."""
 
 import math

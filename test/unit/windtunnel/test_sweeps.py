@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Whole sweeps with programs that stand in for OpenFOAM: what fails is named, the rest is kept."""
 
 from lta_windtunnel.flow_plan import plan_flows

@@ -1,3 +1,5 @@
+// Copyright 2026 The LTA maintainers
+// SPDX-License-Identifier: Apache-2.0
 /* The part of FreeRTOS's interface that the firmware uses, on POSIX threads (rtos.c).
  *
  * A tick is a millisecond of CLOCK_MONOTONIC. Every task is a thread, and one runs at a time until

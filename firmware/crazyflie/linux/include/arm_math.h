@@ -1,3 +1,5 @@
+// Copyright 2026 The LTA maintainers
+// SPDX-License-Identifier: Apache-2.0
 /* In place of ARM's library of matrices: what the Kalman filter uses of it. */
 #pragma once
 

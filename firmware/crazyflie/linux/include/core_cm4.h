@@ -1,3 +1,5 @@
+// Copyright 2026 The LTA maintainers
+// SPDX-License-Identifier: Apache-2.0
 /* In place of ARM's header of the processor core: what ST's headers need of it to compile. */
 #pragma once
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Write crash-safe rosbag2 recordings in the MCAP format."""
 
 from lta_bridge.bag.metadata import build_offered_qos, OfferedQos

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Write a bag in a background thread, so that a slow disk does not block the caller.
 
@@ -72,13 +74,13 @@ class BackgroundWriter:
 
     @property
     def busy_time(self) -> float:
-        """How long the sink's present call has lasted. [wall s]"""
+        """How long the sink's present call has lasted [wall s]."""
         since = self._busy_since
         return 0.0 if since is None else time.monotonic() - since
 
     @property
     def lost_count(self) -> int:
-        """Number of accepted messages lost to a storage fault."""
+        """Return the number of accepted messages lost to a storage fault."""
         return self._unwritten + self._sink.lost_count
 
     def add_topic(self, name: str, type_name: str, qos: Sequence[OfferedQos]) -> None:

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Write an MCAP file that stays readable after a crash or a full disk, with mcap's writer.
 
@@ -62,12 +64,12 @@ class McapFile:
 
     @property
     def size(self) -> int:
-        """Size of the file, without the pending messages. [bytes]"""
+        """Size of the file, without the pending messages [bytes]."""
         return self._file.size
 
     @property
     def pending_count(self) -> int:
-        """Number of messages that the next flush will write."""
+        """Return the number of messages that the next flush will write."""
         return len(self._pending)
 
     def add_channel(self, topic: str, definition: MessageDefinition, qos: str) -> int:

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Write the `metadata.yaml` of a rosbag2 folder, version 9 (ROS 2 Jazzy), and its QoS profiles."""
 
 from collections.abc import Mapping, Sequence

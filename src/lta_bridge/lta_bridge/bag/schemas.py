@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Message definitions to store in a bag, so that it can be read without ROS."""
 
 from collections.abc import Callable
@@ -66,13 +68,13 @@ def generate_definition(type_name: str) -> MessageDefinition:
 Convert = Callable[[Any], Any]
 
 
-def encode_message(message: Any, type_name: str) -> bytes:  # noqa: ANN401 - a generated class
+def encode_message(message: Any, type_name: str) -> bytes:
     """Return a message as CDR, padded to a multiple of four as the middleware does."""
     data = load_jazzy_types().serialize_cdr(_find_adapter(type_name)(message), type_name)
     return bytes(data) + bytes(-len(data) % 4)
 
 
-def _keep(value: Any) -> Any:  # noqa: ANN401 - of any field
+def _keep(value: Any) -> Any:
     return value
 
 
@@ -92,7 +94,7 @@ def _find_adapter(type_name: str) -> Convert:
     )
 
 
-def _find_field_adapter(kind: Nodetype, described: Any) -> Convert:  # noqa: ANN401 - of rosbags
+def _find_field_adapter(kind: Nodetype, described: Any) -> Convert:
     if kind == Nodetype.NAME:
         return _find_adapter(described)
     if kind == Nodetype.BASE:

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Append records to a file that never ends in a partial record, even if the disk fails."""
 
 from contextlib import suppress
@@ -29,7 +31,7 @@ def to_storage_fault(error: OSError, path: Path) -> StorageFault:
 
 def free_space(path: Path) -> int:
     """
-    Return the space available to this user on the disk of `path`. [bytes]
+    Return the space available to this user on the disk of `path` [bytes].
 
     Raises
     ------
@@ -119,12 +121,12 @@ class RecordFile:
             raise to_storage_fault(error, path) from error
 
     def write(self, data: bytes) -> int:
-        """Add `data` to what the next flush appends, and return its size. [bytes]"""
+        """Add `data` to what the next flush appends, and return its size [bytes]."""
         self._waiting += data
         return len(data)
 
     def tell(self) -> int:
-        """Return where the next `write` will be in the file. [bytes]"""
+        """Return where the next `write` will be in the file [bytes]."""
         return self.size + len(self._waiting)
 
     def flush(self) -> None:

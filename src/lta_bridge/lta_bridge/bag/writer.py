@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Write a rosbag2 bag that stays readable after a crash or a full disk.
 
@@ -84,7 +86,7 @@ class BagWriter:
 
     @property
     def required_closing_space(self) -> int:
-        """Space that `close` needs: stop recording before less is left. [bytes]"""
+        """Space that `close` needs: stop recording before less is left [bytes]."""
         # Upper bound of metadata.yaml: head and topics
         return self._mcap.summary_size + 1024 * (4 + len(self._topics))
 
@@ -221,12 +223,12 @@ class BagWriter:
 
     @property
     def message_count(self) -> int:
-        """Number of messages in the file."""
+        """Return the number of messages in the file."""
         return self._mcap.counts.total()
 
     @property
     def lost_count(self) -> int:
-        """Number of accepted messages that are neither in a file nor waiting for a flush."""
+        """Return how many accepted messages are neither in a file nor waiting for a flush."""
         accepted = sum(record.written for record in self._topics.values())
         return accepted - self.message_count - self._mcap.pending_count
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The bridge to a Crazyflie: telemetry, commands and the safety state machine.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Core of the Crazyflie bridge, without ROS and cflib: convert packets to readings, send commands.
 
@@ -60,7 +62,7 @@ class PositionEstimate(NamedTuple):
 
 
 class StampedReading(NamedTuple):
-    """A reading with its graph time. [ns]"""
+    """A reading with its graph time [ns]."""
 
     stamp_ns: int
     reading: (
@@ -275,7 +277,7 @@ class BridgeCore:
     def collect_safety_inputs(
         self, now_ns: int, linked: bool, active: bool
     ) -> safety.SafetyInputs:
-        """Return the inputs of the safety state machine at a graph time. [ns]"""
+        """Return the inputs of the safety state machine at a graph time [ns]."""
         command, motors = self._command, self.motors
         where, age = self._find_position(now_ns)
         since = None if command is None else command.stamp_ns
@@ -294,7 +296,7 @@ class BridgeCore:
         )
 
     def _safety_voltage(self, now_ns: int) -> float:
-        """Return the cell voltage: 0 if the firmware calls it low, NaN if unknown. [V]"""
+        """Return the cell voltage: 0 if the firmware calls it low, NaN if unknown [V]."""
         if self.power is None or stamp_age(self._power_ns, now_ns) > UNTOLD:
             return math.nan
         # 0 V is below every limit, so the drone lands
@@ -346,7 +348,7 @@ class BridgeCore:
             return order
 
     def _watch_landing(self, turning: bool, passed: float, inputs: safety.SafetyInputs) -> float:
-        """Return for how long motors have turned to land without the drone sinking. [s]"""
+        """Return for how long motors have turned to land without the drone sinking [s]."""
         lands = turning and self.wanted_height <= self._floor
         height = inputs.height if inputs.place_age <= safety.LOST_POSITION else math.nan
         self._landing = watch_landing(self._landing, height, lands, passed)

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Link to a Crazyflie through Bitcraze's cflib (GPL, an optional extra).
 
@@ -139,7 +141,7 @@ class CflibLink:
         self.protocol = -1
 
     def open(self, deadline: float) -> None:
-        """Connect and start all log blocks within a time. [s]"""
+        """Connect and start all log blocks within a time [s]."""
         until = time.monotonic() + deadline
         drone = self._opened = self._drone = cflib.crazyflie.Crazyflie()
         # cflib's callbacks run in its own threads; an empty text means success
@@ -181,7 +183,7 @@ class CflibLink:
     def _on_link_lost(self, _: str, why: str) -> None:
         self.events.put(LinkLost(suggest_remedy(str(why))))
 
-    def _check_packet(self, packet: Any) -> None:  # noqa: ANN401 - untyped library
+    def _check_packet(self, packet: Any) -> None:
         """Check a packet; cflib reads it next, in the same thread."""
         self._fault = find_packet_fault(
             packet.port, packet.channel, bytes(packet.data), self._sizes
@@ -189,12 +191,12 @@ class CflibLink:
         if self._fault:
             self.events.put(MalformedPacket(self._fault))
 
-    def _on_ping(self, echo: Any) -> None:  # noqa: ANN401 - untyped library
+    def _on_ping(self, echo: Any) -> None:
         """Measure the round trip of cflib's ping, which carries its send time."""
         if (sent := parse_ping_time(echo.data)) is not None:
             self.events.put(Ping(time.time() - sent))
 
-    def _start_logging(self, drone: Any, until: float) -> None:  # noqa: ANN401 - untyped library
+    def _start_logging(self, drone: Any, until: float) -> None:
         """Start every log block; wait for all confirmations until a monotonic time."""
         outcomes: SimpleQueue[tuple[str, str]] = SimpleQueue()
         for block in self._blocks:
@@ -260,7 +262,7 @@ class CflibLink:
         return None if text is None else float(text)
 
     def write_parameter(self, name: str, value: float, deadline: float) -> None:
-        """Set a parameter and wait for its confirmation within a time. [s]"""
+        """Set a parameter and wait for its confirmation within a time [s]."""
         group, _, word = name.partition('.')
         echoes: SimpleQueue[float] = SimpleQueue()
         param = self._drone.param

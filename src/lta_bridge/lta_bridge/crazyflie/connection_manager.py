@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Keep a link connected from a separate thread: connect, check the parameters, reconnect on loss.
 
@@ -202,7 +204,7 @@ class ConnectionManager:
         self._again.set()
 
     def close(self, deadline: float = 5.0) -> bool:
-        """Close the link; return whether the thread ended within a time. [s]"""
+        """Close the link; return whether the thread ended within a time [s]."""
         self.up = False
         self._leave.set()
         # Wakes the thread if it holds a connection

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Time of a Crazyflie: its 24-bit millisecond stamps in graph time, and the latency of its link.
 
@@ -32,7 +34,7 @@ class DeviceClock:
 
     @property
     def drift(self) -> float:
-        """Relative rate error of the drone's clock, positive if it runs fast. [1]"""
+        """Relative rate error of the drone's clock, positive if it runs fast [1]."""
         return self.line.drift
 
     def compute_packet_time(self, stamp_ms: int, arrival_ns: int) -> int:
@@ -44,7 +46,7 @@ class DeviceClock:
         return self.line.stamp_arrival(1_000_000 * self._unwrap_stamp(stamp_ms), arrival_ns)
 
     def _unwrap_stamp(self, stamp_ms: int) -> int:
-        """Return a stamp that does not wrap; late packets are allowed. [ms]"""
+        """Return a stamp that does not wrap; late packets are allowed [ms]."""
         if self._newest is None:
             self._newest = stamp_ms
             return stamp_ms
@@ -68,7 +70,7 @@ LONGEST_ROUND_TRIP: Final = 10.0
 
 
 def parse_ping_time(echo: bytes | bytearray) -> float | None:
-    """Return the send time of an echoed ping; None if the packet is not a ping. [s]"""
+    """Return the send time of an echoed ping; None if the packet is not a ping [s]."""
     if len(echo) != SENT.size:
         return None
     mark, sent = SENT.unpack(echo)
@@ -83,17 +85,17 @@ class RoundTrips:
         self._recent: deque[float] = deque(maxlen=WINDOWS * PINGS)
 
     def add(self, seconds: float) -> None:
-        """Add one round trip; ignore implausible values. [s]"""
+        """Add one round trip; ignore implausible values [s]."""
         if 0.0 < seconds < LONGEST_ROUND_TRIP:
             self._recent.append(seconds)
 
     @property
     def latency(self) -> float:
-        """95th percentile of the newest round trips; NaN before the first. [s]"""
+        """95th percentile of the newest round trips; NaN before the first [s]."""
         newest = list(self._recent)[-NEWEST:]
         return float(np.percentile(newest, 95)) if newest else math.nan
 
     @property
     def one_way_ns(self) -> int:
-        """Half of the shortest round trip; 0 before the first. [ns]"""
+        """Half of the shortest round trip; 0 before the first [ns]."""
         return round(0.5e9 * min(self._recent, default=0.0))

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Lock a drone, so that only one process of this machine commands it, and look who listens."""
 
 from contextlib import suppress

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Operate a Crazyflie as a person asks: connect, arm, stop, land, disarm, and describe its health.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Encode and decode the packet with motor duties for the app on the drone (port 13, channel 2).
 
@@ -17,7 +19,7 @@ FORM = struct.Struct('<BB4hH')
 
 
 class DutiesPacket(NamedTuple):
-    """Sequence number 0 to 255, duties -1 to 1 of M1 to M4, and their time-out. [ms]"""
+    """Sequence number 0 to 255, duties -1 to 1 of M1 to M4, and their time-out [ms]."""
 
     sequence: int
     duties: tuple[float, ...]

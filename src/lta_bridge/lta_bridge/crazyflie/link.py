@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Interface of a link to a Crazyflie and the events that it reports, for any library."""
 
 from collections.abc import Mapping
@@ -17,7 +19,7 @@ class LogPacket(NamedTuple):
 
 
 class Ping(NamedTuple):
-    """Round-trip time of one ping. [s]"""
+    """Round-trip time of one ping [s]."""
 
     round_trip: float
 
@@ -60,7 +62,7 @@ class CrazyflieLink(Protocol):
     protocol: int
 
     def open(self, deadline: float) -> None:
-        """Connect and start all log blocks; raise `LinkFailed` after a time. [s]"""
+        """Connect and start all log blocks; raise `LinkFailed` after a time [s]."""
         ...
 
     def close(self) -> None:
@@ -72,7 +74,7 @@ class CrazyflieLink(Protocol):
         ...
 
     def write_parameter(self, name: str, value: float, deadline: float) -> None:
-        """Set a parameter; raise `LinkFailed` if it is not confirmed within a time. [s]"""
+        """Set a parameter; raise `LinkFailed` if it is not confirmed within a time [s]."""
         ...
 
     def request_arming(self, on: bool) -> None:

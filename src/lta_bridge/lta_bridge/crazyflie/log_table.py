@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Table of the log blocks that the bridge reads from a Crazyflie, and the check of its packets.
 
@@ -68,7 +70,7 @@ CRTP_CHANNELS: Final[Mapping[int, Mapping[int, int]]] = {
 
 
 def block_size(block: LogBlock) -> int:
-    """Return the size of the values of a log block. [bytes]"""
+    """Return the size of the values of a log block [bytes]."""
     return sum(TYPE_BYTES[kind] for kind in block.variables.values())
 
 

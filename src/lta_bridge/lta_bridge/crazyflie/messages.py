@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Convert Crazyflie readings to ROS messages, and ROS messages to commands and positions."""
 
 from collections.abc import Sequence
@@ -50,7 +52,7 @@ class CrazyfliePowerModel(NamedTuple):
 
     def cell_current(self, duties: Sequence[float], voltage: float) -> float:
         """
-        Return the current into the cell, negative because it discharges. [A]
+        Return the current into the cell, negative because it discharges [A].
 
         `duties`: duty of each motor, 0 to 1. `voltage`: cell voltage under this load, above 0 [V].
         """
@@ -166,7 +168,7 @@ class CommandReader:
         self.helm = CommandMux(node, self._accept_setpoint)
 
     def find_target_height(self) -> float:
-        """Return the height of the newest setpoint; infinite without one. [m]"""
+        """Return the height of the newest setpoint; infinite without one [m]."""
         pose, _ = self.helm.select_setpoint(self._pose, self._velocity)
         return math.inf if pose is None else float(pose.pose.position.z)
 

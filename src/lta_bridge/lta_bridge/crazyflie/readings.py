@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Convert log packets from the firmware's units and signs to SI units in the FLU body frame.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Safety state machine of the Crazyflie bridge: it decides when the motors may turn.
 
@@ -193,7 +195,7 @@ def step_state(
     request: SafetyRequest,
     limits: SafetyLimits,
 ) -> tuple[SafetyState, SafetyOutputs]:
-    """Return the next state and the outputs to send; `now` is a monotonic time. [s]"""
+    """Return the next state and the outputs to send; `now` is a monotonic time [s]."""
     low = not inputs.voltage >= limits.voltage  # true for NaN too: an unknown voltage is low
     state = state._replace(low_since=min(state.low_since, now) if low else math.inf)
     # The emergency stop comes first: it must work in every stage, and even without a link

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Decode the supervisor's 16-bit status word, sent in `supervisor.info` and on port 9."""
 
 from enum import IntFlag

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Messages that describe a drone and its scene once: URDF, fixed frames, and markers of the room.
 
@@ -75,7 +77,7 @@ def build_marker(shape: Shape) -> Marker:
 
 
 def place_marker(kind: int, place: Three, turn: Turn, size: Three) -> Marker:
-    """Return a marker with its pose and size. [m]"""
+    """Return a marker with its pose and size [m]."""
     marker = Marker(type=kind)
     marker.pose.position = to_point(place)
     rotation, scale = marker.pose.orientation, marker.scale
@@ -91,7 +93,7 @@ def to_point(place: Three) -> Point:
 
 
 def list_cone_triangles(shape: CylinderShape) -> list[Three]:
-    """Return the corners of the triangles of a cone's mantle, three each, on its own axes. [m]"""
+    """Return the corners of the triangles of a cone's mantle, three each, on its own axes [m]."""
     (across, deep, high), corners = shape.size, []
     for side in range(CONE_SIDES):
         turns = [2.0 * math.pi * (side + k) / CONE_SIDES for k in (0, 1)]

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Draw the room of a scenario in the map frame, and a vehicle in its own."""
 
 import math
@@ -39,7 +41,7 @@ GOAL_CORNERS: Final = 48  # of the circle around the goal
 
 
 def half_power_angle(lamp: BeaconLamp) -> float:
-    """Return the angle off the lamp's axis at which it shines half as bright. [rad]"""
+    """Return the angle off the lamp's axis at which it shines half as bright [rad]."""
     # Lambertian emitter: intensity cos(angle) ** order
     return math.acos(0.5 ** (1.0 / lamp.order))
 
@@ -128,7 +130,7 @@ DISC_RADIUS: Final = 0.12  # disc radius by the vehicle's reach: the vehicle fil
 
 
 def vehicle_reach(vehicle: Vehicle) -> float:
-    """Return the largest extent of the vehicle from the hull centre. [m]"""
+    """Return the largest extent of the vehicle from the hull centre [m]."""
     ends = list(mass_properties.half_axes(vehicle.file.hull))
     for rotor in vehicle.rotors:
         ends += [abs(number) for number in rotor.place]

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Simple shapes to draw a scene: bodies with a position, a size and a colour.
 
@@ -96,7 +98,7 @@ def rotation_between(start: Three, direction: Three) -> Turn:
 
 
 def move_point(place: Three, direction: Three, length: float) -> Three:
-    """Return the point at a distance along a unit direction. [m]"""
+    """Return the point at a distance along a unit direction [m]."""
     x, y, z = (p + length * d for p, d in zip(place, direction, strict=True))
     return x, y, z
 

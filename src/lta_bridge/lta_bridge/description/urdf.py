@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Convert a vehicle file to URDF, for RViz, Foxglove, robot_state_publisher and other tools.
 
@@ -190,7 +192,7 @@ def _build_origin(place: Three, turn: Turn) -> Element:
 
 def to_rpy(turn: Turn) -> Three:
     """
-    Return roll, pitch and yaw of a quaternion x y z w. [rad]
+    Return roll, pitch and yaw of a quaternion x y z w [rad].
 
     Plain numbers, because scipy takes a third of a second to import.
     """

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Measure and judge a light board: its link, clock and diodes."""
 
 from collections.abc import Callable, Iterator, Sequence

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Check the connected hardware for `lta hardware check`: devices, access rights, measurements."""
 
 from collections.abc import Callable, Iterator, Sequence
@@ -225,7 +227,7 @@ def to_json(outcome: HardwareCheckReport) -> dict[str, Any]:
     }
 
 
-def _to_json_value(value: Any) -> Any:  # noqa: ANN401 - whatever JSON holds
+def _to_json_value(value: Any) -> Any:
     match value:
         case float():
             return value if math.isfinite(value) else None

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Measure and judge a Crazyflie from its telemetry; nothing is written, armed or turned."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence

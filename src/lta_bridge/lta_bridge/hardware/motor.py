@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Turn one motor of a tethered drone briefly, with the same state machine as in flight.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Read-only WebSocket server for Foxglove, based on Foxglove's SDK.
 
@@ -48,7 +50,7 @@ class Audience(ServerListener):
 
     @property
     def viewer_count(self) -> int:
-        """Number of viewers of any topic."""
+        """Return the number of viewers of any topic."""
         with self._lock:
             return len({client for client, _ in self._looks})
 
@@ -102,11 +104,11 @@ class LiveServer:
         return self._channels[topic].has_sinks()
 
     def send_message(self, topic: str, data: bytes, when_ns: int) -> None:
-        """Send a message with its log time in graph time. [ns]"""
+        """Send a message with its log time in graph time [ns]."""
         self._channels[topic].log(data, log_time=when_ns)
 
     def broadcast_time(self, now_ns: int) -> None:
-        """Send the graph time to all viewers. [ns]"""
+        """Send the graph time to all viewers [ns]."""
         self._server.broadcast_time(now_ns)
 
     def close(self) -> None:

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The Crazyflie bridge node: it takes the simulator's place with a real drone.
 

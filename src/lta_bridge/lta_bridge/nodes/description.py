@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The description node: it publishes the drone's shape and frames for RViz and other tools.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The live node: it shows a running graph in Foxglove; the viewer needs no ROS.
 

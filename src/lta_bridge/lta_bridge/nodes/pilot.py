@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The pilot node: it flies by motion capture what calibrates a vehicle, and ends.
 

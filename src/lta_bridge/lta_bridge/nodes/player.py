@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The player node: it replays a recording in the simulator's place.
 
@@ -149,7 +151,7 @@ class Player(GraphNode):
             self.running, self.farewell = False, LONG_ACKNOWLEDGE_TIME
 
     def graph_time_ns(self) -> int:
-        """Return the time of the bag, which is that of the graph. [ns]"""
+        """Return the time of the bag, which is that of the graph [ns]."""
         return self._playback.bag_time_ns()
 
     def _monitor_inputs(self) -> None:

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The recorder node: it writes the topic table's recorded topics, given topics or all to a bag.
 

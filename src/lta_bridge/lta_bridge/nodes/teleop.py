@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The teleop node: a person steers by gamepad, keyboard or Joy messages, or a program by cmd_vel.
 

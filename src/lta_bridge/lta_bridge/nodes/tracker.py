@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The tracker node: it publishes `tracker/odom` from an external tracker, and map -> odom.
 
@@ -61,7 +63,7 @@ class TrackerNode(GraphNode):
         else:
             self.create_subscription(TFMessage, '/tf', self._on_frames, DEPTH)
 
-    def _on_pose(self, message: Any) -> None:  # noqa: ANN401 - of the type in the settings
+    def _on_pose(self, message: Any) -> None:
         pose = to_stamped_pose(message, self._body_name)
         if pose is not None:
             self._publish_motion(from_stamp(message.header.stamp), pose)

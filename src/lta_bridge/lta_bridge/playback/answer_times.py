@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Compute when each message of a replay is due, also for imperfect recordings, and track answers.
 
@@ -18,7 +20,7 @@ from lta_config.topics import TopicTable
 
 
 class DueTimes(NamedTuple):
-    """Stamps and due times of the messages of a topic. [ns]"""
+    """Stamps and due times of the messages of a topic [ns]."""
 
     stamps: list[int]
     due: list[int]
@@ -67,7 +69,7 @@ def compute_answer_times(
 def compute_schedule(
     messages: Iterable[RecordedMessage], table: TopicTable, selection: NodeSelection
 ) -> tuple[dict[str, list[int]], dict[str, list[int]]]:
-    """Return the due times of the nodes' inputs and of their answers, by topic. [ns]"""
+    """Return the due times of the nodes' inputs and of their answers, by topic [ns]."""
     read = {name for node in selection.nodes for name in table.read_by(node)}
     # The trigger determines when a node answers, so its times are needed too
     topics = read | {table.trigger_topic(node) for node in selection.nodes}
@@ -94,20 +96,20 @@ class PendingAnswers:
         self.come = dict.fromkeys(due, 0)
 
     def register_answer(self, topic: str) -> int | None:
-        """Count an answer and return its due time; None if none was pending. [ns]"""
+        """Count an answer and return its due time; None if none was pending [ns]."""
         turn = self.come[topic]
         self.come[topic] += 1
         return self._due[topic][turn] if turn < len(self._due[topic]) else None
 
     def oldest_due(self) -> int:
-        """Return the due time of the oldest pending answer; `NEVER` without one. [ns]"""
+        """Return the due time of the oldest pending answer; `NEVER` without one [ns]."""
         left = (
             times[self.come[name]] for name, times in self._due.items() if self.count_pending(name)
         )
         return min(left, default=NEVER_NS)
 
     def latest_play_time(self, ahead_ns: int) -> int:
-        """Return the time up to which to play, for a given largest lag of the nodes. [ns]"""
+        """Return the time up to which to play, for a given largest lag of the nodes [ns]."""
         since = self.oldest_due()
         return NEVER_NS if since == NEVER_NS else since + ahead_ns
 
@@ -126,10 +128,10 @@ class PendingAnswers:
 
     @property
     def total(self) -> int:
-        """Number of answers of the whole replay."""
+        """Return the number of answers of the whole replay."""
         return sum(map(len, self._due.values()))
 
     @property
     def total_pending(self) -> int:
-        """Number of pending answers."""
+        """Return the number of pending answers."""
         return sum(map(self.count_pending, self._due))

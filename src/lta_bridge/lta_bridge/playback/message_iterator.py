@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Play a section of a recording: its messages in order, each when it is due."""
 
 from collections.abc import Collection, Iterator
@@ -79,7 +81,7 @@ class MessageIterator:
 
     @property
     def next_ns(self) -> int | None:
-        """Time of the next message; None at the end. [ns]"""
+        """Time of the next message; None at the end [ns]."""
         return None if self._next is None else self._next.time_ns
 
     def pop_message(self) -> RecordedMessage:
@@ -135,7 +137,7 @@ class Playback:
         return self.has_begun and not self.ended
 
     def receive_answer(self, topic: str) -> int | None:
-        """Count an answer, and return its due time; None if none was pending. [ns]"""
+        """Count an answer, and return its due time; None if none was pending [ns]."""
         self._news = time.monotonic()
         return self.pending.register_answer(topic)
 
@@ -168,11 +170,11 @@ class Playback:
             self.ended = 'unanswered'
 
     def bag_time_ns(self) -> int:
-        """Return the time of the bag now. [ns]"""
+        """Return the time of the bag now [ns]."""
         return self.now_ns if self._rate is None else max(self.now_ns, self._playback_time_ns())
 
     def _playback_time_ns(self) -> int:
-        """Return the time of the bag up to which to play, apart from the answers. [ns]"""
+        """Return the time of the bag up to which to play, apart from the answers [ns]."""
         if self._rate is None:
             return NEVER_NS
         passed = time.monotonic() - self._began if self.has_begun else 0.0

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Select the nodes to run again in a replay, and the recorded topics to play to them."""
 
 from collections.abc import Collection, Sequence

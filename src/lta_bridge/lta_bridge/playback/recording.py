@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Open a bag for playback: one robot's messages of the topic table, in the order of their time.
 
@@ -173,7 +175,7 @@ class RobotBagRecording:
                 yield RecordedMessage(self._names[full], log_time + self._shift, data)
 
     def _find_clock_shift(self, table: TopicTable) -> int:
-        """Return the offset from log times to the bag's clock. [ns]"""
+        """Return the offset from log times to the bag's clock [ns]."""
         rhythmic = [name for name in self.topics if table[name].stamped and table[name].period_ns]
         for name, time_ns, data in self.iterate_messages(rhythmic):
             if stamp := read_stamp(data):

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Receive the light board's messages: find frames in torn bytes, and join them to blocks."""
 
 from collections.abc import Iterator
@@ -87,7 +89,7 @@ RESTART_RUN = (
 
 
 class BoardLightBlock(NamedTuple):
-    """Samples of all diodes, shape (samples, diodes), and the board's time of the first. [ns]"""
+    """Samples of all diodes, shape (samples, diodes), and the board's time of the first [ns]."""
 
     board_ns: int
     samples: NDArray[np.uint16]

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Synchronize with the board's clock by time requests and answers (TIMESYNC).
 
@@ -22,7 +24,7 @@ CLOCK_RESET_ERROR = 2e-3
 
 
 class ClockExchange(NamedTuple):
-    """One exchange: host time of the request, board time, host time of the answer. [ns]"""
+    """One exchange: host time of the request, board time, host time of the answer [ns]."""
 
     request_ns: int
     board: int
@@ -30,12 +32,12 @@ class ClockExchange(NamedTuple):
 
     @property
     def host_midpoint(self) -> int:
-        """Host time halfway between request and answer. [ns]"""
+        """Host time halfway between request and answer [ns]."""
         return (self.request_ns + self.reply_ns) // 2
 
     @property
     def round_trip(self) -> int:
-        """Time from request to answer. [ns]"""
+        """Time from request to answer [ns]."""
         return self.reply_ns - self.request_ns
 
 
@@ -71,11 +73,11 @@ class BoardClock:
 
     @property
     def round_trip(self) -> int:
-        """Shortest round trip of the stored exchanges. [ns]"""
+        """Shortest round trip of the stored exchanges [ns]."""
         return min(item.round_trip for item in self._exchanges)
 
     def to_host_time(self, board_ns: int) -> int:
-        """Convert a board time to host time. [ns]"""
+        """Convert a board time to host time [ns]."""
         since = board_ns - self._base
         # Integers for the large parts: float64 does not resolve 1 ns in times since 1970
         return self._anchor + since + round(self._offset + self.drift * since)

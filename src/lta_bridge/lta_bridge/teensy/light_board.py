@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Protocol of the light board: parse received bytes into timed blocks, compose outgoing messages.
 
@@ -42,14 +44,14 @@ BLOCK_VALUES = max(mavlink.MAVLink_lta_light_block_message.array_lengths)  # val
 
 
 class LightPeaks(NamedTuple):
-    """Peaks that the board detected in one block, and graph time of its first sample. [ns]"""
+    """Peaks that the board detected in one block, and graph time of its first sample [ns]."""
 
     stamp_ns: int
     peaks: Peaks
 
 
 class LightBlock(NamedTuple):
-    """One ADC block, shape (samples, diodes), and graph time of its first sample. [ns]"""
+    """One ADC block, shape (samples, diodes), and graph time of its first sample [ns]."""
 
     stamp_ns: int
     samples: NDArray[np.uint16]

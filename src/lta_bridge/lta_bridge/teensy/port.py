@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Open the link to a light board: a serial port or a UDP port."""
 
 from collections.abc import Callable, Hashable
@@ -35,7 +37,7 @@ class SenderFilter:
         self._heard_ns = 0
 
     def accept_sender(self, who: Hashable, now_ns: int) -> bool:
-        """Return whether to accept a message of a sender that arrives now. [ns]"""
+        """Return whether to accept a message of a sender that arrives now [ns]."""
         loyal = (
             0 <= now_ns - self._heard_ns <= LOYAL_NS
         )  # a clock that was set back also ends the preference
@@ -67,7 +69,7 @@ class BoardPort(Protocol):
 
     @property
     def strangers(self) -> int:
-        """Number of ignored datagrams from other senders than the board."""
+        """Return the number of ignored datagrams from other senders than the board."""
         ...
 
     def read(self, timeout: float) -> bytes:
@@ -125,7 +127,7 @@ class SerialPort:
             raise BadInput(_explain_open_error(path, error)) from None
 
     def read(self, timeout: float) -> bytes:
-        """Return what has come, after at most so long. [s]"""
+        """Return what has come, after at most so long [s]."""
         try:
             select.select([self._port.fileno()], [], [], timeout)
             return bytes(self._port.read(READ_BYTES))
@@ -186,11 +188,11 @@ class UdpPort:
 
     @property
     def strangers(self) -> int:
-        """Number of ignored datagrams from other senders than the board."""
+        """Return the number of ignored datagrams from other senders than the board."""
         return self._foreign + self._sender.others
 
     def read(self, timeout: float) -> bytes:
-        """Return the bytes received from the board within a time. [s]"""
+        """Return the bytes received from the board within a time [s]."""
         select.select([self._socket], [], [], timeout)
         parts = []
         try:

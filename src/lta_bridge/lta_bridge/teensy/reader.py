@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Read a light board in a thread, and reopen its link after a loss."""
 
 from collections.abc import Callable
@@ -63,7 +65,7 @@ class BoardReader:
 
     @property
     def strangers(self) -> int:
-        """Number of ignored messages from other senders than the board."""
+        """Return the number of ignored messages from other senders than the board."""
         return 0 if self._port is None else self._port.strangers
 
     def close(self) -> None:

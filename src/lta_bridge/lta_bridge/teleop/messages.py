@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Use Joy and Twist messages as stick devices, and get heading and altitude from odometry."""
 
 from collections.abc import Callable, Collection
@@ -35,7 +37,7 @@ class JoyDevice:
         self._tapped: set[int] = set()
 
     def receive(self, message: Joy, now: float) -> None:
-        """Store a message that arrives at a time. [s]"""
+        """Store a message that arrives at a time [s]."""
         self._newest, self._received_at = message, now
         if to_sticks(self._layout, message.axes, message.buttons) is None:
             have = f'{len(message.axes)} axes and {len(message.buttons)} buttons'

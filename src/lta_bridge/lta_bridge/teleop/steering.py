@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 State machine of teleoperation: it decides whether the operator or the navigator steers.
 

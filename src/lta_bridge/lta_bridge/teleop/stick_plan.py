@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 A flight that calibrates a vehicle: its sticks, as a pilot would move them, and how it is flown.
 
@@ -39,7 +41,7 @@ Steps = Generator[None, None, str]
 
 
 class StickHold(NamedTuple):
-    """Sticks, and the time for which they are held. [s]"""
+    """Sticks, and the time for which they are held [s]."""
 
     sticks: Sticks
     seconds: float
@@ -83,7 +85,7 @@ def shorten_piece(piece: list[StickHold], seconds: float) -> Iterator[StickHold]
 
 
 def limit_climb(sticks: Sticks, above: float) -> Sticks:
-    """Return sticks that do not climb or sink further from the height of the place. [m]"""
+    """Return sticks that do not climb or sink further from the height of the place [m]."""
     is_far = abs(above) > HIGHEST_RISE and math.copysign(1.0, above) * sticks.climb > 0.0
     return sticks._replace(climb=0.0) if is_far else sticks
 
@@ -124,7 +126,7 @@ class StickFlight:
         self._tracked_at = -math.inf
 
     def receive_tracking(self, tracked: TrackedMotion, height: float) -> None:
-        """Take a pose by the tracker, and the height of the hull centre. [m]"""
+        """Take a pose by the tracker, and the height of the hull centre [m]."""
         self._tracked, self._tracked_at = tracked, time.monotonic()
         self._above = height - self._settings.height
 

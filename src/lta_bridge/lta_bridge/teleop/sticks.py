@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Sticks and buttons of a gamepad (/dev/input/js0) or the keyboard.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Convert a tracker's messages to poses, and motion to Odometry."""
 
 from importlib import import_module
@@ -23,7 +25,7 @@ from numpy.typing import NDArray
 POSES_PACKAGE = 'motion_capture_tracking_interfaces'  # the package of NamedPoseArray
 
 
-def find_pose_type(name: str) -> Any:  # noqa: ANN401 - a generated type
+def find_pose_type(name: str) -> Any:
     """Return the type of a topic with poses; raise `BadInput` if its package is missing."""
     if name != 'named_poses':
         return {'pose': PoseStamped, 'odometry': Odometry}[name]
@@ -36,7 +38,7 @@ def find_pose_type(name: str) -> Any:  # noqa: ANN401 - a generated type
         ) from None
 
 
-def to_stamped_pose(message: Any, name: str) -> TrackerPose | None:  # noqa: ANN401 - as above
+def to_stamped_pose(message: Any, name: str) -> TrackerPose | None:
     """Return the pose in a message; of the body of that name, or None, in a NamedPoseArray."""
     if isinstance(message, Odometry):
         return from_odometry(message)

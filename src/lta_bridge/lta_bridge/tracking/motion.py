@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Estimate velocity and rates from poses by fitting a parabola around each pose.
 

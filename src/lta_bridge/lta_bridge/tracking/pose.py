@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Compose and compare poses, and compute map -> odom from poses and estimates (REP-105)."""
 
 from collections import deque
@@ -41,7 +43,7 @@ def _build_pose(place: NDArray[np.float64], turn: Rotation) -> TrackerPose:
 
 
 def angle_between(a: Turn, b: Turn) -> float:
-    """Return the angle between two attitudes, 0 to pi. [rad]"""
+    """Return the angle between two attitudes, 0 to pi [rad]."""
     return float((Rotation.from_quat(a).inv() * Rotation.from_quat(b)).magnitude())
 
 
@@ -57,7 +59,7 @@ class MapCorrection:
         self._estimates: deque[tuple[int, TrackerPose]] = deque()
 
     def add_estimate(self, stamp_ns: int, pose: TrackerPose) -> None:
-        """Add the pose of base_link in odom; a stamp before the last one starts anew. [ns]"""
+        """Add the pose of base_link in odom; a stamp before the last one starts anew [ns]."""
         if not all(map(math.isfinite, (*pose.place, *pose.turn))):
             return
         if self._estimates and stamp_ns < self._estimates[-1][0]:

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Process the poses of one tracked drone: filter, transform to the map, stamp, differentiate."""
 
 from collections import Counter

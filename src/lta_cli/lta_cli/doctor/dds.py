@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Check DDS: a message exchange between two processes, and the UDP ports of the domain."""
 
 import json

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Check the machine: Python, platform, disk, cores, memory."""
 
 import os

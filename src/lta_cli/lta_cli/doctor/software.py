@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Check the software: wheels, their versions, the workspace, a browser."""
 
 from importlib import metadata

@@ -1,1 +1,3 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The verbs of the lta command, one file each."""

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """lta call: call a service of a running graph."""
 
 from typing import Annotated

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Check connected devices, and bench-test one motor of a tethered drone."""
 
 from contextlib import closing

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """lta launch: run a launch file like `ros2 launch`."""
 
 from collections.abc import Mapping

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """lta tests fly: fly by motion capture what calibrates a vehicle, and record it."""
 
 from typing import final

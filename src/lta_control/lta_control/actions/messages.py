@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Serve the actions of a commanded flight: convert their goals, feedback and results."""
 
 from functools import partial

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Tasks of a commanded flight: kinds, limits, progress and results."""
 
 from dataclasses import dataclass

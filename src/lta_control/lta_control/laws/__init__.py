@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Registry of the control laws, and the one that a drone flies by its own sensors."""
 
 from typing import Any

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 RGBlimp: the moving mass sets the pitch, both propellers the speed, their difference the yaw.
 

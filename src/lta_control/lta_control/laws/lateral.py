@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 BEAVIS: four rotors around the hull push outwards; lift comes only from colliding jets.
 
@@ -177,7 +179,7 @@ def mix_thrusts(
 
 
 def clamp_thrust(thrust: float, full: float) -> float:
-    """Return the thrust clamped to a rotor that does not reverse. [N]"""
+    """Return the thrust clamped to a rotor that does not reverse [N]."""
     return min(max(thrust, 0.0), full)
 
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Skye: position and attitude in all six degrees of freedom, each with its own PID.
 

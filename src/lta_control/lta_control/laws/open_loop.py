@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Open-loop control: the duties that would hold the setpoint in steady motion.
 

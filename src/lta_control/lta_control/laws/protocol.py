@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Interface of a control law: from motion and setpoint to rotor commands.
 
@@ -38,7 +40,7 @@ class ControlMotion(NamedTuple):
 
 
 class LawInputs(NamedTuple):
-    """Input of a law at each step: motion, setpoint, and the time since the last step. [s]"""
+    """Input of a law at each step: motion, setpoint, and the time since the last step [s]."""
 
     motion: ControlMotion = ControlMotion()
     setpoint: Setpoint = Setpoint(0.0, 0.0, 0.0)
@@ -57,7 +59,7 @@ class LawMemory(Protocol):
 
     @property
     def command(self) -> LawCommand:
-        """The latest command."""
+        """Return the latest command."""
 
 
 @final

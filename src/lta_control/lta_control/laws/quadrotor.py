@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Multirotor control: velocity to tilt, tilt to rates, rates to moments, moments to thrusts.
 

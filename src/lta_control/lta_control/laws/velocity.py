@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 SBlimp: push along the wanted velocity change at any heading, and let the hull swing.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Estimator node: estimate the motion from the drone's own sensors and commands.
 
@@ -119,7 +121,7 @@ class Estimator(ManagedNode):
         self._tracked = to_tracked(message)
 
     def _read_tracked(self, step: InboxStep) -> tuple[float, float] | None:
-        """Return the position by the tracker at this step, if there is a new one. [m, odom]"""
+        """Return the position by the tracker at this step, if there is a new one [m, odom]."""
         if self._tracked is None:
             return None
         motion = build_odom_motion(step.stamp_ns, self._estimate, self._ground)

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Navigator node: convert the light estimate to heading, altitude and speed."""
 
 import time

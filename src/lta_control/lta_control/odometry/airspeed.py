@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Estimate the planar airspeed from acceleration and the drag model, and the way through the air.
 
@@ -78,7 +80,7 @@ NOWHERE = DeadReckonedMotion(0.0, 0.0, 0.0, 0.0, 0.0)
 def advance_position(
     position: tuple[float, float], forward: float, left: float, yaw: float, dt: float
 ) -> tuple[float, float]:
-    """Return the position after a time [s] at a speed along the body's axes. [m/s]"""
+    """Return the position after a time [s] at a speed along the body's axes [m/s]."""
     cos, sin = math.cos(yaw), math.sin(yaw)
     return (
         position[0] + dt * (cos * forward - sin * left),
@@ -117,7 +119,7 @@ class AirReckoning:
 
 def step_duration(last_ns: int | None, now_ns: int, period_ns: int) -> float:
     """
-    Return the duration of one step from two stamps, at most ten periods. [s]
+    Return the duration of one step from two stamps, at most ten periods [s].
 
     Best-effort messages may be lost, and the first one has no predecessor: it counts as one
     period. A stamp that is not newer than the last counts as a tenth of a period, so that time

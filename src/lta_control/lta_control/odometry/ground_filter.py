@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 r"""
 Filter the motion over ground: velocity and position, with a covariance that accounts for wind.
 
@@ -202,7 +204,7 @@ def correct_motion(
     bearing: float,
     doubted: float,
 ) -> GroundMotion:
-    """Return the state after a sighting with a bearing in the odom frame. [rad]"""
+    """Return the state after a sighting with a bearing in the odom frame [rad]."""
     same = abs(sighting.frequency - state.frequency) < SEPARATION
     if not same:
         return _restart_lamp(settings, state, sighting, bearing)
@@ -237,7 +239,7 @@ def correct_motion(
 def correct_place(
     state: GroundMotion, place: tuple[float, float], deviation: float
 ) -> GroundMotion:
-    """Return the state after a position that a tracker has measured. [m, odom]"""
+    """Return the state after a position that a tracker has measured [m, odom]."""
     mean, rows = state.mean, state.rows
     for axis, value in zip((X, Y), place, strict=True):
         size = rows[axis, axis] + deviation * deviation

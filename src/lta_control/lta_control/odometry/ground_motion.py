@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Estimate the motion over ground in each step: velocity and position, with their covariance.
 
@@ -61,7 +63,7 @@ class ModelledMotion(NamedTuple):
 
 
 def is_on_ground(height: float, standing_height: float) -> bool:
-    """Return whether the drone may stand on the floor; heights of the hull centre. [m]"""
+    """Return whether the drone may stand on the floor; heights of the hull centre [m]."""
     return height < standing_height + NEAR_GROUND
 
 
@@ -101,7 +103,7 @@ def build_odom_motion(
 
 
 def ground_velocity(estimate: 'MotionEstimate', ground: GroundMotion) -> Vector:
-    """Return the velocity over ground in the body frame. [m/s]"""
+    """Return the velocity over ground in the body frame [m/s]."""
     x, y, z, w = estimate.attitude
     vx, vy = ground.velocity
     vz = estimate.altitude.climb

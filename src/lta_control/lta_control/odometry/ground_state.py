@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 State and settings of the filter of the motion over ground.
 
@@ -64,30 +66,30 @@ class GroundMotion(NamedTuple):
 
     @property
     def position_covariance(self) -> Covariance:
-        """Covariance of the position; what is pending counts as error. [m2, odom]"""
+        """Covariance of the position; what is pending counts as error [m2, odom]."""
         (x, y), r = self.pending, self.rows
         return r[X, X] + x * x, r[X, Y] + x * y, r[Y, Y] + y * y
 
     @property
     def velocity(self) -> tuple[float, float]:
-        """Velocity over ground. [m/s, odom]"""
+        """Velocity over ground [m/s, odom]."""
         return self.air[0] + self.mean[DRIFT_X], self.air[1] + self.mean[DRIFT_Y]
 
     @property
     def velocity_covariance(self) -> Covariance:
-        """Covariance of the velocity over ground. [m2/s2, odom]"""
+        """Covariance of the velocity over ground [m2/s2, odom]."""
         r = self.rows
         return r[DRIFT_X, DRIFT_X], r[DRIFT_X, DRIFT_Y], r[DRIFT_Y, DRIFT_Y]
 
     @property
     def airspeed(self) -> tuple[float, float]:
-        """Velocity through the air. [m/s, odom]"""
+        """Velocity through the air [m/s, odom]."""
         mean, (x, y) = self.mean, self.velocity
         return x - mean[WIND_X], y - mean[WIND_Y]
 
     @property
     def airspeed_covariance(self) -> Covariance:
-        """Covariance of the velocity through the air. [m2/s2, odom]"""
+        """Covariance of the velocity through the air [m2/s2, odom]."""
         r = self.rows
         return (
             slip_variance(r, DRIFT_X, WIND_X),
@@ -97,7 +99,7 @@ class GroundMotion(NamedTuple):
 
 
 def rotate_covariance(covariance: Covariance, angle: float) -> Covariance:
-    """Return a covariance in axes that are turned by an angle. [rad]"""
+    """Return a covariance in axes that are turned by an angle [rad]."""
     (xx, xy, yy), cos, sin = covariance, math.cos(angle), math.sin(angle)
     return (
         cos * cos * xx + 2.0 * cos * sin * xy + sin * sin * yy,
@@ -143,5 +145,5 @@ def place_origin(state: GroundMotion) -> GroundMotion:
 
 
 def slip_variance(rows: Matrix, drift: int, wind: int) -> float:
-    """Return the variance of a drift less a wind. [m2/s2]"""
+    """Return the variance of a drift less a wind [m2/s2]."""
     return max(float(rows[drift, drift] + rows[wind, wind] - 2.0 * rows[drift, wind]), 0.0)

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Convert the estimator's inputs from ROS messages, and its estimates to them."""
 
 import math
@@ -59,13 +61,13 @@ def to_inputs(step: InboxStep, commanded: PerRotor) -> EstimatorInputs:
 
 
 def to_distance(message: Range) -> float:
-    """Return a distance, or NaN outside the sensor's range (REP-117). [m]"""
+    """Return a distance, or NaN outside the sensor's range (REP-117) [m]."""
     farthest = min(message.max_range, LONGEST_RANGE)
     return mask_out_of_range(float(message.range), message.min_range, farthest)
 
 
 def to_pressure(message: FluidPressure) -> float:
-    """Return a pressure, or NaN outside the barometer's range. [Pa]"""
+    """Return a pressure, or NaN outside the barometer's range [Pa]."""
     return mask_out_of_range(message.fluid_pressure, *BAROMETER)
 
 

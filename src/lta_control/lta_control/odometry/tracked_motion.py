@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Relate the poses of an external tracker, in the map, to the estimate, in the odom frame.
 
@@ -60,7 +62,7 @@ class MapAnchor(NamedTuple):
 
 
 def rotate(pair: Pair, angle: float) -> Pair:
-    """Return a vector that is turned counter-clockwise by an angle. [rad]"""
+    """Return a vector that is turned counter-clockwise by an angle [rad]."""
     cos, sin = math.cos(angle), math.sin(angle)
     return cos * pair[0] - sin * pair[1], sin * pair[0] + cos * pair[1]
 

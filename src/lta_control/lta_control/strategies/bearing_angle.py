@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 BAG, bearing angle guidance: head along the lamp's bearing (the paper's first strategy).
 
@@ -34,7 +36,7 @@ def steer(
 
 
 def mean_bearing(amplitudes: tuple[float, ...]) -> float:
-    """Return the angle of the weighted sum of the axes of an even ring. [rad, body]"""
+    """Return the angle of the weighted sum of the axes of an even ring [rad, body]."""
     x = y = 0.0
     for k in range(len(amplitudes)):
         x += amplitudes[k] * math.cos(math.tau * k / len(amplitudes))

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 r"""
 DES, dither extremum seeking: one diode, and a heading that swings about an estimate.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 r"""
 DGA, dither-free gradient ascent: one diode, dead reckoning, and a plane fitted to the light.
 

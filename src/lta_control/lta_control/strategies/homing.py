@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 r"""
 Homing, LTA's own strategy: fly along the line to the lamp in any wind.
 
@@ -130,7 +132,7 @@ def steer(
 
 
 def build_filter_prior(own: HomingSettings, flight_time: float) -> LampFilterPrior:
-    """Return the filter's prior some time after the first sight. [s]"""
+    """Return the filter's prior some time after the first sight [s]."""
     gusts = math.hypot(own.gusts, own.unsettled * math.exp(-flight_time / own.settling))
     return LampFilterPrior(
         math.log(own.brightness),
@@ -223,7 +225,7 @@ def is_close(own: HomingSettings, m: HomingState) -> bool:
 
 def stopping_speed(own: HomingSettings, left: float, turn: float) -> float:
     """
-    Return the speed over ground from which a drone can stop within a distance. [m/s]
+    Return the speed over ground from which a drone can stop within a distance [m/s].
 
     It flies on at that speed v while it turns by `turn` [rad] in the time T, and then decelerates
     by a: the distance `left` [m] is v T + v^2 / 2 a.
@@ -234,7 +236,7 @@ def stopping_speed(own: HomingSettings, left: float, turn: float) -> float:
 
 def coasting_distance(own: HomingSettings, closing: float, wind: float) -> float:
     """
-    Return the distance over ground in which drag alone stops a drone. [m]
+    Return the distance over ground in which drag alone stops a drone [m].
 
     `closing` is its speed over ground, `wind` that of the air against it [m/s]. With the airspeed
     u and the distance L of `coasting`, u' = -u^2 / L.
@@ -246,7 +248,7 @@ def coasting_distance(own: HomingSettings, closing: float, wind: float) -> float
 
 
 def ground_velocity(m: HomingState, sight: LightMeasurement) -> tuple[float, float]:
-    """Return the drone's velocity over ground. [m/s, odom]"""
+    """Return the drone's velocity over ground [m/s, odom]."""
     cos, sin = math.cos(sight.heading), math.sin(sight.heading)
     surge, sway = sight.drift
     return cos * surge - sin * sway + m.fix.wind_x, sin * surge + cos * sway + m.fix.wind_y
@@ -287,7 +289,7 @@ def brake_ahead(
 
 def limit_turn(goal: float, heading: float, last: float, most: float) -> float:
     """
-    Return a heading at most so far from the present one that the sense of a turn stays. [rad]
+    Return a heading at most so far from the present one that the sense of a turn stays [rad].
 
     `last`: heading that was commanded before.
     """
@@ -298,7 +300,7 @@ def limit_turn(goal: float, heading: float, last: float, most: float) -> float:
 
 
 def full_turn_time(settings: StrategySettings) -> float:
-    """Return the duration of a turn on the spot. [s]"""
+    """Return the duration of a turn on the spot [s]."""
     return 2.0 * math.pi / max(settings.search_rate, 1e-3)
 
 
@@ -314,7 +316,7 @@ def steer_search(
 
 
 def distance_to_lamp(memory: HomingState) -> float:
-    """Return the horizontal distance to the lamp; NaN before the first light. [m]"""
+    """Return the horizontal distance to the lamp; NaN before the first light [m]."""
     return math.hypot(memory.fix.x, memory.fix.y) if memory.has_fix else math.nan
 
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 r"""
 Estimate the lamp's position and the drone's drift from bearings and strengths over time.
 
@@ -132,14 +134,14 @@ def predict_fix(
 def normalized_innovation(
     fix: LampFix, optics: LampFilterPrior, bearing: float, deviation: float
 ) -> float:
-    """Return the difference of a bearing from the fix in standard deviations. [1]"""
+    """Return the difference of a bearing from the fix in standard deviations [1]."""
     slopes, error = _linearize_bearing(fix, bearing)
     noise = _bearing_noise(fix, optics, deviation)
     return abs(error) / math.sqrt(_dot(slopes, _multiply_matrix_vector(fix.rows, slopes)) + noise)
 
 
 def expected_strength(fix: LampFix) -> float:
-    """Return the strength that the fix predicts for a lamp at height `OVER`. [counts]"""
+    """Return the strength that the fix predicts for a lamp at height `OVER` [counts]."""
     return math.exp(fix.brightness) / (fix.x * fix.x + fix.y * fix.y + LAMP_HEIGHT * LAMP_HEIGHT)
 
 
@@ -155,18 +157,18 @@ def update_fix(
 
 
 def bearing_deviation(fix: LampFix) -> float:
-    """Return the standard deviation of the fix's bearing. [rad]"""
+    """Return the standard deviation of the fix's bearing [rad]."""
     slopes, _ = _linearize_bearing(fix, 0.0)
     return math.sqrt(max(_dot(slopes, _multiply_matrix_vector(fix.rows, slopes)), 0.0))
 
 
 def _squared_range(fix: LampFix) -> float:
-    """Return the square of the range. [m2]"""
+    """Return the square of the range [m2]."""
     return max(fix.x * fix.x + fix.y * fix.y, NEAREST_BEARING * NEAREST_BEARING)
 
 
 def _bearing_noise(fix: LampFix, optics: LampFilterPrior, deviation: float) -> float:
-    """Return the variance of a bearing. [rad2]"""
+    """Return the variance of a bearing [rad2]."""
     return (
         deviation * deviation
         + optics.bearing_noise**2
@@ -180,7 +182,7 @@ def _strength_noise(fix: LampFix, optics: LampFilterPrior) -> float:
 
 
 def _linearize_bearing(fix: LampFix, bearing: float) -> tuple[Row, float]:
-    """Return the Jacobian of the bearing, and the innovation. [rad]"""
+    """Return the Jacobian of the bearing, and the innovation [rad]."""
     squared = _squared_range(fix)
     error = wrap_angle(bearing - math.atan2(fix.y, fix.x))
     return (-fix.y / squared, fix.x / squared, 0.0, 0.0, 0.0), error

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Interface of a navigation strategy: from the light to a course."""
 
 from collections.abc import Callable

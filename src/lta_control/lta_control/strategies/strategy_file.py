@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Load a navigation strategy from the user's own Python file."""
 
 from dataclasses import replace
@@ -94,7 +96,7 @@ def _try_strategy(strategy: NavigationStrategy) -> None:
         raise BadInput(f'returns {distance!r} from distance; let it return a float.')
 
 
-def _check_memory(function: str, memory: Any) -> tuple[Any, ...]:  # noqa: ANN401 - the user's
+def _check_memory(function: str, memory: Any) -> tuple[Any, ...]:
     """Return a memory that begins with a heading."""
     first = memory[0] if isinstance(memory, tuple) and memory else None
     if not isinstance(first, float) or not math.isfinite(first):

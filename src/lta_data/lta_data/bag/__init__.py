@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Read recordings: bags, and flights as aligned arrays."""
 
 from lta_data.bag.info import BagInfo, summarize_bag

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Find the files of a bag and read its metadata.yaml."""
 
 from pathlib import Path

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Convert the messages of a topic to columns without an object per message.
 
@@ -161,7 +163,7 @@ class EqualLengthMessages(NamedTuple):
 
     @property
     def rows(self) -> Rows:
-        """The row numbers of these messages in the topic."""
+        """Return the row numbers of these messages in the topic."""
         first, last = int(self.indices[0]), int(self.indices[-1])
         if last - first + 1 == len(self.indices):
             # A slice assigns faster than an index array
@@ -204,7 +206,7 @@ def decode_texts(letters: NDArray[np.uint8]) -> NDArray[Any]:
 
 
 def extract_stamps(layout: CdrLayout, values: Sequence[NDArray[Any]]) -> NDArray[np.int64] | int:
-    """Return the stamps of messages with one layout, 0 without a stamp. [ns]"""
+    """Return the stamps of messages with one layout, 0 without a stamp [ns]."""
     by_path = {leaf.path: column for leaf, column in zip(layout.leaves, values, strict=True)}
     place = find_stamp_path(by_path)
     if place is None:

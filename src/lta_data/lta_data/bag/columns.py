@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Represent the messages of a topic as one array per field, and their stamps.
 
@@ -20,7 +22,7 @@ STAMP_PATHS: Final = ('transforms[0].header.stamp', 'header.stamp', 'clock')
 
 def extract_stamp(message: object) -> int | None:
     """
-    Return the stamp of a decoded message, from its header, first transform or clock. [ns]
+    Return the stamp of a decoded message, from its header, first transform or clock [ns].
 
     None if there is no stamp or it is zero, that is, unfilled.
     """

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Turn tables of a flight into a dataset of xarray and into lines of matplotlib."""
 
 from collections.abc import Mapping, Sequence
@@ -16,7 +18,7 @@ MISSING_PACKAGE: Final = (
 )
 
 
-def import_notebook_package(name: str) -> Any:  # noqa: ANN401 - a module
+def import_notebook_package(name: str) -> Any:
     """Return a module of the `notebook` extra; raise `BadInput` if it is not installed."""
     try:
         return import_module(name)
@@ -32,7 +34,7 @@ def find_frame(table: Table, column: str) -> str:
     return str(frames.iloc[0]) if len({*frames}) == 1 else ''
 
 
-def build_dataset(aligned: Table, tables: Mapping[str, Table]) -> Any:  # noqa: ANN401
+def build_dataset(aligned: Table, tables: Mapping[str, Table]) -> Any:
     """
     Return an aligned table as an `xarray.Dataset` over `time`, with `stamp_ns` beside it.
 
@@ -62,7 +64,7 @@ def build_dataset(aligned: Table, tables: Mapping[str, Table]) -> Any:  # noqa: 
     return xarray.Dataset(variables, coordinates, {'start_ns': aligned.attrs['start']})
 
 
-def draw_columns(table: Table, columns: Sequence[str], axes: Any) -> Any:  # noqa: ANN401
+def draw_columns(table: Table, columns: Sequence[str], axes: Any) -> Any:
     """
     Draw columns of a topic over time, in new axes if `axes` is None, and return the axes.
 

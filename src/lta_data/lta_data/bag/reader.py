@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Read a recording: its contents, and its messages one after the other.
 
@@ -118,12 +120,12 @@ class Bag:
 
     @property
     def types(self) -> dict[str, str]:
-        """The message type of each topic."""
+        """Return the message type of each topic."""
         return {name: topic.type_name for name, topic in self.topics.items()}
 
     @property
     def duration(self) -> float:
-        """Time from the first to the last message. [s]"""
+        """Time from the first to the last message [s]."""
         return 0.0 if self.start is None or self.end is None else (self.end - self.start) * 1e-9
 
     @property

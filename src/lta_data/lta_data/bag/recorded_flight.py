@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Open the recorded flight of one robot: numpy arrays and pandas tables on one clock.
 
@@ -53,7 +55,7 @@ LATEST_STAMP: Final = int(
 
 
 class FlightOrigin(NamedTuple):
-    """The start of a flight on the clocks of the stamps and of the log. [ns]"""
+    """The start of a flight on the clocks of the stamps and of the log [ns]."""
 
     stamp: int
     log: int
@@ -93,7 +95,7 @@ class RecordedFlight:
 
     @property
     def topics(self) -> list[str]:
-        """The robot's topics, relative to its namespace, without those that only draw it."""
+        """Return the robot's topics, below its namespace, without those that only draw it."""
         prefix = self.absolute_name('')
         return [
             name.removeprefix(prefix)
@@ -192,7 +194,7 @@ class RecordedFlight:
         )
         return align_tables(tables, clock, method, gap)
 
-    def to_xarray(self, *topics: str, **clock: Any) -> Any:  # noqa: ANN401 - optional
+    def to_xarray(self, *topics: str, **clock: Any) -> Any:
         """
         Return topics as one `xarray.Dataset` over `time`; arguments as `align_topics`.
 
@@ -202,7 +204,7 @@ class RecordedFlight:
         aligned = self.align_topics(*topics, **clock)
         return build_dataset(aligned, {topic: self[topic] for topic in topics})
 
-    def plot(self, topic: str, *columns: str, axes: Any = None) -> Any:  # noqa: ANN401 - optional
+    def plot(self, topic: str, *columns: str, axes: Any = None) -> Any:
         """
         Plot columns of a topic over time in s, and return the axes of matplotlib.
 
@@ -250,7 +252,7 @@ class RecordedFlight:
             stamps.clear()
 
     def read_log_times(self, topics: Collection[str]) -> dict[str, NDArray[np.int64]]:
-        """Return the log times of the messages of topics, each of shape (n,). [ns]"""
+        """Return the log times of the messages of topics, each of shape (n,) [ns]."""
         times: dict[str, list[int]] = {self.absolute_name(topic): [] for topic in topics}
         for name, log_time, _ in self.bag.iterate_messages([*times]):
             # One that no stamp can have is the latest
@@ -311,7 +313,7 @@ class RecordedFlight:
     def _iterate_messages(
         self, topic: str, stamps: list[int], chosen: Collection[int] | None = None
     ) -> Iterator[object]:
-        """Yield messages of a topic and append their stamps to `stamps`. [ns]"""
+        """Yield messages of a topic and append their stamps to `stamps` [ns]."""
         name = self.absolute_name(topic)
         if name not in self.bag.topics:
             raise unknown_name_error('topic', topic, self.topics)
@@ -324,11 +326,11 @@ class RecordedFlight:
             yield message
 
     def _place_log_time(self, log_time: int) -> int:
-        """Return a log time on the clock of the stamps, for a message without a stamp. [ns]"""
+        """Return a log time on the clock of the stamps, for a message without a stamp [ns]."""
         return min(self.start + log_time - self._origin.log, LATEST_STAMP)
 
     def _compute_times(self, stamps: Sequence[int]) -> NDArray[np.float64]:
-        """Return stamps as times since the start. [s]"""
+        """Return stamps as times since the start [s]."""
         # Subtract as integers first: float64 does not resolve 1 ns in times since 1970
         return (np.array(stamps, np.int64) - self.start).astype(np.float64) * 1e-9
 

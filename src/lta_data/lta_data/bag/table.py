@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 View topics of a flight as pandas tables, one by one or on one clock.
 
@@ -244,7 +246,7 @@ def _add_angles(columns: Columns, units: Mapping[str, str]) -> tuple[Columns, di
 def build_table(
     topic: str, start: int, stamps: Stamps, columns: Columns, units: Mapping[str, str]
 ) -> Table:
-    """Return columns over time as a `pandas.DataFrame`; `start` is the stamp at time 0. [ns]"""
+    """Return columns over time as a `pandas.DataFrame`; `start` is the stamp at time 0 [ns]."""
     import pandas  # half a second, which most commands do not need
 
     # Subtract as integers first: float64 does not resolve 1 ns in times since 1970
@@ -339,7 +341,7 @@ def _is_within(value: object, most: float) -> bool:
 
 
 def build_even_clock(tables: Sequence[Table], rate: float) -> Stamps:
-    """Return an even clock over all rows of some tables; rate in Hz. [ns]"""
+    """Return an even clock over all rows of some tables; rate in Hz [ns]."""
     if not _is_within(rate, 1e6):
         raise BadInput(
             f'The rate is {rate!r}, but must be a number above 0 and at most 1e6; give it in Hz.'

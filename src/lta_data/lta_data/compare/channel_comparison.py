@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Pair the channels of A and B, and compare each: size and time of the difference."""
 
 from collections.abc import Collection, Mapping, Sequence
@@ -51,12 +53,12 @@ class ChannelPair(NamedTuple):
 
     @property
     def signals(self) -> tuple[SampledSignal, SampledSignal]:
-        """The samples of A and B."""
+        """Return the samples of A and B."""
         return SampledSignal(self.a.time, self.a.values), SampledSignal(self.b.time, self.b.values)
 
     @property
     def frames(self) -> tuple[str, str]:
-        """The frames of both; '' if unknown."""
+        """Return the frames of both; '' if unknown."""
         return self.a.frame, self.b.frame
 
 
@@ -281,7 +283,7 @@ def classify_difference(difference: DifferenceMeasures | None, when: Divergence)
 def score_difference(
     both: AlignedSignals, difference: DifferenceMeasures, when: Divergence, angular: bool
 ) -> float:
-    """Return the rank of a divergence by its size and duration. [1]"""
+    """Return the rank of a divergence by its size and duration [1]."""
     valid = both.both_valid
     spread = max(standard_deviation(part[valid], angular) for part in (both.a, both.b))
     # The band limits the score of a nearly constant channel.

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Select the channels that get their own panel on the page, and those of the headline."""
 
 from collections.abc import Sequence

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Find about how far two flights are apart in time: by the lag of highest correlation, or by starts.
 
@@ -180,7 +182,7 @@ class StartOffset(NamedTuple):
 
 
 def find_motion_start(line: SampledSignal, angular: bool = False) -> float | None:
-    """Return when a channel first leaves its initial level; None if it never rested. [s]"""
+    """Return when a channel first leaves its initial level; None if it never rested [s]."""
     time, values = unwrap_finite(line, angular)
     if len(time) < 8 or np.ptp(values) == 0.0:
         return None

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Compare two flights: request, result and procedure."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -221,7 +223,7 @@ def compare_pairs(
 
 
 def find_common_time_span(pairs: Sequence[ChannelPair]) -> tuple[float, float]:
-    """Return the time that both flights cover, on A's clock; raise `BadInput` if none. [s]"""
+    """Return the time that both flights cover, on A's clock; raise `BadInput` if none [s]."""
     ends = [
         find_time_extent([pair.a.time for pair in pairs]),
         find_time_extent([pair.b.time for pair in pairs]),
@@ -237,7 +239,7 @@ def find_common_time_span(pairs: Sequence[ChannelPair]) -> tuple[float, float]:
 
 
 def find_time_extent(times: Sequence[Array]) -> tuple[float, float]:
-    """Return the first and last of all times; raise `BadInput` if there are none. [s]"""
+    """Return the first and last of all times; raise `BadInput` if there are none [s]."""
     non_empty = [time for time in times if len(time)]
     if not non_empty:
         raise BadInput(

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Measure how much two channels differ, and find when: from when on by more than their noise."""
 
 from dataclasses import dataclass
@@ -180,7 +182,7 @@ def white_noise_deviation(values: Array) -> float:
 
 def noise_band(pair: AlignedSignals, *, angular: bool = False, doubt: float = 0.0) -> float:
     """
-    Return the difference that the noise of two channels explains. [unit of the channels]
+    Return the difference that the noise of two channels explains [unit of the channels].
 
     `doubt` is the standard deviation of the clock offset [s]; it widens the band by the change of
     the signal in that time.

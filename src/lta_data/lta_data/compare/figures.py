@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Plot the channels of both flights, reduced to what a screen can show."""
 
 from collections.abc import Mapping, Sequence
@@ -234,7 +236,7 @@ def sample_pose(
     side: str,
     time: Array,
 ) -> tuple[Array, EulerAngles]:
-    """Return positions, shape (n, 3), and attitudes; unknown angles are zero. [m]"""
+    """Return positions, shape (n, 3), and attitudes; unknown angles are zero [m]."""
     place = [interpolate_signal(getattr(each, side), time) for each in places]
     turn = [
         np.zeros_like(time)

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Transform B's positions, headings and vectors to A's frames if the frames differ."""
 
 from collections.abc import Mapping, Sequence
@@ -32,7 +34,7 @@ class FrameTransform:
     by_heading: bool = False
 
     def transform_positions(self, xyz: Array) -> Array:
-        """Return positions of B, shape (n, 3), in A's frame. [m]"""
+        """Return positions of B, shape (n, 3), in A's frame [m]."""
         x, y = self.rotate_vectors(xyz[:, 0], xyz[:, 1])
         return np.stack([x + self.x, y + self.y, xyz[:, 2] + self.z], axis=1)
 
@@ -93,7 +95,7 @@ def rms_distance(a: Array, b: Array) -> float:
 
 
 def fit_yaw(a: Array, b: Array, weight: Array) -> float:
-    """Fit the rotation about z by weighted least squares. [rad]"""
+    """Fit the rotation about z by weighted least squares [rad]."""
     (ax, ay, _), (bx, by, _) = (
         (part - np.average(part, axis=0, weights=weight)).T for part in (a, b)
     )
@@ -111,7 +113,7 @@ def fit_shift(a: Array, b: Array, yaw: float, weight: Array) -> FrameTransform:
 
 
 def mean_heading_difference(a: Array | None, b: Array | None) -> float:
-    """Return the circular mean of the difference of headings; zero without headings. [rad]"""
+    """Return the circular mean of the difference of headings; zero without headings [rad]."""
     if a is None or b is None:
         return 0.0
     turn = a - b

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Build the report of a comparison, with its tables."""
 
 from pathlib import Path
@@ -170,7 +172,7 @@ def build_report(comparison: ComparisonResult) -> Report:
 
 
 def find_total_span(comparison: ComparisonResult) -> tuple[float, float]:
-    """Return the time that either flight covers, on A's clock. [s]"""
+    """Return the time that either flight covers, on A's clock [s]."""
     ends = np.array(
         [*comparison.a.span, *comparison.timing.convert_to_a_time(np.array(comparison.b.span))]
     )

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What `lta compare` takes: two bags, and how they are aligned and compared."""
 
 from collections.abc import Sequence

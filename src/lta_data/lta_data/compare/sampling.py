@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Resample signals; gaps stay gaps."""
 
 from typing import Final, NamedTuple
@@ -16,13 +18,13 @@ Array = NDArray[np.float64]
 
 
 def wrap_angle(angle: Array) -> Array:
-    """Return angles in [-pi, pi). [rad]"""
+    """Return angles in [-pi, pi) [rad]."""
     return (angle + np.pi) % FULL_TURN_RADIANS - np.pi
 
 
 def interpolate_signal(line: SampledSignal, at: Array, *, angular: bool = False) -> Array:
     """
-    Interpolate a signal linearly at the times `at`. [s]
+    Interpolate a signal linearly at the times `at` [s].
 
     Angular values take the shorter way around. The result is NaN outside the signal, next to
     NaN values, and in gaps.

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Describe a comparison in sentences: verdict, divergence, and alignment of clocks and frames."""
 
 from dataclasses import asdict, replace

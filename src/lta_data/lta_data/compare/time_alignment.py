@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Map B's time to A's: by the common clock, by the start of motion, by a given offset, or not."""
 
 from collections.abc import Sequence
@@ -42,7 +44,7 @@ class TimeAlignment:
     remarks: tuple[str, ...] = ()  # further remarks for the user
 
     def convert_to_a_time(self, time: Array) -> Array:
-        """Convert times of B, since its start, to times since A's start. [s]"""
+        """Convert times of B, since its start, to times since A's start [s]."""
         # Inverse of: time of B = t + lead + offset + drift * (t - middle)
         shifted = time - self.lead - self.offset + self.drift * self.middle
         return np.asarray(shifted / (1.0 + self.drift))
@@ -228,7 +230,7 @@ def select_frame_invariants(
 
 
 def ground_speed(of_x: SampledSignal, of_y: SampledSignal) -> SampledSignal:
-    """Return the horizontal speed, from positions smoothed over 0.25 s. [m/s]"""
+    """Return the horizontal speed, from positions smoothed over 0.25 s [m/s]."""
     if len(of_x.time) < 8 or len(of_y.time) != len(of_x.time):
         return SampledSignal(NO_SAMPLES, NO_SAMPLES)
     step = max(0.05, float(np.median(np.diff(of_x.time))))

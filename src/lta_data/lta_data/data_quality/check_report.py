@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Check bags and report the findings on the terminal and as JSON."""
 
 from collections.abc import Sequence

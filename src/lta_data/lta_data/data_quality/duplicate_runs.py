@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Detect one run in two recordings, even if it was cropped, shifted or rounded.
 

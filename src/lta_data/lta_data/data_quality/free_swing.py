@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Prove that a flight without commands is a free swing, which is all that a model can be fitted to.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Assemble the motion in pose topics and inertial sensors from their channels."""
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -176,13 +178,13 @@ class PoseMotion(NamedTuple):
 
     @property
     def attitude(self) -> VectorSeries:
-        """The attitude."""
+        """Return the attitude."""
         assert self.pose.attitude is not None
         return self.pose.attitude
 
     @property
     def span(self) -> tuple[float, float]:
-        """First and last time. [s]"""
+        """First and last time [s]."""
         return float(self.seconds[0]), float(self.seconds[-1])
 
     def list_vectors(self, kind: str) -> list[MeasuredVector]:

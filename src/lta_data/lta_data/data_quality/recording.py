@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Represent what the checks say of a flight, and what several of them derive from it."""
 
 from collections.abc import Iterable, Mapping
@@ -93,7 +95,7 @@ class CheckContext:
 
     @cached_property
     def adc_full_scale(self) -> float | None:
-        """Largest reading of the diodes' ADC; None without a vehicle file. [counts]"""
+        """Largest reading of the diodes' ADC; None without a vehicle file [counts]."""
         try:
             vehicle = parse_provenance_file(VehicleFile, self.recording.provenance, 'vehicle_file')
         except BadInput:  # file of another version; the other checks still work

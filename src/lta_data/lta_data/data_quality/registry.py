@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Register the checks by kind of finding, and run them."""
 
 from collections.abc import Sequence
@@ -173,7 +175,7 @@ class QualityReport:
 
     @property
     def status(self) -> str:
-        """'findings', 'clean', or 'not checked' if nothing but notes came of it."""
+        """Return 'findings', 'clean', or 'not checked' if nothing but notes came of it."""
         if not (self.judged or self.is_grave):
             return 'not checked'
         return 'findings' if self.findings else 'clean'

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Classify channels: measurements, commands or derived quantities, and their possible values."""
 
 import re

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Export a recording to one format, as one file per topic or one aligned file.
 
@@ -128,7 +130,7 @@ class ExportSource(NamedTuple):
     parts: Iterator[Columns]  # one or more; each has the columns of the first
     remark: str = ''  # what is left out; '' if nothing
 
-    def build_schema(self, part: Columns) -> Any:  # noqa: ANN401 - pyarrow has no types
+    def build_schema(self, part: Columns) -> Any:
         """Return the arrow schema of the columns, with their units."""
         fields = [
             arrow.field(
@@ -224,7 +226,7 @@ def _build_clock_columns(flight: RecordedFlight, stamps: NDArray[np.int64]) -> C
 
 
 def _compute_stamps(flight: RecordedFlight, time: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Convert times since the start to stamps. [ns]"""
+    """Convert times since the start to stamps [ns]."""
     return flight.start + np.rint(time * 1e9).astype(np.int64)
 
 

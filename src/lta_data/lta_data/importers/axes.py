@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Convert vectors, attitudes and fixes of any convention to ours, exactly where axes only change.
 
@@ -175,7 +177,7 @@ class LocalMap:
 
     def project(self, fixes: Numbers) -> Numbers:
         """
-        Return places east, north and up of the first fix, shape (n, 3). [m]
+        Return places east, north and up of the first fix, shape (n, 3) [m].
 
         `fixes`, shape (n, 3): latitude [deg], longitude [deg], altitude [m]; NaN without a fix, as
         in the result, where latitude and longitude are zero.

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Convert rows of a log to messages of one topic: units, axes and fields."""
 
 from collections.abc import Sequence
@@ -111,7 +113,7 @@ class TopicConverter:
         """Return the rows that become messages."""
         return table.select_rows(self._find_rows(table))
 
-    def _find_rows(self, table: LogTable) -> Any:  # noqa: ANN401 - an array of bool
+    def _find_rows(self, table: LogTable) -> Any:
         """Return which rows become messages."""
         entry = self.plan.entry
         fits = np.ones(len(table), dtype=np.bool_)

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Check an entry of a mapping against the parts of its target message: units, axes and paths.
 
@@ -166,7 +168,7 @@ class EntryPlan:
 
     @property
     def target_parts(self) -> dict[str, MessagePart]:
-        """The parts of the target message."""
+        """Return the parts of the target message."""
         return dict(MESSAGE_SHAPES[self.target.type_name])
 
     def find_axes(self, frame: str) -> Axes | None:
@@ -175,7 +177,7 @@ class EntryPlan:
 
     @property
     def thrust_laws(self) -> dict[str, tuple[float, float, float]]:
-        """The laws by actuator: thrust [N] = c0 + c1 w + c2 w |w|, with w in rad/s."""
+        """Return the laws by actuator: thrust [N] = c0 + c1 w + c2 w |w|, with w in rad/s."""
         actuators = self.entry.actuators or {}
         return {name: one.thrust for name, one in actuators.items() if one.thrust is not None}
 
@@ -344,7 +346,7 @@ class CdrTemplate:
 
     @property
     def size(self) -> int:
-        """Size of every message. [bytes]"""
+        """Size of every message [bytes]."""
         return len(self._bytes)
 
     def serialize_messages(self, count: int, numbers: Mapping[str, Any]) -> bytes:

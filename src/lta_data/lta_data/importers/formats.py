@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """List the formats that can be imported, and detect the format of a file from its content."""
 
 from collections.abc import Callable

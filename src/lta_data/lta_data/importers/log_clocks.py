@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Align the clocks of the logs of an import: of each by its motion, or of all alike."""
 
 from collections.abc import Mapping, Sequence

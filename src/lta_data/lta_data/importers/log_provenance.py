@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Describe the origin of an imported bag: source file, mapping and kind of data."""
 
 from collections.abc import Mapping
@@ -59,7 +61,7 @@ def list_source_files(source: Path) -> list[Path]:
 
 
 def source_size(source: Path) -> int:
-    """Return the size of a file, or of all files in a folder. [bytes]"""
+    """Return the size of a file, or of all files in a folder [bytes]."""
     return sum(path.stat().st_size for path in list_source_files(source))
 
 

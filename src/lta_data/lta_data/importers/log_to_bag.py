@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Write a log as a bag: convert its tables, pass its messages on, all in the log's order."""
 
 from collections import Counter

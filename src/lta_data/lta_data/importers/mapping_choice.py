@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Choose the mapping of a log, and the entries that the log can fill."""
 
 from collections.abc import Collection, Sequence

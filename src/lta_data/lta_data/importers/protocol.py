@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Define the interface of log readers: tables of numbers, and messages to pass on unchanged."""
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
@@ -108,7 +110,7 @@ class LogReader(Protocol):
 
     @property
     def columns(self) -> Mapping[str, Sequence[str]]:
-        """The columns of each table; a format with a single table names it ''."""
+        """Return the columns of each table; a format with a single table names it ''."""
         ...
 
     @property
@@ -123,7 +125,7 @@ class LogReader(Protocol):
 
     @property
     def facts(self) -> dict[str, str]:
-        """The log's own provenance."""
+        """Return the log's own provenance."""
         ...
 
     @property
@@ -153,7 +155,7 @@ class InMemoryLog:
 
     @property
     def columns(self) -> Mapping[str, Sequence[str]]:
-        """The columns of each table."""
+        """Return the columns of each table."""
         return {name: list(table.columns) for name, table in self.content.items()}
 
     def read_tables(self, selection: Mapping[str, Collection[str]]) -> Mapping[str, LogTable]:

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Import logs as bags, all of them or none, and show the progress."""
 
 from collections.abc import Sequence

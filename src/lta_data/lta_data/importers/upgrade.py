@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Convert a bag of version 1, which had standard messages on four topics, to those of lta_msgs.
 
@@ -155,7 +157,7 @@ def convert_vehicles(provenance: Mapping[str, str]) -> dict[str, str]:
     return converted
 
 
-def convert_block(image: Any, types: Mapping[str, Any]) -> object:  # noqa: ANN401
+def convert_block(image: Any, types: Mapping[str, Any]) -> object:
     """Return a LightBlock of an image with a row for each sample."""
     if image.encoding != '16UC1' or image.is_bigendian:
         raise NotConvertible(f"it has the encoding '{image.encoding}', not 16UC1")
@@ -171,7 +173,7 @@ def convert_block(image: Any, types: Mapping[str, Any]) -> object:  # noqa: ANN4
     )
 
 
-def convert_peaks(cloud: Any, types: Mapping[str, Any]) -> object:  # noqa: ANN401
+def convert_peaks(cloud: Any, types: Mapping[str, Any]) -> object:
     """Return the LampPeaks of a cloud with a row for each beacon, a point for each diode."""
     fields = read_points(cloud)
     if missing := {'x', 'y', 'z', 'amplitude', 'snr'} - fields.keys():
@@ -191,7 +193,7 @@ def convert_peaks(cloud: Any, types: Mapping[str, Any]) -> object:  # noqa: ANN4
     )
 
 
-def read_points(cloud: Any) -> dict[str, NDArray[np.float32]]:  # noqa: ANN401
+def read_points(cloud: Any) -> dict[str, NDArray[np.float32]]:
     """Return the float32 fields of a cloud, each of shape (rows, points)."""
     offsets = {field.name: field.offset for field in cloud.fields if field.datatype == FLOAT32}
     whole = (
@@ -209,7 +211,7 @@ def read_points(cloud: Any) -> dict[str, NDArray[np.float32]]:  # noqa: ANN401
     return {name: points[..., offset // 4] for name, offset in offsets.items()}
 
 
-def convert_duties(joints: Any, types: Mapping[str, Any]) -> object:  # noqa: ANN401
+def convert_duties(joints: Any, types: Mapping[str, Any]) -> object:
     """Return the ActuatorDuty of joints whose effort is the duty."""
     if len(joints.position) or len(joints.velocity):
         raise NotConvertible('it has positions or velocities')
@@ -218,7 +220,7 @@ def convert_duties(joints: Any, types: Mapping[str, Any]) -> object:  # noqa: AN
     )
 
 
-def convert_status(array: Any, types: Mapping[str, Any]) -> object:  # noqa: ANN401
+def convert_status(array: Any, types: Mapping[str, Any]) -> object:
     """Return the EnergyStatus of an array whose keys are the names of fields with their units."""
     if [status.name for status in array.status] != ['energy', 'meters']:
         raise NotConvertible('its statuses are not energy and meters')

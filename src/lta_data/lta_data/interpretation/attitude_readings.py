@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 List the ways to read an attitude: order, direction, sequence, signs, unit.
 
@@ -222,7 +224,7 @@ OFFSETS: Final = 58  # whole turns of degrees in a turn of radians
 
 
 def measure_turn(turn: Rotation, seconds: Numbers) -> float:
-    """Return the largest range of yaw, pitch or roll, smoothed over half a second. [rad]"""
+    """Return the largest range of yaw, pitch or roll, smoothed over half a second [rad]."""
     angles = np.unwrap(turn.as_euler('ZYX'), axis=0)
     calm = smooth_columns(angles, hann_kernel(0.5, median_period(seconds)))
     return float(np.max(np.ptp(calm, axis=0)))

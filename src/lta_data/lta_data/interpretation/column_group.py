@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Represent columns that belong together: a vector, a quaternion, Euler angles or a matrix."""
 
 from collections.abc import Mapping
@@ -41,12 +43,12 @@ class ColumnGroup(NamedTuple):
 
     @property
     def stem_words(self) -> frozenset[str]:
-        """The words in the names of its columns, without axes and units."""
+        """Return the words in the names of its columns, without axes and units."""
         return frozenset(word for one in self.columns for word in parse_column_name(one).stem)
 
     @property
     def words(self) -> frozenset[str]:
-        """The same, also without an index at their end."""
+        """Return the same, also without an index at their end."""
         return frozenset(word for one in self.columns for word in parse_column_name(one).words)
 
     def stack(self, table: Columns) -> Numbers:

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Read the names of columns: stem, axis and unit, and what the words of a stem stand for."""
 
 from collections.abc import Iterable, Sequence
@@ -162,7 +164,7 @@ class ColumnName(NamedTuple):
 
     @property
     def words(self) -> frozenset[str]:
-        """The words of the stem, also without an index at their end."""
+        """Return the words of the stem, also without an index at their end."""
         return frozenset({*self.stem, *(word.rstrip('0123456789') for word in self.stem)})
 
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Tell commands from measurements: by the names of topics, and by values that are held."""
 
 from typing import Final

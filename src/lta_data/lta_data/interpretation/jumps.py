@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Find poses that a tracker took from other markers or bodies: changes that no inertia allows."""
 
 from typing import Any, Final
@@ -61,7 +63,7 @@ def _measure_changes(poses: Numbers, apart: int) -> Numbers:
     return (turn[:-apart].inv() * turn[apart:]).as_rotvec()
 
 
-def find_tracker_jumps(time: Numbers, poses: Numbers) -> Any:  # noqa: ANN401 - an array of bool
+def find_tracker_jumps(time: Numbers, poses: Numbers) -> Any:
     """
     Return a mask of the poses between a jump and the jump back.
 

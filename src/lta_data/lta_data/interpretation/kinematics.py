@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Score how well readings of a motion agree with each other: rates, velocities, gravity, course.
 
@@ -186,7 +188,7 @@ def iterate_moments(
     latest: float,
     earliest: float = 0.0,
 ) -> Iterator[VectorMoments]:
-    """Yield the moments of two vectors for each delay of the measured one, from `earliest`. [s]"""
+    """Yield the moments of two vectors for each delay of the measured one, from `earliest` [s]."""
     step = float(np.median(np.diff(seconds))) if len(seconds) > 1 else 0.0
     good: NDArray[np.bool_] = np.asarray(
         np.isfinite(measured).all(axis=1) & np.isfinite(derived).all(axis=1)
@@ -226,7 +228,7 @@ def differentiate(values: Numbers, seconds: Numbers) -> Numbers:
 
 
 def body_rates_of(turn: Rotation, seconds: Numbers) -> Numbers:
-    """Return the body rates of an attitude, shape (n, 3). [rad/s]"""
+    """Return the body rates of an attitude, shape (n, 3) [rad/s]."""
     step = np.diff(seconds)
     step = np.where(step > 0.0, step, np.nan)
     rates = (turn[:-1].inv() * turn[1:]).as_rotvec() / step[:, None]

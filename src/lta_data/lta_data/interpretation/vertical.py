@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Tell which way z points: by heights above a floor, and by the tilt of what accelerates."""
 
 from typing import Final

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Build the report of plotted channels, and write a PNG of its page.
 
@@ -105,7 +107,7 @@ def unwrap_to_degrees(channel: Channel) -> Channel:
 
 
 def crop_channel(channel: Channel, begin: float, end: float) -> Channel:
-    """Return the part of a channel in a closed time interval. [s]"""
+    """Return the part of a channel in a closed time interval [s]."""
     inside = (channel.time >= begin) & (channel.time <= end)
     return replace(channel, time=channel.time[inside], values=channel.values[inside])
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Write the calibrated vehicle file."""
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -200,7 +202,7 @@ def _list_part_drags(
 
 def _encode_rotor(
     vehicle: Vehicle, rotor: RotorModel, now: _RotorChange, most: float, source: str
-) -> Any:  # noqa: ANN401 - YAML
+) -> Any:
     """Return the column of a rotor by the thrust curve times a factor."""
     entry = vehicle.file.rotors[rotor.name]
     allocation = vehicle.file.aero.thrust_allocation.get(rotor.name)

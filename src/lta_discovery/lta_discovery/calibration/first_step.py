@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Calibrate a vehicle as the first step of a discovery, where its flights call for it.
 
@@ -53,7 +55,7 @@ class FirstStep:
 
     @property
     def compared(self) -> Calibration | None:
-        """The calibration whose forecasts are compared with the others, whatever it is for."""
+        """Return the calibration whose forecasts are compared with the others."""
         return self.calibration or self.alternative
 
 

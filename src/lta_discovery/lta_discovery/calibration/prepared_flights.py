@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Prepare the flights of a calibration, and fit their readings from wide assumptions."""
 
 from collections.abc import Mapping, Sequence
@@ -66,7 +68,7 @@ class PreparedCalibration:
 
     @property
     def horizons(self) -> tuple[float, ...]:
-        """How far ahead the training flights are forecast. [s]"""
+        """How far ahead the training flights are forecast [s]."""
         return choose_horizons(self.systems)
 
     def widen(self, tolerances: Mapping[str, float]) -> 'PreparedCalibration':

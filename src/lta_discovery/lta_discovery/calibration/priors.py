@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Take the result of a calibration as the prior of a discovery."""
 
 from collections.abc import Sequence

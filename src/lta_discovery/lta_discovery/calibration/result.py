@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Define the result of a calibration as plain data."""
 
 from collections.abc import Mapping
@@ -32,7 +34,7 @@ class CalibratedValue:
 
     @property
     def deviation(self) -> float:
-        """Standard deviation, in the unit of the value."""
+        """Return the standard deviation, in the unit of the value."""
         return (self.ci95[1] - self.ci95[0]) / (2.0 * WIDE)
 
 
@@ -86,7 +88,7 @@ class Calibration:
 
     @property
     def judging_scores(self) -> tuple[str, tuple[HorizonErrors, ...]]:
-        """The role of the flights that judge, the confirming ones if there are any, and scores."""
+        """Return the role of the flights that judge, confirming ones if any, and scores."""
         role = 'confirm' if self.scores.get('confirm') else 'train'
         return role, self.scores.get(role, ())
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Run a calibration: read the bags, fit, and build the report with the vehicle file."""
 
 from collections.abc import Callable, Mapping, Sequence

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Score a calibration by its forecasts, beside the vehicle file and coasting."""
 
 from collections.abc import Mapping, Sequence

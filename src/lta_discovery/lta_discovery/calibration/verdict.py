@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Say what a calibration found, the largest differences first."""
 
 from collections.abc import Iterator, Sequence
@@ -39,7 +41,7 @@ MARKER_TURNS: Final = ('yaw', 'pitch', 'roll')
 
 
 def pendulum_rates(nominal: NominalVehicle) -> tuple[float, float]:
-    """Return the rates of the free roll and pitch oscillations; 0 where there is none. [rad/s]"""
+    """Return the rates of the free roll and pitch oscillations; 0 where there is none [rad/s]."""
     model = nominal.build_model()
     parameters = nominal.effect_parameters.get('cg_height', {})
     low = -(float(nominal.cg[2]) + float(parameters.get('z', 0.0)))

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Run the demonstration: hide an effect, fly with it, and find it."""
 
 from collections.abc import Iterator, Mapping, Sequence

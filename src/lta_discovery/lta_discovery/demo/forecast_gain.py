@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Measure what the hidden effect of a demonstration is worth in forecasts.
 
@@ -38,7 +40,7 @@ LEAST_TUNED: Final = 2.0  # error with its tolerances fitted; below it, they pas
 
 @final
 class ForecastGain(NamedTuple):
-    """Position errors of the held-out flight, 3 s ahead. [m]"""
+    """Position errors of the held-out flight, 3 s ahead [m]."""
 
     before: float  # with the vehicle file
     tuned: float  # with its tolerances fitted

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Draw the conclusion of a study: the single source of its headline, advice and files.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Draw a discovery: errors of forecasts, and the force that stays unexplained."""
 
 from collections.abc import Iterator

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Compare the forecasts of flights by several models of one vehicle."""
 
 from collections.abc import Mapping, Sequence
@@ -55,7 +57,7 @@ class ForecastComparison:
 
     @property
     def main(self) -> HorizonErrors | None:
-        """The errors that headlines state."""
+        """Return the errors that headlines state."""
         return find_main_score(self.scores)
 
     def compare(self, model: str, other: str) -> ErrorRatio:

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Build the report of a discovery: what is missing, what it is worth, and where it acts."""
 
 from collections.abc import Iterator, Sequence

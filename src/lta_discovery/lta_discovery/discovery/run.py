@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Run a discovery: read the bags, calibrate where needed, study the flights, report."""
 
 from collections.abc import Callable, Mapping, Sequence
@@ -116,7 +118,7 @@ class DiscoveryRequest(ReportRequest, command='discover'):
 
     @property
     def bags(self) -> dict[Role, Sequence[Path]]:
-        """The flights by what they are for."""
+        """Return the flights by what they are for."""
         return {'train': self.train, 'confirm': self.confirm, 'holdout': self.holdout}
 
 

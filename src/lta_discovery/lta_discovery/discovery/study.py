@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Study the flights of one vehicle: what its file lacks, with values, and what that is worth.
 
@@ -75,7 +77,7 @@ class NamedElement:
 
     @property
     def alternatives(self) -> tuple[str, ...]:
-        """What the flights cannot tell from it."""
+        """Return what the flights cannot tell from it."""
         return self.present.names[1:]
 
 

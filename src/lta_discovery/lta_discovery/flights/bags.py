@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Read the bags of a study, and give each a name and a role."""
 
 from collections.abc import Callable, Mapping, Sequence

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Find the law of a swing without commands: when a hand lets it go, and about which tilt it swings.
 
@@ -190,7 +192,7 @@ def measure_marker_arm(flight: MeasuredFlight, nominal: NominalVehicle) -> Marke
 
 def find_neutral_height(nominal: NominalVehicle, in_pitch: float) -> float:
     """
-    Return the height, above the hull centre, of the point that a free swing does not move. [m]
+    Return the height, above the hull centre, of the point that a free swing does not move [m].
 
     `in_pitch`: share of the swing that is in pitch; the rest is in roll.
     """
@@ -202,7 +204,7 @@ def find_neutral_height(nominal: NominalVehicle, in_pitch: float) -> float:
 
 
 def measure_tilt(quaternion: Array) -> Array:
-    """Return where the world's up is in the body, as angles along x and y, shape (n, 2). [rad]"""
+    """Return where the world's up is in the body, as angles along x and y, shape (n, 2) [rad]."""
     x, y, z, w = quaternion.T
     along = np.column_stack([2.0 * (x * z - w * y), 2.0 * (y * z + w * x)])
     flat = np.linalg.norm(along, axis=1)

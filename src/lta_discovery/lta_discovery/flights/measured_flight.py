@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Resample a measured flight to a common time grid.
 
@@ -114,7 +116,7 @@ def _move_markers(
 
 
 def _median_interval(stream: Stream) -> float:
-    """Return the median time between readings. [s]"""
+    """Return the median time between readings [s]."""
     return float(np.median(np.diff(stream.time)))
 
 

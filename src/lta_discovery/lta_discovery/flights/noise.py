@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Estimate sensor noise from third differences, in which smooth motion nearly vanishes.
 
@@ -38,7 +40,7 @@ def estimate_noise(values: Array) -> float:
 
 def estimate_pose_noise(poses: Array) -> Array:
     """
-    Estimate the white noise of a tracker's position and rotation vector, shape (6,). [m, rad]
+    Estimate the white noise of a tracker's position and rotation vector, shape (6,) [m, rad].
 
     Outliers are told by it. A fit learns the noise, and what is slow in it, by itself. `poses`,
     shape (n, 7): position [m] and quaternion x y z w, of one sign.

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Remove single wrong readings and commands, since one of them can outweigh a whole flight.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Recover regular sampling times from quantized timestamps.
 
@@ -35,7 +37,7 @@ RASTER_JITTER: Final = 2e-5  # s; negligible: 0.02 mm at 1 m/s
 
 
 def find_stamp_step(time: Array) -> float:
-    """Return the resolution of timestamps, 0 where there is none. [s]"""
+    """Return the resolution of timestamps, 0 where there is none [s]."""
     since = time - time[:1]
     for step in CLOCK_STEPS if len(time) > 1 else ():
         if np.mean(np.abs(since - step * np.round(since / step)) < EXACT) >= NEARLY:
@@ -87,7 +89,7 @@ def _fit_line(index: Array, time: Array, step: float) -> Array:
 
 
 def _excess_deviation(off: Array, step: float) -> float:
-    """Return the RMS deviation of stamps beyond rounding. [s]"""
+    """Return the RMS deviation of stamps beyond rounding [s]."""
     # Deviation beyond rounding; RASTER_JITTER keeps the ratio of two tiny values near 1
     return RASTER_JITTER + float(np.sqrt(np.mean(np.maximum(np.abs(off) - 0.5 * step, 0.0) ** 2)))
 

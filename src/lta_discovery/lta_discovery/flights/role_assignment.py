@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Assign roles to flights: training, confirming, held out."""
 
 from collections.abc import Sequence

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Merge equal remarks about several flights into one sentence."""
 
 from collections.abc import Sequence

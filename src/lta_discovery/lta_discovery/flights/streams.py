@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Extract the streams of a flight from the channels of a recording."""
 
 from collections.abc import Mapping, Sequence

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Repair rounded or jittering timestamps of a tracker or an IMU with a regular sampling rate.
 

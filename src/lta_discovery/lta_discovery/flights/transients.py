@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Find the transients of a flight: take-off, hand release, catching or carrying by hand, a wall.
 
@@ -43,7 +45,7 @@ ABSOLUTE_FIT_ROUNDS: Final = 10  # of a fit of least absolute errors
 
 @final
 class Transient(NamedTuple):
-    """An end of a flight that is not free flight. [s]"""
+    """An end of a flight that is not free flight [s]."""
 
     from_s: float
     to_s: float
@@ -92,7 +94,7 @@ def find_transients(flight: MeasuredFlight, streams: FlightStreams) -> list[Tran
 
 
 def _find_take_off(flight: MeasuredFlight, floor: float) -> float:
-    """Return when a flight that begins near the floor leaves it; its start if it does not. [s]"""
+    """Return when a flight that begins near the floor leaves it; its start if it does not [s]."""
     height = flight.position[:, 2]
     finite = np.flatnonzero(np.isfinite(height))
     above = finite[height[finite] > floor]
@@ -103,7 +105,7 @@ def _find_take_off(flight: MeasuredFlight, floor: float) -> float:
 
 def _find_rest_end(flight: MeasuredFlight) -> float:
     """
-    Return until when the vehicle is held, or at rest, before its first command. [s]
+    Return until when the vehicle is held, or at rest, before its first command [s].
 
     A free vehicle at rest teaches nothing, so both may be cut.
     """
@@ -136,7 +138,7 @@ def _mark_idle_points(flight: MeasuredFlight) -> Mask:
 
 
 def _find_hands(flight: MeasuredFlight) -> tuple[float, float]:
-    """Return when a hand has released the vehicle, and when one catches it. [s]"""
+    """Return when a hand has released the vehicle, and when one catches it [s]."""
     pull = np.linalg.norm(smooth_derivative(flight.position, 2), axis=1)
     # A tracker that holds its last pose after the vehicle has left shows no end of the flight
     points = np.flatnonzero(flight.usable)
@@ -209,7 +211,7 @@ def _find_disturbances(flight: MeasuredFlight, inside: Mask) -> list[Transient]:
 
 def _measure_unexplained_acceleration(flight: MeasuredFlight, inside: Mask) -> Array:
     """
-    Return the acceleration that neither commands nor motion explain; NaN where unknown. [m/s2]
+    Return the acceleration that neither commands nor motion explain; NaN where unknown [m/s2].
 
     Its law is fitted along the body axes: commands, speed, the direction of gravity, and the lever
     arm of the markers, of which no vehicle file is needed.

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Select the usable parts of recorded flights, by the checks of `lta bag check`.
 
@@ -394,7 +396,7 @@ def _find_longest_run(flight: MeasuredFlight) -> int:
 
 
 def _usable_seconds(flight: MeasuredFlight) -> float:
-    """Return the usable time of a flight. [s]"""
+    """Return the usable time of a flight [s]."""
     return float(np.sum(flight.usable) * (flight.time[1] - flight.time[0]))
 
 

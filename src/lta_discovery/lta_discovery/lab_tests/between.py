@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Find the test that tells two effects of a vehicle apart, or what to measure instead.
 
@@ -99,7 +101,7 @@ def predict_evidence(
     information: Array, parameters: Sequence[FreeParameter], true: int, other: int
 ) -> float:
     """
-    Return the expected log Bayes factor of a true effect over another one. [nats]
+    Return the expected log Bayes factor of a true effect over another one [nats].
 
     A lower bound, because the other one may take its best-fitting value. `information`: of a test
     about the parameters, shape (K, K).

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Design the tests of an afternoon for a vehicle: what is commanded, how large, and how long.
 
@@ -197,7 +199,7 @@ def _design_step(vehicle: Vehicle, axis: str, push: _Push, room: float) -> LabTe
 
 
 def _mix_thrusts(vehicle: Vehicle, push: _Push, share: float) -> tuple[float, ...]:
-    """Return the thrust of each rotor in a step of a share of the largest push. [N]"""
+    """Return the thrust of each rotor in a step of a share of the largest push [N]."""
     return tuple(
         (1.0 - share) * hover + share * full
         for hover, full in zip(_rest_thrusts(vehicle), push.thrusts, strict=True)
@@ -239,13 +241,13 @@ def _drag_of_axis(vehicle: Vehicle, axis: str) -> tuple[float, float]:
 
 
 def _total_inertia(vehicle: Vehicle, k: int) -> float:
-    """Return mass or inertia of an axis with its added part. [kg], [kg m2]"""
+    """Return mass or inertia of an axis with its added part [kg], [kg m2]."""
     added = float(vehicle.added_mass[k])
     return vehicle.mass + added if k < 3 else float(vehicle.inertia[k - 3, k - 3]) + added
 
 
 def _rest_thrusts(vehicle: Vehicle) -> list[float]:
-    """Return the thrust of each rotor that carries the weight. [N]"""
+    """Return the thrust of each rotor that carries the weight [N]."""
     each, _ = hover_thrust(vehicle)
     lifting, _ = select_lifting_rotors(vehicle.rotors, vehicle.file.aero.coupling)
     names = [rotor.name for rotor in lifting]

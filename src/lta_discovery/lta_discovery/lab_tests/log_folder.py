@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Find the logs in a folder of tests, and import those that are no bags."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence

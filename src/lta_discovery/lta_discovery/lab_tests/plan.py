@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Choose the tests that a vehicle needs: rehearse each, and see which parameters it informs.
 
@@ -150,7 +152,7 @@ def list_fitting_tests(
     vehicle: Vehicle, nominal: NominalVehicle, commands: Commands, room: float
 ) -> list[LabTest]:
     """
-    Return the tests of a vehicle, with steps whose rehearsed way, on all axes, fits the room. [m]
+    Return the tests of a vehicle, with steps whose rehearsed way, on all axes, fits the room [m].
 
     Each is followed by its variants. A vehicle that is commanded by duties has no smaller one:
     its file has the curve of each rotor.

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Build the printable list of the tests of an afternoon."""
 
 from collections.abc import Sequence
@@ -168,7 +170,7 @@ def _build_reason_table(tests: Sequence[PlannedTest], vehicle: Vehicle) -> TextT
 
 
 def _room_size(tests: Sequence[PlannedTest], vehicle: Vehicle) -> float:
-    """Return the longest side of the room that the tests need. [m]"""
+    """Return the longest side of the room that the tests need [m]."""
     drilled = [one.room for one in tests if one.test.kind != 'free_flight']
     way = max((max(room) for room in drilled), default=0.0)
     hull = vehicle.file.hull

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Sketch the tests of an afternoon for the pilot: how the vehicle is held, pushed or turned."""
 
 from collections.abc import Sequence

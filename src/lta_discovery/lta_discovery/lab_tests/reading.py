@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Calibrate a vehicle from the logs of a laboratory, and say which tests are missing."""
 
 from collections.abc import Callable, Mapping, Sequence

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Recognise the tests of a laboratory from the motion and the commands of their logs.
 
@@ -90,7 +92,7 @@ def _find_rest(values: Array) -> float:
 
 
 def read_commanded_wrench(flight: MeasuredFlight, vehicle: Vehicle) -> Stream:
-    """Return the commanded force and moment about the hull centre. [N, N m]"""
+    """Return the commanded force and moment about the hull centre [N, N m]."""
     if flight.wrench is not None:
         return flight.wrench
     duties = flight.commands.values
@@ -183,12 +185,12 @@ def _recognise_coasting(
 
 
 def _amplitude(tilt: Array) -> float:
-    """Return half the range of a tilt about its slow drift. [rad]"""
+    """Return half the range of a tilt about its slow drift [rad]."""
     return 0.5 * float(np.ptp(np.percentile(tilt, (2.0, 98.0))))
 
 
 def _yaw_rates(quaternion: Array) -> tuple[float, float]:
-    """Return the mean yaw rate in the first and the last two seconds. [rad/s]"""
+    """Return the mean yaw rate in the first and the last two seconds [rad/s]."""
     rotation = rotation_matrix(quaternion)
     heading = np.unwrap(np.arctan2(rotation[:, 1, 0], rotation[:, 0, 0]))
     reach = min(round(2.0 / GRID_PERIOD), len(heading) // 2)

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Rehearse a test with the model of a vehicle file, and measure what its poses would teach.
 
@@ -117,7 +119,7 @@ def _list_levels(test: LabTest) -> tuple[Array, list[tuple[LabTest, Array]]]:
 
 
 def path_extent(flight: MeasuredFlight) -> tuple[float, float]:
-    """Return the horizontal and the vertical extent of a path. [m]"""
+    """Return the horizontal and the vertical extent of a path [m]."""
     x, y, z = np.ptp(flight.position, axis=0)
     return float(np.hypot(x, y)), float(z)
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What `lta tests plan`, `lta tests read` and `lta tests between` take."""
 
 from pathlib import Path

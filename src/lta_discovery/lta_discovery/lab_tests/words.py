@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Name parameters and tests in words of a laboratory."""
 
 from collections.abc import Sequence

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Define the calibration parameters: numbers that any vehicle file must have, with wide priors.
 
@@ -247,7 +249,7 @@ def build_reverse_parameter(nominal: NominalVehicle, rotor: int) -> FreeParamete
 
 
 def reversed_column(nominal: NominalVehicle, rotor: int) -> list[float]:
-    """Return the wrench per newton of reversed thrust of a rotor (1 is the first). [1, m]"""
+    """Return the wrench per newton of reversed thrust of a rotor (1 is the first) [1, m]."""
     return [
         nominal.parameter_value('rotor_thrust', f'{axis}_{rotor}')
         + nominal.parameter_value('rotor_envelope_interaction', f'{axis}_{rotor}')

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Represent a vehicle by the inputs of the model, so that single parameters can be changed."""
 
 from collections.abc import Mapping

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Define the free parameters of a vehicle: tolerances, per-flight errors, and candidates.
 

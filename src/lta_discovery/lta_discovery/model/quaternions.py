@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Provide operations on quaternions (x y z w, in rows) and rotation vectors."""
 
 from typing import Final
@@ -31,7 +33,7 @@ def quaternion_conjugate(q: Array) -> Array:
 
 
 def quaternion_exponential(vector: Array) -> Array:
-    """Return the quaternions of rotation vectors, shape (..., 3). [rad]"""
+    """Return the quaternions of rotation vectors, shape (..., 3) [rad]."""
     angle = np.linalg.norm(vector, axis=-1, keepdims=True)
     # Avoids a division by 0; the result is replaced by the limit
     safe = np.where(angle > SMALL_ANGLE, angle, 1.0)
@@ -40,7 +42,7 @@ def quaternion_exponential(vector: Array) -> Array:
 
 
 def quaternion_logarithm(q: Array) -> Array:
-    """Return the shortest rotation vectors of quaternions. [rad]"""
+    """Return the shortest rotation vectors of quaternions [rad]."""
     # q and -q are the same rotation: choose the one with the shorter angle
     q = np.where(q[..., 3:] < 0.0, -q, q)
     sine = np.linalg.norm(q[..., :3], axis=-1, keepdims=True)

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Hold the source of the compiled replay functions, which `replay_kernel` completes."""
 
 from typing import Final

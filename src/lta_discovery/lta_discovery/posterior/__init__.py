@@ -1,1 +1,3 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Find what a vehicle file lacks: one posterior over models of the flights."""

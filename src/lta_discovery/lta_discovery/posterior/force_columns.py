@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Forces of forms that the library does not have, as columns of a linear flight.
 
@@ -38,7 +40,7 @@ DAMPED: Final = 0.1  # damping ratio of a swing
 
 @final
 class FlightBoundingBox(NamedTuple):
-    """Box around all flights of a study: low and high corner, in the map. [m]"""
+    """Box around all flights of a study: low and high corner, in the map [m]."""
 
     low: Array
     high: Array
@@ -101,7 +103,7 @@ def _compute_push(system: FlightSystem, flight: LinearFlight) -> Array:
 def _list_forces(
     inputs: _TermInputs, scene: FlightBoundingBox, floor: Array
 ) -> Iterator[tuple[str, Array]]:
-    """Yield all forces of a flight: name, and wrench of each term, shape (n, J, 6). [N, N m]"""
+    """Yield all forces of a flight: name, and wrench of each term, shape (n, J, 6) [N, N m]."""
     turn = rotation_matrix(inputs.motion[:, 3:7])
     bumps = _compute_bumps(inputs.motion, scene)
     # Forces along the axes of the map, on those of the body

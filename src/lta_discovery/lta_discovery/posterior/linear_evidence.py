@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The evidence of all flights about one point, as a quadratic form, and that of models within it.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Find what a vehicle file lacks: fit, linearize, search, and again about what was found.
 
@@ -122,7 +124,7 @@ class _FittedModel(NamedTuple):
 
     @property
     def log_posterior(self) -> float:
-        """Log density of model and readings, without a constant. [nats]"""
+        """Log density of model and readings, without a constant [nats]."""
         return self.scored.log_posterior
 
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Search the models of some flights for the most probable ones.
 
@@ -47,7 +49,7 @@ class ScoredModel:
 
     @property
     def elements(self) -> frozenset[int]:
-        """The elements, whatever their sizes."""
+        """Return the elements, whatever their sizes."""
         return frozenset(one.element for one in self.model)
 
 
@@ -203,7 +205,7 @@ class ModelSearch:
     def _choose_size(
         element: Element, whole: LinearEvidence, pull: Array, across: Array
     ) -> tuple[float, float]:
-        """Return the most probable size of an element beside a model, and its gain. [nats]"""
+        """Return the most probable size of an element beside a model, and its gain [nats]."""
         columns, unit = list(element.columns), np.array(element.unit)
         inner = whole.information[np.ix_(columns, columns)]
         inner = (inner - across[:, columns].T @ across[:, columns]) * np.outer(unit, unit)
@@ -217,7 +219,7 @@ class ModelSearch:
 
 
 def log_prior(elements: Sequence[Element], model: Model, trust: float) -> float:
-    """Return the logarithm of the prior probability of a model. [nats]"""
+    """Return the logarithm of the prior probability of a model [nats]."""
     return math.log(TRUST[trust]) + sum(elements[one.element].log_prior for one in model)
 
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Prepare the parameter sets of a linearization, and the inputs of the body kernel for each.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Compute the Jacobian of the sensor readings with respect to the states."""
 
 from collections.abc import Mapping

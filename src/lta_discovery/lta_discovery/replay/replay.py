@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Replay one measured flight through the model, for a set of parameters."""
 
 from dataclasses import dataclass, replace
@@ -182,7 +184,7 @@ class FlightReplay:
         return np.ascontiguousarray(latent + ready.wrench[steps])
 
     def mean_thrusts(self, rows: ReplayRows) -> Array:
-        """Return the mean thrust of each rotor in each step. [N]"""
+        """Return the mean thrust of each rotor in each step [N]."""
         out = np.zeros((len(self._steps), ACTUATORS))
         if self.flight.wrench is not None:
             return out
@@ -278,7 +280,7 @@ class FlightReplay:
 
 
 def _command_delays(rows: ReplayRows, time: Array) -> Array:
-    """Return the delay of the commands at some times. [s]"""
+    """Return the delay of the commands at some times [s]."""
     # The chain shifts a time of 0 back by the delay
     return -apply_channel_effects(rows.acting['command_time'], np.zeros((len(time), 1)), time)[
         :, 0

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Predict the readings of tracker and sensors from states, vectorized."""
 
 from collections.abc import Callable, Mapping
@@ -38,7 +40,7 @@ CHANNEL_READINGS: Final = {
 @final
 @dataclass(frozen=True, slots=True)
 class SensorPlaces:
-    """Places of the sensors in the body frame, and pressure at the floor. [m, Pa]"""
+    """Places of the sensors in the body frame, and pressure at the floor [m, Pa]."""
 
     imu: tuple[float, float, float]
     range: tuple[float, float, float]
@@ -64,7 +66,7 @@ def apply_channel_effects(chain: Chain, values: Array, time: Array) -> Array:
 
 
 def pose_time_shift(acting: Mapping[str, Chain], time: Array) -> Array:
-    """Return how much newer a tracked pose is than its stamp. [s]"""
+    """Return how much newer a tracked pose is than its stamp [s]."""
     clock = apply_channel_effects(acting['clock'], time[..., None], time)
     return apply_channel_effects(acting['pose_time'], clock, time)[..., 0] - time
 

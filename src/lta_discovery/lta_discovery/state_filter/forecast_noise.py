@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Choose how large unexplained forces are and how long they last, so that forecasts are best."""
 
 from collections.abc import Sequence

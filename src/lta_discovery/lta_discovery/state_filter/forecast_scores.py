@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Score forecasts of the same flights by several models, beside coasting."""
 
 from collections.abc import Mapping, Sequence
@@ -51,7 +53,7 @@ class HorizonErrors(NamedTuple):
 
     @property
     def positions(self) -> dict[str, float]:
-        """Position errors by model. [m]"""
+        """Position errors by model [m]."""
         return {name: one.position for name, one in self.errors.items()}
 
 

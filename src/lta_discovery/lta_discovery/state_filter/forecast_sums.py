@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Errors of the forecasts of some flights, linear in the parameters, and their weights."""
 
 from collections.abc import Sequence
@@ -123,7 +125,7 @@ def measure_errors(
 
 
 def choose_horizons(systems: Sequence[FlightSystem]) -> tuple[float, ...]:
-    """Return the horizons of forecasts for which some flight is long enough. [s]"""
+    """Return the horizons of forecasts for which some flight is long enough [s]."""
     longest = max((b - a for one in systems for a, b in one.runs), default=0) * GRID_PERIOD
     for horizons in (HORIZONS, SHORT):
         fitting = tuple(one for one in horizons if one + FIRST_START < longest)

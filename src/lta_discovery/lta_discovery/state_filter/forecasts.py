@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Forecast flights from what they have shown so far, and measure the errors.
 
@@ -354,7 +356,7 @@ def _fit_lines(
 
 
 def _compute_headings(motion: Array) -> Array:
-    """Return the heading of the nose in each state. [rad]"""
+    """Return the heading of the nose in each state [rad]."""
     nose = rotation_matrix(motion[:, 3:7])[:, :2, 0]
     headings: Array = np.arctan2(nose[:, 1], nose[:, 0])
     return headings

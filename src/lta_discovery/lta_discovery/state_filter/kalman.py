@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Filter a linearized flight: a Kalman filter whose estimates are linear in the parameters.
 

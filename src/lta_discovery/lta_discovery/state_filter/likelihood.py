@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The likelihood of all readings of some flights, as a quadratic form in the parameters.
 
@@ -59,7 +61,7 @@ class ParameterPrior(NamedTuple):
 
     @property
     def of_flight(self) -> 'ParameterPrior':
-        """The assumptions about what each flight has of its own."""
+        """Return the assumptions about what each flight has of its own."""
         own = self.own
         return ParameterPrior(self.deviation[own], self.low[own], self.high[own], own[own])
 

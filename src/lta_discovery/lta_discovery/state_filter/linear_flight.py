@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Linearize the model about the measured motion of a flight, one grid period at a time.
 
@@ -197,7 +199,7 @@ class FlightSystem:
 
     @property
     def wrench(self) -> Array:
-        """What acts beside the model about which it is linearized, shape (n, 6). [N, N m]"""
+        """Return what acts beside the linearized model, shape (n, 6) [N, N m]."""
         return self._wrench
 
     def linearize(

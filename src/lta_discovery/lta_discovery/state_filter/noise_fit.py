@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Learn the noise of the tracker of each flight, and the forces that nothing explains."""
 
 from collections.abc import Sequence
@@ -68,7 +70,7 @@ def learn_noise(
 
 
 def log_prior_of_noise(noise: Sequence[NoiseModel], nominal: NominalVehicle) -> float:
-    """Return the logarithm of the prior density of noise, the same for all flights. [nats]"""
+    """Return the logarithm of the prior density of noise, the same for all flights [nats]."""
     mean = np.mean([one.logarithms for one in noise], axis=0)
     return -0.5 * float(np.sum(((mean - _guess(nominal)) / SPREAD) ** 2))
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Describe what a flight does that the model does not explain: sensor errors and forces."""
 
 from collections.abc import Sequence
@@ -65,7 +67,7 @@ class NoiseModel:
 
     @property
     def ahead(self) -> 'NoiseModel':
-        """The noise of forecasts."""
+        """Return the noise of forecasts."""
         return replace(
             self,
             wrench=self.wrench_ahead * self.wrench,
@@ -77,7 +79,7 @@ class NoiseModel:
     @property
     def logarithms(self) -> Array:
         """
-        The learned numbers as logarithms, shape (13,), those of the sensors first.
+        Return the learned numbers as logarithms, shape (13,), those of the sensors first.
 
         White and correlated error of position and of attitude, correlation time; six wrenches, and
         the memory of forces and of moments.
@@ -113,7 +115,7 @@ def average_noise(models: Sequence[NoiseModel]) -> NoiseModel:
 
 
 def wrench_floor(nominal: NominalVehicle) -> Array:
-    """Return the noise floor of the unexplained wrench of a vehicle, shape (6,). [N, N m]"""
+    """Return the noise floor of the unexplained wrench of a vehicle, shape (6,) [N, N m]."""
     inertia = np.diag(nominal.inertia) / FLOOR_INERTIA
     floor: Array = WRENCH_FLOOR * np.concatenate([np.full(3, nominal.mass / FLOOR_MASS), inertia])
     return floor

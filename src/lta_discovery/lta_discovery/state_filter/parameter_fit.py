@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Fit parameters to filtered flights: by the likelihood of every reading, and by forecasts.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Smooth a linearized flight: the most probable states and unexplained wrench, by all readings.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Emulate a Crazyflie with CRTP over UDP, for tests and for use without hardware.
 

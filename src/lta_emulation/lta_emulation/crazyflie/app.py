@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Emulate the app of firmware/crazyflie, version 3, which receives duties on the app channel."""
 
 from typing import Final, final
@@ -44,11 +46,11 @@ class MotorDutyApp:
         self._turned |= any(duty > 0.0 for duty in duties.duties)
 
     def has_valid_duties(self, now: float) -> bool:
-        """Return whether the newest duties are valid at a time. [s]"""
+        """Return whether the newest duties are valid at a time [s]."""
         return self._newest is not None and now < self._until
 
     def motor_duties(self, now: float) -> tuple[float, ...]:
-        """Return the duties of M1 to M4 at a time. [s]"""
+        """Return the duties of M1 to M4 at a time [s]."""
         if self._newest is None or not self.has_valid_duties(now):
             return (0.0,) * 4
         # Brushed motors of the Crazyflie cannot reverse
@@ -60,11 +62,11 @@ class MotorDutyApp:
         return self._feeding
 
     def requests_disarm(self, now: float) -> bool:
-        """Return whether the app requests disarming at a time. [s]"""
+        """Return whether the app requests disarming at a time [s]."""
         return self._feeding and now >= self._until + DISARM_DELAY
 
     def release_if_due(self, now: float) -> bool:
-        """Return True once when the app releases the commander. [s]"""
+        """Return True once when the app releases the commander [s]."""
         if not self._feeding or now < self._until + DISARM_DELAY + LET_GO:
             return False
         self._feeding = False

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Emulate the commander, which receives setpoints and landing commands."""
 
 from collections.abc import Mapping
@@ -116,11 +118,11 @@ class Commander:
         self._hover, self._received_at, self._land = hover, now, False
 
     def receive_attitude(self, now: float) -> None:
-        """Receive a packet of roll, pitch, yaw rate and thrust at a time. [s]"""
+        """Receive a packet of roll, pitch, yaw rate and thrust at a time [s]."""
         self._set_hover(None, now)
 
     def set_zero_thrust(self, now: float) -> None:
-        """Set a zero-thrust setpoint from the app at a time. [s]"""
+        """Set a zero-thrust setpoint from the app at a time [s]."""
         self._set_hover(None, now)
 
     def release_setpoint(self) -> None:
@@ -141,7 +143,7 @@ class Commander:
         return data[:3] + bytes([status])
 
     def setpoint_age(self, now: float) -> float | None:
-        """Return the age of the active low-level setpoint; None without one. [s]"""
+        """Return the age of the active low-level setpoint; None without one [s]."""
         return None if self._received_at is None else now - self._received_at
 
     def select_command(self, level: bool) -> BodyCommand:
@@ -165,7 +167,7 @@ class CrazyflieBody(Protocol):
         ...
 
     def advance(self, now: float, wish: BodyCommand) -> None:
-        """Advance to a time since boot under a command. [s]"""
+        """Advance to a time since boot under a command [s]."""
         ...
 
     def read_log_values(self) -> Mapping[str, float]:

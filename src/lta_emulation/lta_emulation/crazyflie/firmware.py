@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Emulate the firmware of a Crazyflie, independent of the link.
 
@@ -143,7 +145,7 @@ class Firmware:
         self._values: Mapping[str, float] = {}
 
     def clock_ms(self, now: float) -> int:
-        """Return the time of its own clock. [ms]"""
+        """Return the time of its own clock [ms]."""
         return self._boot_ms + int(1e3 * now * (1.0 + self._drift))
 
     # Packets.
@@ -268,7 +270,7 @@ class Firmware:
     # Time.
 
     def tick(self, now: float) -> list[CrtpPacket]:
-        """Advance to a time; return the log packets that are due. [s]"""
+        """Advance to a time; return the log packets that are due [s]."""
         if self.halted or now < self._up_at:
             # The body moves on without thrust while the firmware is down
             self.body.advance(now, BodyCommand(duties=STOPPED_DUTIES))

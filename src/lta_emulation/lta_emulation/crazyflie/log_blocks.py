@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Emulate the log blocks: variables sent together in periodic packets (port 5)."""
 
 from collections.abc import Callable, Sequence

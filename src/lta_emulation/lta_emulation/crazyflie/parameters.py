@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Emulate the parameters: read, write and set by name (port 2), as in param_logic.c.
 

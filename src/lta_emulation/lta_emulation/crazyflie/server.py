@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Serve the emulated Crazyflie on a UDP port, in real time, in a separate thread."""
 
 from dataclasses import dataclass, field
@@ -30,7 +32,7 @@ class LossyLink:
     _count: int = 0
 
     def send(self, datagram: bytes, now: float) -> None:
-        """Send a datagram. [s]"""
+        """Send a datagram [s]."""
         if self.silent or self.random.random() < self.drop:
             return
         for _ in range(2 if self.random.random() < self.double else 1):
@@ -97,7 +99,7 @@ class CrazyflieServer:
 
     @property
     def now(self) -> float:
-        """Time since the boot. [s]"""
+        """Time since the boot [s]."""
         return time.monotonic() - self._began
 
     def __enter__(self) -> Self:

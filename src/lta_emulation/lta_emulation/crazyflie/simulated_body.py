@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Use the simulated drone as the body of an emulated Crazyflie."""
 
 from collections.abc import Callable, Mapping
@@ -54,7 +56,7 @@ class VehicleLaw:
         self._scratch = create_working_array()
 
     def step(self, motion: ControlMotion, setpoint: Setpoint, dt: float) -> tuple[float, ...]:
-        """Return the duties by slot after one more period. [s]"""
+        """Return the duties by slot after one more period [s]."""
         inputs = LawInputs(motion, setpoint, dt)
         self._memory = self._law.step(self._constants, self._memory, inputs, self._scratch)
         duties: tuple[float, ...] = self._memory.command.duties
@@ -121,7 +123,7 @@ class SimulatedBody:
 
     @property
     def world(self) -> World:
-        """The simulated world."""
+        """Return the simulated world."""
         return self._world
 
     def read_log_values(self) -> Mapping[str, float]:

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Emulate the supervisor of firmware 2026.08, which decides when the motors may turn.
 
@@ -218,7 +220,7 @@ class Supervisor:
         self.word = self._status_word()
 
     def feed_watchdog(self, now: float) -> None:
-        """Start or reset the emergency-stop watchdog at a time. [s]"""
+        """Start or reset the emergency-stop watchdog at a time [s]."""
         self._fed_at = now
 
     def run_transitions(

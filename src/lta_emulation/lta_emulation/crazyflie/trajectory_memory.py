@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Emulate the memory of the high-level commander (port 4, crtp_mem.c); it is not flown."""
 
 import errno

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Serve the emulated light board on a pseudo terminal, in real time, in a separate thread."""
 
 from pathlib import Path
@@ -53,12 +55,12 @@ class BoardServer:
 
     @property
     def now_ns(self) -> int:
-        """Time since the boot. [ns]"""
+        """Time since the boot [ns]."""
         return time.monotonic_ns() - self._began
 
     @property
     def port(self) -> str:
-        """What the bridge opens."""
+        """Return what the bridge opens."""
         return str(self._name)
 
     def __enter__(self) -> Self:

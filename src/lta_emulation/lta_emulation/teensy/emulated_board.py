@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Emulate a light board: its messages for given samples, and its clock.
 
@@ -87,13 +89,13 @@ class EmulatedBoard:
         self.sent = 0
 
     def to_board_time(self, our_ns: int) -> int:
-        """Convert a host time to board time. [ns]"""
+        """Convert a host time to board time [ns]."""
         since = our_ns - self._boot_ns
         # Integers keep nanoseconds exact at any age; only the small drift term is a float
         return since + round(since * self._drift)
 
     def row_time_ns(self, row: int) -> int:
-        """Return the host time at which it samples a row, counted from 0. [ns]"""
+        """Return the host time at which it samples a row, counted from 0 [ns]."""
         return self._boot_ns + round(row / self._rate / (1.0 + self._drift) * 1e9)
 
     def encode_light(self, samples: NDArray[np.uint16], begun_ns: int | None = None) -> bytes:
@@ -113,7 +115,7 @@ class EmulatedBoard:
 
     @property
     def _time_usec(self) -> int:
-        """Board time of the next row to send. [us]"""
+        """Board time of the next row to send [us]."""
         return round(self._rows / self._rate * 1e6 + self._paused / 1e3)
 
     def _encode_rows(self, samples: NDArray[np.uint16]) -> Iterator[bytes]:

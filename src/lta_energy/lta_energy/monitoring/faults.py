@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Detect faulty readings of the power meters: thirteen detectors in one table, `DETECTORS`.
 
@@ -107,7 +109,7 @@ def _find_stale_stamp(memory: Memory, observation: MeterObservation) -> tuple[st
 
 
 def _frozen_time(time: float, now: float, before: float, dt: float) -> float:
-    """Return how long a value has stayed the same to the last bit. [s]"""
+    """Return how long a value has stayed the same to the last bit [s]."""
     return time + dt if now == before else 0.0
 
 
@@ -303,7 +305,7 @@ SWAPPED_INDEX = [detector.name for detector in DETECTORS].index('swapped')
 
 
 class Latch(NamedTuple):
-    """Whether it is on, and how long its condition has disagreed with that. [s]"""
+    """Whether it is on, and how long its condition has disagreed with that [s]."""
 
     on: bool = False
     since: float = 0.0

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Readings of the power meters, the power system that they measure, and the energy balance."""
 
 from dataclasses import dataclass
@@ -46,12 +48,12 @@ class MeterReading:
 
     @property
     def panel_power(self) -> float:
-        """Power of the panel. [W]"""
+        """Power of the panel [W]."""
         return self.panel_voltage * self.panel_current
 
     @property
     def plausible_panel_power(self) -> float:
-        """Power of the panel, or 0 if it is not measured or outside the range of a meter. [W]"""
+        """Power of the panel, or 0 if it is not measured or outside the range of a meter [W]."""
         is_plausible = (
             abs(self.panel_voltage) <= MOST_VOLTS and abs(self.panel_current) <= MOST_AMPERES
         )
@@ -59,7 +61,7 @@ class MeterReading:
 
     @property
     def cell_power(self) -> float:
-        """Power into the cell at its terminals. [W]"""
+        """Power into the cell at its terminals [W]."""
         return self.voltage * self.current
 
 
@@ -75,7 +77,7 @@ class PowerSystem(NamedTuple):
         return cls(BatteryModel.from_energy(energy), ChargerModel.from_energy(energy))
 
     def charger_output(self, harvest: float) -> float:
-        """Return the charger's output for a measured panel power; 0 if not measured. [W]"""
+        """Return the charger's output for a measured panel power; 0 if not measured [W]."""
         if not math.isfinite(harvest):
             return 0.0
         # No tracking factor here: the measured panel power already contains it
@@ -85,7 +87,7 @@ class PowerSystem(NamedTuple):
 @final
 @dataclass(frozen=True, slots=True)
 class EnergyBalance:
-    """Energy since the start. [J]"""
+    """Energy since the start [J]."""
 
     harvested: float = 0.0  # from the panel
     consumed: float = 0.0  # by electronics and rotors
@@ -94,7 +96,7 @@ class EnergyBalance:
 
     @property
     def imbalance(self) -> float:
-        """Residual of the balance: harvested - consumed - lost - stored. [J]"""
+        """Residual of the balance: harvested - consumed - lost - stored [J]."""
         return self.harvested - self.consumed - self.lost - self.stored
 
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Estimate the drone's energy from its meters: charge, balance, load, reserve and faults.
 
@@ -71,12 +73,12 @@ class EnergyEstimate(NamedTuple):
 
     @property
     def charge(self) -> float:
-        """State of charge; NaN before the first usable reading. [1]"""
+        """State of charge; NaN before the first usable reading [1]."""
         return math.nan if self.belief is None else self.belief.charge
 
     @property
     def deviation(self) -> float:
-        """Standard deviation of the state of charge. [1]"""
+        """Return the standard deviation of the state of charge [1]."""
         return math.nan if self.belief is None else self.belief.deviation
 
     @property
@@ -89,12 +91,12 @@ NEW_CLOCK_READINGS: Final = 3  # readings
 
 
 def append_stamp(before: tuple[int, ...], stamp_ns: int) -> tuple[int, ...]:
-    """Append a stamp to an ascending sequence, or start a new sequence. [ns]"""
+    """Append a stamp to an ascending sequence, or start a new sequence [ns]."""
     return (*before, stamp_ns) if before and stamp_ns > before[-1] else (stamp_ns,)
 
 
 def shift_stamps(estimate: EnergyEstimate, back_ns: int) -> EnergyEstimate:
-    """Move the stamps of an estimate back into the new clock. [ns]"""
+    """Move the stamps of an estimate back into the new clock [ns]."""
     last, good = _shift_reading(estimate.last, back_ns), _shift_reading(estimate.good, back_ns)
     # `good is last` marks that the newest reading is usable; keep that identity
     return estimate._replace(last=last, good=last if estimate.good is estimate.last else good)

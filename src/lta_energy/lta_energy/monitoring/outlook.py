@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 How long the energy lasts: mean load, time to empty and full, reserve and way home.
 
@@ -63,7 +65,7 @@ def update_load(
 
 
 def mean_load_deviation(load: LoadEstimate, quick: float, slow: float) -> float:
-    """Return the standard deviation of the mean load. [W]"""
+    """Return the standard deviation of the mean load [W]."""
     # T1 / (T1 + T2), with the age in place of T2 while the mean is young
     span = min(slow, load.age)
     share = quick / (quick + span) if quick + span > 0.0 else 1.0
@@ -88,7 +90,7 @@ NEVER_REACHED = TimeEstimate(math.inf, math.inf)
 
 
 def empty_charge(cell: BatteryModel, state: CellState, power: float) -> float:
-    """Return the charge at which a power [W] pulls the voltage down to the cut-off. [1]"""
+    """Return the charge at which a power [W] pulls the voltage down to the cut-off [1]."""
     resistance = state.mean[RESISTANCE] * (cell.resistance + cell.relaxation_resistance)
     return state_of_charge(
         cell.discharge_cutoff + resistance * max(power, 0.0) / cell.discharge_cutoff
@@ -96,7 +98,7 @@ def empty_charge(cell: BatteryModel, state: CellState, power: float) -> float:
 
 
 def energy_between(cell: BatteryModel, state: CellState, low: float, high: float) -> float:
-    """Return the energy between two charges; negative where low is above high. [J]"""
+    """Return the energy between two charges; negative where low is above high [J]."""
     capacity = cell.capacity / state.mean[INVERSE]
     return stored_energy(high, capacity) - stored_energy(low, capacity)
 
@@ -104,7 +106,7 @@ def energy_between(cell: BatteryModel, state: CellState, low: float, high: float
 def estimate_discharge_time(
     cell: BatteryModel, state: CellState, power: float, deviation: float
 ) -> TimeEstimate:
-    """Estimate the time to empty from the mean power and its standard deviation. [W]"""
+    """Estimate the time to empty from the mean power and its standard deviation [W]."""
     if power <= 0.0:
         return NEVER_REACHED
     energy = energy_between(cell, state, empty_charge(cell, state, power), state.charge)
@@ -114,7 +116,7 @@ def estimate_discharge_time(
 def estimate_charging_time(
     cell: BatteryModel, state: CellState, power: float, deviation: float
 ) -> TimeEstimate:
-    """Estimate the time to full; the power is negative while the cell is charged. [W]"""
+    """Estimate the time to full; the power is negative while the cell is charged [W]."""
     if power >= 0.0:
         return NEVER_REACHED
     energy = energy_between(cell, state, state.charge, 1.0)
@@ -172,7 +174,7 @@ class ReserveMargin(NamedTuple):
 def compute_reserve_margin(
     settings: EnergyReserveSettings, cell: BatteryModel, state: CellState, home: float
 ) -> ReserveMargin:
-    """Compare the charge with the reserve and the energy of the way home. [J]"""
+    """Compare the charge with the reserve and the energy of the way home [J]."""
     sure = state.charge - settings.caution * state.deviation
     # Energy per unit of charge at the present voltage [J]
     full = state.resting_voltage * cell.capacity / state.mean[INVERSE]
@@ -207,7 +209,7 @@ class WayHomeSettings(Settings):
 
 
 class TravelEstimate(NamedTuple):
-    """Mean power from the chemistry and mean airspeed while moving. [W, m/s]"""
+    """Mean power from the chemistry and mean airspeed while moving [W, m/s]."""
 
     power: float
     speed: float
@@ -236,12 +238,12 @@ def update_travel(
 
 
 def energy_home(settings: WayHomeSettings, travel: TravelEstimate, distance: float) -> float:
-    """Return the energy to fly a distance [m]. [J]"""
+    """Return the energy to fly a distance [m] [J]."""
     return travel.power * distance / _ground_speed(settings, travel)
 
 
 def reachable_distance(settings: WayHomeSettings, travel: TravelEstimate, energy: float) -> float:
-    """Return the distance that an energy [J] allows. [m]"""
+    """Return the distance that an energy [J] allows [m]."""
     if travel.power <= 0.0:
         return math.inf
     return max(energy, 0.0) / travel.power * _ground_speed(settings, travel)

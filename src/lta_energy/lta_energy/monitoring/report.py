@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Report an energy estimate: times to empty and full, health levels and messages."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 r"""
 Estimate the state of charge from voltage and current with an extended Kalman filter.
 
@@ -64,22 +66,22 @@ class CellState:
 
     @cached_property
     def charge(self) -> float:
-        """State of charge. [1]"""
+        """State of charge [1]."""
         return self.mean[CHARGE]
 
     @cached_property
     def deviation(self) -> float:
-        """Standard deviation of the state of charge. [1]"""
+        """Return the standard deviation of the state of charge [1]."""
         return math.sqrt(max(self.spread[CHARGE][CHARGE], 0.0))
 
     @cached_property
     def resting_voltage(self) -> float:
-        """Open-circuit voltage at the state of charge. [V]"""
+        """Open-circuit voltage at the state of charge [V]."""
         return open_circuit_voltage(self.charge)
 
 
 class VoltageInnovation(NamedTuple):
-    """Measured minus predicted voltage, and its expected standard deviation. [V]"""
+    """Measured minus predicted voltage, and its expected standard deviation [V]."""
 
     innovation: float
     deviation: float
@@ -109,7 +111,7 @@ def predict_state(
     deviation: float,
     dt: float,
 ) -> CellState:
-    """Predict the state after a time step [s] at a mean current and its standard deviation. [A]"""
+    """Predict the state after a time step [s] at a mean current and its standard deviation [A]."""
     s, u, resistance, inverse, chart = state.mean
     step = current * dt / cell.capacity
     # Exact solution of the RC pair for a constant current
@@ -214,6 +216,6 @@ def initialize_from_reading(
 
 
 def chord_slope(charge: float, half: float) -> float:
-    """Return the mean slope of the open-circuit voltage within `half` of a charge. [V]"""
+    """Return the mean slope of the open-circuit voltage within `half` of a charge [V]."""
     low, high = max(charge - half, 0.0), min(charge + half, 1.0)
     return (open_circuit_voltage(high) - open_circuit_voltage(low)) / (high - low)

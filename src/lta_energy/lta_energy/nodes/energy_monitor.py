@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Run the energy monitor as a ROS node; it reports when the reserve is reached."""
 
 from typing import TYPE_CHECKING, Unpack

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Represent one flight of a batch as numbers: the constants of its model and loop."""
 
 from collections.abc import Sequence
@@ -200,7 +202,7 @@ def build_flight(
 @lru_cache(maxsize=8)
 def tabulate_wind(path: Path, changed_ns: int, limit: float, control_ns: int) -> Array:
     """
-    Return recorded wind and its rate in each control period, shape (n, 6). [m/s, m/s2]
+    Return recorded wind and its rate in each control period, shape (n, 6) [m/s, m/s2].
 
     Flights of one scene share the array until the file changes. `limit` is the time limit [s].
     """
@@ -274,7 +276,7 @@ def index_route(scenario: Scenario) -> tuple[int, ...]:
     return tuple(names.index(name) for name in scenario.route) or (0,)
 
 
-def flatten_numbers(value: Any, numbers: list[float], form: list[str]) -> None:  # noqa: ANN401 - any nest
+def flatten_numbers(value: Any, numbers: list[float], form: list[str]) -> None:
     """Append the numbers of nested tuples to `numbers`, and their structure to `form`."""
     if isinstance(value, tuple):
         form.append('(')
@@ -288,7 +290,7 @@ def flatten_numbers(value: Any, numbers: list[float], form: list[str]) -> None: 
 
 
 def build_sensors(vehicle: Vehicle, floor: float) -> SensorDatasheets:
-    """Return the sensors of a vehicle above a floor with some pressure. [Pa]"""
+    """Return the sensors of a vehicle above a floor with some pressure [Pa]."""
     bounds, ranger, barometer = error_bounds(ImuSettings()), RangeSettings(), PressureSettings()
     sensors = vehicle.file.sensors
     axes = ImuAxes(

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Write the source of a whole flight: model, sensors, estimator, control, mission and battery.
 

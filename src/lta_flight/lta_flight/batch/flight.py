@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Pure functions around the cores of a batch flight, on numbers and tuples.
 
@@ -132,7 +134,7 @@ def read_sensors(
 def sensor_specific_force(
     constants: FlightConstants, state: State, rate: State, held: bool
 ) -> Vector:
-    """Return the specific force at the IMU; a held drone does not accelerate. [m/s2]"""
+    """Return the specific force at the IMU; a held drone does not accelerate [m/s2]."""
     place = constants.sensors.imu_place
     if held:
         return specific_force_at(state, HELD_RATE, place, STANDARD_GRAVITY)
@@ -145,7 +147,7 @@ def with_setpoint(memory: DroneMemory, setpoint: Setpoint) -> DroneMemory:
 
 
 def ambient_irradiance(constants: FlightConstants, position: Vector) -> float:
-    """Return the ambient light at a place: beyond a door there is none. [W/m2]"""
+    """Return the ambient light at a place: beyond a door there is none [W/m2]."""
     listening, (x, y, z) = constants.listening, position
     if listening.door and not is_in_room(listening.around, x, y, z):
         return 0.0
@@ -153,7 +155,7 @@ def ambient_irradiance(constants: FlightConstants, position: Vector) -> float:
 
 
 def panel_irradiance(constants: FlightConstants, state: State) -> float:
-    """Return the irradiance of sunlight that gives the panel its current now. [W/m2]"""
+    """Return the irradiance of sunlight that gives the panel its current now [W/m2]."""
     position, q = (state[0], state[1], state[2]), (state[3], state[4], state[5], state[6])
     power, lamps, around = constants.power, constants.listening.lamps, constants.listening.around
     bright = 0.0
@@ -166,7 +168,7 @@ def panel_irradiance(constants: FlightConstants, state: State) -> float:
 
 
 def hull_irradiance(constants: FlightConstants, state: State) -> float:
-    """Return the irradiance at the hull centre on planes facing each light. [W/m2]"""
+    """Return the irradiance at the hull centre on planes facing each light [W/m2]."""
     power, lamps, s = constants.power, constants.listening.lamps, constants.listening.around
     light = 0.0
     for k in range(len(lamps)):
@@ -186,7 +188,7 @@ def initial_tally(constants: FlightConstants) -> FlightTally:
 
 
 def amplitude_error(amplitude: float, snr: float) -> float:
-    """Return the standard deviation of a reading due to noise, as `lta_vlc.direction`. [counts]"""
+    """Return the standard deviation of a reading due to noise, as `lta_vlc.direction` [counts]."""
     return RAYLEIGH_SHARE * amplitude / snr if snr > 0.0 else math.inf
 
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Fly a simulated flight to its end, as plain functions that are compiled for a batch."""
 
 from lta_control.allocation import NO_ROTORS

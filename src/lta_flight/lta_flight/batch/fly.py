@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Fly a batch of flights on all CPU cores or on a GPU."""
 
 from collections.abc import Sequence

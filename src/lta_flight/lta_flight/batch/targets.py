@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The targets of a batch flight, CPU and GPU, and its schedule."""
 
 from dataclasses import dataclass
@@ -31,12 +33,12 @@ class BatchSchedule:
 
     @property
     def period(self) -> float:
-        """Control period. [s]"""
+        """Control period [s]."""
         return self.dt * self.control
 
     @property
     def block_time(self) -> float:
-        """Duration of a light block. [s]"""
+        """Duration of a light block [s]."""
         return self.light * self.period
 
     @property

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Compare the outputs of a replay with the recording, bit by bit and channel by channel.
 
@@ -119,7 +121,7 @@ class TopicComparison:
 
     @property
     def count(self) -> int:
-        """Number of message pairs."""
+        """Return the number of message pairs."""
         return len(self.recorded.keys)
 
     @property

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Compare decisions of a replay with the recording: setpoints, duties, lamp and reserve."""
 
 from collections.abc import Callable, Mapping, Sequence
@@ -29,7 +31,7 @@ class DecisionComparison:
 
     @property
     def change_count(self) -> int:
-        """Number of changed decisions."""
+        """Return the number of changed decisions."""
         return int((self.gaps > SMALLEST_CHANGE).sum())
 
     @property
@@ -39,7 +41,7 @@ class DecisionComparison:
 
     @property
     def largest_change(self) -> float:
-        """The largest change."""
+        """Return the largest change."""
         return float(self.gaps.max(initial=0.0))
 
 
@@ -66,7 +68,7 @@ def build_field_reader(path: str) -> Callable[[TopicMessages], Column]:
 
 
 def read_heading(messages: TopicMessages) -> Column:
-    """Return the heading of a pose that is rotated about z only. [rad]"""
+    """Return the heading of a pose that is rotated about z only [rad]."""
     parts: Mapping[str, NDArray[Any]] = messages.numbers
     z, w = (parts[f'pose.orientation.{axis}'].astype(np.float64) for axis in 'zw')
     # q = (0, 0, sin(yaw/2), cos(yaw/2))

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Parse and check node parameters from a command line, before a node starts."""
 
 from collections.abc import Sequence
@@ -51,7 +53,7 @@ def parse_settings(assignments: Sequence[str], nodes: Sequence[str]) -> dict[str
     return settings
 
 
-def parse_typed_value(node: str, name: str, text: str) -> Any:  # noqa: ANN401 - of the parameter's type
+def parse_typed_value(node: str, name: str, text: str) -> Any:
     """Return a parameter's value from text, with the type that the node declares."""
     values = {key: value for key, _, value in iterate_fields(load_settings_model(node)())}
     if name not in values:

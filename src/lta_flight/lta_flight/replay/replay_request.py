@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The request of a replay: nodes, bag, and changed parameters."""
 
 from collections.abc import Mapping
@@ -52,7 +54,7 @@ class ReplayRequest:
 
     @property
     def node_selection(self) -> NodeSelection:
-        """The nodes to run and the topics to play."""
+        """Return the nodes to run and the topics to play."""
         table = load_topic_table()
         return select_nodes(table, self.nodes, list_supporting_roles(table, self.nodes))
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Run one replay: start, supervise and stop its processes."""
 
 from dataclasses import dataclass

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Judge whether a replay equals its recording: in every bit, within tolerance, or not."""
 
 from collections.abc import Sequence
@@ -33,7 +35,7 @@ class ReplayVerdict:
 
     @property
     def word(self) -> Word:
-        """The verdict as one word."""
+        """Return the verdict as one word."""
         if not any(topic.differing for topic in self.topics):
             return 'identical'
         changed = any(decision.change_count for decision in self.decisions)
@@ -43,7 +45,7 @@ class ReplayVerdict:
 
     @property
     def sentence(self) -> str:
-        """The verdict as a sentence, without a full stop."""
+        """Return the verdict as a sentence, without a full stop."""
         total = sum(topic.count for topic in self.topics)
         if self.word == 'identical':
             each = ', '.join(f'{topic.count} of {topic.topic}' for topic in self.topics)
@@ -62,7 +64,7 @@ class ReplayVerdict:
         )
 
     def relative_time(self, key_ns: int) -> float:
-        """Return a message's time since the start of the recording. [s]"""
+        """Return a message's time since the start of the recording [s]."""
         return (key_ns - self.start_ns) * 1e-9
 
     def to_dict(self) -> dict[str, Any]:

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The goal of a flight: the target lamps in order, and when each was reached."""
 
 from collections.abc import Sequence
@@ -19,7 +21,7 @@ SAMPLED = 0.02  # s between samples of the truth: a flight may end before the on
 def shortest_path_length(
     start: tuple[float, float], places: Sequence[tuple[float, float]], radius: float
 ) -> float:
-    """Return the length of the shortest path from a start through all goal circles. [m]"""
+    """Return the length of the shortest path from a start through all goal circles [m]."""
     way = np.array([start, *places])
     # Each leg is shorter than the distance of the lamps by a radius at both ends
     legs = np.hypot(*np.diff(way, axis=0).T) - 2.0 * radius
@@ -38,20 +40,20 @@ class FlightGoal:
 
     @cached_property
     def places(self) -> list[FloorPoint]:
-        """The target lamps in order; empty on a course, or if unknown."""
+        """Return the target lamps in order; empty on a course, or if unknown."""
         if self.scenario is None or self.scenario.course is not None:
             return []
         return [FloorPoint(*lamp.position.vector[:2]) for lamp in self.scenario.target_lamps]
 
     @property
     def radius(self) -> float:
-        """Horizontal distance that counts as reached; NaN if unknown. [m]"""
+        """Horizontal distance that counts as reached; NaN if unknown [m]."""
         return np.nan if self.scenario is None else self.scenario.goal.radius.si
 
     @cached_property
     def arrivals(self) -> list[float]:
         """
-        Times at which the lamps were reached, in order, as far as they were. [s]
+        Return the times at which the lamps were reached, in order, as far as they were [s].
 
         A lamp counts only after those before it, so a round trip is not complete at its start. The
         last one counts when the drone has stayed there (`ScenarioGoal.find_stay`).
@@ -84,7 +86,7 @@ class FlightGoal:
 
     @property
     def shortest_path_length(self) -> float:
-        """Length of the shortest path from the start through all goal circles. [m]"""
+        """Length of the shortest path from the start through all goal circles [m]."""
         if self.truth is None or not self.places:
             return np.nan
         start = float(self.truth.x[0]), float(self.truth.y[0])
@@ -95,11 +97,11 @@ class FlightGoal:
         return np.minimum(np.searchsorted(self.arrivals, time), len(self.places) - 1)
 
     def lamp_distance(self, motion: MotionCurve) -> Array:
-        """Return the horizontal distance to the next lamp; NaN if there is none. [m]"""
+        """Return the horizontal distance to the next lamp; NaN if there is none [m]."""
         return np.hypot(*self._vector_to_place(motion, self.leg_index(motion.time), self.places))
 
     def lamp_direction(self, motion: MotionCurve) -> Array:
-        """Return the direction to the next lamp in the body frame; NaN if there is none. [rad]"""
+        """Return the direction to the next lamp in the body frame; NaN if there is none [rad]."""
         return self._body_direction(motion, self.leg_index(motion.time), self.places)
 
     def beacon_direction(self, motion: MotionCurve, frequency: Array) -> Array:
@@ -137,7 +139,7 @@ class FlightGoal:
     def _vector_to_place(
         motion: MotionCurve, which: NDArray[np.intp], places: list[FloorPoint]
     ) -> tuple[Array, Array]:
-        """Return the vector to the selected place at each time, along x and y. [m, map]"""
+        """Return the vector to the selected place at each time, along x and y [m, map]."""
         if not places:
             unknown = np.full(len(motion.time), np.nan)
             return unknown, unknown

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Plot what the photodiodes measure of the lamp: by direction, as samples and as spectrum."""
 
 from collections.abc import Sequence

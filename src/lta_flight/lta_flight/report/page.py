@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Write the page of a flight as one HTML file."""
 
 from collections.abc import Mapping

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The figures of a flight page, in reading order, and those of its motion and power."""
 
 from collections.abc import Callable, Sequence

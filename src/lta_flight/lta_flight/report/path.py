@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Plot the path of a flight from above, with the measured bearings, one per second."""
 
 import math
@@ -226,7 +228,7 @@ FAINTEST_LIGHT, BRIGHTEST = 3.0, 12.0  # log2 of lx: the shading covers 8 to 409
 
 
 def choose_tick_distance(side: float) -> float:
-    """Return the distance of ticks along the longer side of a room. [m]"""
+    """Return the distance of ticks along the longer side of a room [m]."""
     return next(step for step in (1.0, 2.0, 5.0, 10.0, 50.0, side) if side <= MOST_TICKS * step)
 
 
@@ -247,7 +249,7 @@ def draw_label(
 
 
 def draw_room(figure: Figure, scenario: Scenario, height: float) -> None:
-    """Draw the room of a scenario, with the light at some height. [m]"""
+    """Draw the room of a scenario, with the light at some height [m]."""
     figure.add_trace(build_light_contour(scenario, height))
     length, width, _ = scenario.room.size.vector
     figure.add_shape(
@@ -279,7 +281,7 @@ def draw_goals(figure: Figure, scenario: Scenario) -> None:
 
 
 def draw_lamp(figure: Figure, name: str, lamp: LampScene, up: float) -> None:
-    """Draw a lamp with its orientation, and its name that far above it. [px]"""
+    """Draw a lamp with its orientation, and its name that far above it [px]."""
     x, y, _ = lamp.position.vector
     ahead, left, _ = lamp.facing.vector
     facing, frequency = math.degrees(math.atan2(left, ahead)), lamp.frequency.si

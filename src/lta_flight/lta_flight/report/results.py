@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Compute the results of a flight as numbers.
 
@@ -35,7 +37,7 @@ WARMING_STEP = 0.5  # s, far below the lag of the gas
 END_SAMPLES = 5  # blocks whose median is the SNR at the start or the end
 
 
-def result_field(unit: str, about: str, digits: int | None = None, display: str = '') -> Any:  # noqa: ANN401 - a field of any type
+def result_field(unit: str, about: str, digits: int | None = None, display: str = '') -> Any:
     """
     Return a field of the results, which is None if the bag does not have the data.
 
@@ -141,7 +143,7 @@ class FlightResults:
 
 
 class FlightPhases(NamedTuple):
-    """Start times of flight, search and cruise, and their common end; NaN if never. [s]"""
+    """Start times of flight, search and cruise, and their common end; NaN if never [s]."""
 
     lift_off: float
     search: float
@@ -187,7 +189,7 @@ def find_phases(view: 'AnyFlightView') -> FlightPhases:
 
 
 def find_cruise_start(view: 'AnyFlightView', search: float) -> float:
-    """Return when the true forward speed first comes near the setpoint. [s]"""
+    """Return when the true forward speed first comes near the setpoint [s]."""
     if not view.has_topics('ground_truth/odom') or not np.isfinite(search):
         return np.nan
     truth = view.truth
@@ -198,7 +200,7 @@ def find_cruise_start(view: 'AnyFlightView', search: float) -> float:
 
 
 def find_first_time(time: Array, holds: Flags) -> float:
-    """Return the first time at which a condition is true; NaN if it never is. [s]"""
+    """Return the first time at which a condition is true; NaN if it never is [s]."""
     # argmax gives the first True, but also 0 if there is none
     return float(time[np.argmax(holds)]) if np.any(holds) else np.nan
 
@@ -245,7 +247,7 @@ def compute_goal_metrics(view: 'AnyFlightView', phases: FlightPhases) -> dict[st
 
 
 def compute_cruise_metrics(view: 'AnyFlightView', phases: FlightPhases) -> dict[str, float]:
-    """Return how well speed, altitude and heading were held. [m/s, m, rad]"""
+    """Return how well speed, altitude and heading were held [m/s, m, rad]."""
     if not view.has_topics('ground_truth/odom'):
         return {}
     truth = view.truth
@@ -309,7 +311,7 @@ def compute_direction_error(
 
 
 def beacon_direction(view: 'AnyFlightView', motion: MotionCurve) -> Array:
-    """Return the direction to the lamp that the drone tracks, body frame. [rad]"""
+    """Return the direction to the lamp that the drone tracks, body frame [rad]."""
     # Older bags have no frequency: use the next lamp
     if not view.has_topics('light/peaks') or 'frequency' not in view.peaks.fields:
         return view.goal.lamp_direction(motion)
@@ -322,7 +324,7 @@ def beacon_direction(view: 'AnyFlightView', motion: MotionCurve) -> Array:
 
 
 def compute_estimate_errors(view: 'AnyFlightView', phases: FlightPhases) -> dict[str, float]:
-    """Return the errors of the estimator in flight. [m, rad, m/s]"""
+    """Return the errors of the estimator in flight [m, rad, m/s]."""
     if not view.has_topics('ground_truth/odom', 'odom'):
         return {}
     estimate, truth = view.estimate, view.truth
@@ -341,7 +343,7 @@ def compute_estimate_errors(view: 'AnyFlightView', phases: FlightPhases) -> dict
 
 
 def compute_energy_metrics(view: 'AnyFlightView', phases: FlightPhases) -> dict[str, float]:
-    """Return the energy consumption of the flight. [J, W]"""
+    """Return the energy consumption of the flight [J, W]."""
     if not view.has_topics('battery'):
         return {}
     time, voltage, current = view.battery

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The 3-D view of a flight: the drone with its rotors, its bearing of the lamp, and the wind."""
 
 from typing import Final
@@ -153,7 +155,7 @@ def direction_with_deviation(place: Array, covariance: Array) -> Array:
 
 
 def sample_wind(view: FlightView, time: Array) -> Array | None:
-    """Return the air velocity; None if there was never any. [m/s, map]"""
+    """Return the air velocity; None if there was never any [m/s, map]."""
     if not view.has_topics('wind'):
         return None
     wind = hold_columns(time, *view.read_vector('wind', 'vector'), LONGEST_HOLD)

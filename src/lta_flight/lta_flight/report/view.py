@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The data of a recorded flight for results and figures, read once and in one frame.
 
@@ -65,7 +67,7 @@ def select_primary_beacon(fields: dict[str, Array]) -> dict[str, Array]:
 
 
 def half_block_time() -> float:
-    """Return the time from the first sample of a light block to its middle. [s]"""
+    """Return the time from the first sample of a light block to its middle [s]."""
     light = load_topic_table().light
     return light.samples / light.sample_rate.si / 2.0
 
@@ -116,7 +118,7 @@ class FlightView:
 
     @cached_property
     def span(self) -> tuple[float, float]:
-        """First and last time of the motion, or of the bag if there is none. [s]"""
+        """First and last time of the motion, or of the bag if there is none [s]."""
         for topic in ('ground_truth/odom', 'odom'):
             if self.has_topics(topic):
                 time = self._read_motion(topic).time
@@ -125,7 +127,7 @@ class FlightView:
 
     @cached_property
     def goal(self) -> FlightGoal:
-        """The target lamps, and when each was reached."""
+        """Return the target lamps, and when each was reached."""
         return FlightGoal(
             self.scene.scenario,
             self.truth if self.has_topics('ground_truth/odom') else None,
@@ -134,7 +136,7 @@ class FlightView:
 
     @cached_property
     def truth(self) -> MotionCurve:
-        """The true motion, with the speed relative to the air."""
+        """Return the true motion, with the speed relative to the air."""
         motion = self._read_motion('ground_truth/odom')
         if not self.has_topics('wind'):
             return motion
@@ -142,7 +144,7 @@ class FlightView:
 
     @cached_property
     def estimate(self) -> MotionCurve:
-        """The estimated motion, aligned with the truth at the start, with the airspeed."""
+        """Return the estimated motion, aligned with the truth at the start, with the airspeed."""
         motion = self._read_motion('odom')
         if self.has_topics('airspeed'):
             airspeed = self.read_curve('airspeed', 'twist.twist.linear.x')
@@ -151,28 +153,28 @@ class FlightView:
 
     @cached_property
     def frame_rotation(self) -> float:
-        """Angle from the estimator's x axis to that of map. [rad]"""
+        """Angle from the estimator's x axis to that of map [rad]."""
         return float(self.estimate.yaw[0] - self._read_motion('odom').yaw[0])
 
     @cached_property
     def heading_setpoint(self) -> TimeCurve:
-        """Heading setpoint in map, unwrapped. [rad]"""
+        """Heading setpoint in map, unwrapped [rad]."""
         time, yaw = self.read_curve('setpoint/pose', 'pose.orientation.yaw')
         return TimeCurve(time, np.unwrap(np.nan_to_num(yaw)) + self.frame_rotation)
 
     @cached_property
     def altitude_setpoint(self) -> TimeCurve:
-        """Altitude setpoint. [m]"""
+        """Altitude setpoint [m]."""
         return self.read_curve('setpoint/pose', 'pose.position.z')
 
     @cached_property
     def speed_setpoint(self) -> TimeCurve:
-        """Forward airspeed setpoint. [m/s]"""
+        """Forward airspeed setpoint [m/s]."""
         return self.read_curve('setpoint/velocity', 'twist.linear.x')
 
     @cached_property
     def range_altitude(self) -> TimeCurve:
-        """Altitude of the hull centre from the range finder. [m]"""
+        """Altitude of the hull centre from the range finder [m]."""
         time, distance = self.read_curve('range', 'range')
         vehicle = self.scene.vehicle
         # Depth of the sensor below the hull centre; body z points up
@@ -201,7 +203,7 @@ class FlightView:
 
     @cached_property
     def half_block_time(self) -> float:
-        """Time from a block's stamp, that of its first sample, to its middle. [s]"""
+        """Time from a block's stamp, that of its first sample, to its middle [s]."""
         return half_block_time()
 
     @cached_property
@@ -226,13 +228,13 @@ class FlightView:
 
     @cached_property
     def bearing(self) -> DirectionCurve:
-        """The paper's bearing of the lamp, body frame, mid-block."""
+        """Return the paper's bearing of the lamp, body frame, mid-block."""
         time, vector = self.read_vector('light/bearing', 'vector')
         return DirectionCurve(time + self.half_block_time, vector_directions(vector))
 
     @cached_property
     def battery(self) -> ElectricalCurve:
-        """The battery as measured."""
+        """Return the battery as measured."""
         return self._read_electricity('battery')
 
     @cached_property

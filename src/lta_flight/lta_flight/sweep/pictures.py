@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Plot the results of a sweep: distributions, and results by parameter."""
 
 from collections.abc import Mapping, Sequence

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The flights of a sweep: their number, their parameters, and the check that they can be flown.
 
@@ -91,7 +93,7 @@ class SweepPlan:
 
     @property
     def count(self) -> int:
-        """Number of flights."""
+        """Return the number of flights."""
         # Distributions do not multiply the grid; they are drawn at each of its points
         return math.prod(map(len, self.lists.values())) * self.file.draws_per_point
 
@@ -216,7 +218,7 @@ def iterate_distribution_values(how: Distribution) -> Iterator[Any]:
             yield from (getattr(kind, field) for field in type(kind).model_fields)
 
 
-def convert_to_si(value: Any) -> Any:  # noqa: ANN401 - what YAML holds
+def convert_to_si(value: Any) -> Any:
     """Return a value as in the table: numbers in SI, anything else unchanged."""
     quantity = parse_quantity(value)
     if quantity is None:
@@ -228,7 +230,7 @@ def convert_to_si(value: Any) -> Any:  # noqa: ANN401 - what YAML holds
 NORMAL_TRIES = 10_000  # draws of a bounded normal distribution before it is an error
 
 
-def sample_parameter(how: Distribution, path: str, seed: int, sample: int) -> Any:  # noqa: ANN401 - YAML's
+def sample_parameter(how: Distribution, path: str, seed: int, sample: int) -> Any:
     """
     Return the value of one parameter in one sample, as a file would hold it.
 
@@ -255,7 +257,7 @@ def sample_parameter(how: Distribution, path: str, seed: int, sample: int) -> An
     return _build_quantity(float(np.exp(chance.uniform(np.log(low), np.log(high)))), unit)
 
 
-def _draw_normal(how: NormalDistribution, path: str, chance: Generator) -> Any:  # noqa: ANN401 - YAML's
+def _draw_normal(how: NormalDistribution, path: str, chance: Generator) -> Any:
     numbers = [how.mean, how.deviation, how.low, how.high]
     (mean, deviation, low, high), unit = _convert_to_common_unit(numbers, path)
     if mean is None or deviation is None or deviation < 0.0:
@@ -295,7 +297,7 @@ def _convert_to_common_unit(items: list[Any], path: str) -> tuple[list[float | N
     ], unit
 
 
-def _convert_number(value: Any, unit: str, path: str) -> float:  # noqa: ANN401 - YAML's
+def _convert_number(value: Any, unit: str, path: str) -> float:
     quantity = parse_quantity(value)
     number = value if quantity is None else quantity['value']
     plain = isinstance(number, int | float) and not isinstance(number, bool)
@@ -312,5 +314,5 @@ def _convert_number(value: Any, unit: str, path: str) -> float:  # noqa: ANN401 
     return float(number) * SI_UNITS[quantity['unit']][1] / SI_UNITS[unit][1]
 
 
-def _build_quantity(number: float, unit: str) -> Any:  # noqa: ANN401 - YAML's
+def _build_quantity(number: float, unit: str) -> Any:
     return {'value': number, 'unit': unit} if unit else number

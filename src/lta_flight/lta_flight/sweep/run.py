@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Run a sweep: check it, fly it, and write its table."""
 
 from collections.abc import Mapping, Sequence
@@ -223,11 +225,11 @@ def write_table(
         ) from None
 
 
-def _build_field(name: str, kind: Any, unit: str, meaning: str) -> Any:  # noqa: ANN401 - pyarrow's
+def _build_field(name: str, kind: Any, unit: str, meaning: str) -> Any:
     return arrow.field(name, kind, metadata={'unit': unit, 'about': meaning})
 
 
-def _column_type(values: Sequence[Any]) -> Any:  # noqa: ANN401 - pyarrow's
+def _column_type(values: Sequence[Any]) -> Any:
     """Return the type of a varied column: number, list of numbers, bool, or text."""
     # A path may have no value in the rows of other cases
     first = next((value for value in values if value is not None), 0.0)

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Statistics of many flights: success rate with its uncertainty, and groups by parameter."""
 
 from collections.abc import Sequence
@@ -19,7 +21,7 @@ BOOTSTRAP_ENDS: Final = (2.5, 97.5)  # %
 
 
 class ShareInterval(NamedTuple):
-    """A share of flights with its 95 % confidence interval. [1]"""
+    """A share of flights with its 95 % confidence interval [1]."""
 
     value: float
     low: float
@@ -158,12 +160,12 @@ def build_range_group(rows: list[SweepRow], path: str) -> ParameterGroup:
     return ParameterGroup(name, float(np.median(values)), rows)
 
 
-def is_number(value: Any) -> bool:  # noqa: ANN401 - what YAML holds
+def is_number(value: Any) -> bool:
     """Return whether a value is a single number."""
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def format_value(value: Any) -> str:  # noqa: ANN401 - what YAML holds
+def format_value(value: Any) -> str:
     """Return a value as a short text."""
     if is_number(value):
         return f'{value:.6g}'

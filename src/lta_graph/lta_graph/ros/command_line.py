@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Check the command line of a node and initialise ROS with it."""
 
 from collections.abc import Sequence

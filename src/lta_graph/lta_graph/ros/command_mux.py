@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Select the setpoints to follow: the navigator's, or a teleoperator's after a takeover.
 

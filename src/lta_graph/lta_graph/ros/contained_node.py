@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A node whose callbacks keep their exceptions, for a process that runs several nodes."""
 
 from collections.abc import Callable
@@ -44,12 +46,12 @@ class ContainedNode(Node):
 
     def create_subscription(
         self,
-        msg_type: Any,  # noqa: ANN401 - a generated class
+        msg_type: Any,
         topic: str,
         callback: Callable[[Any], None],
-        *arguments: Any,  # noqa: ANN401 - as rclpy
+        *arguments: Any,
         raw: bool = False,
-        **more: Any,  # noqa: ANN401 - as rclpy
+        **more: Any,
     ) -> Subscription:
         """
         Return a subscription as `rclpy.node.Node` does.
@@ -72,23 +74,23 @@ class ContainedNode(Node):
         self,
         timer_period_sec: float,
         callback: Callable[[], None],
-        *arguments: Any,  # noqa: ANN401 - as rclpy
-        **more: Any,  # noqa: ANN401 - as rclpy
+        *arguments: Any,
+        **more: Any,
     ) -> Timer:
         """Return a timer as `rclpy.node.Node` does."""
         return super().create_timer(timer_period_sec, self.contain(callback), *arguments, **more)
 
     def create_service(
         self,
-        srv_type: Any,  # noqa: ANN401 - a generated class
+        srv_type: Any,
         srv_name: str,
         callback: Callable[[Any, Any], Any],
-        **more: Any,  # noqa: ANN401 - as rclpy
+        **more: Any,
     ) -> Service:
         """Return a service as `rclpy.node.Node` does."""
         serve = self.contain(callback)
 
-        def answer(request: Any, response: Any) -> Any:  # noqa: ANN401 - of the type
+        def answer(request: Any, response: Any) -> Any:
             return serve(request, response) or response
 
         return super().create_service(srv_type, srv_name, answer, **more)
@@ -100,7 +102,7 @@ class ContainedNode(Node):
         An executor raises the exception of any of its nodes and does not say whose it is.
         """
 
-        def call(*arguments: Any) -> Any:  # noqa: ANN401 - those of the callback
+        def call(*arguments: Any) -> Any:
             if self.fault is None:
                 try:
                     return callback(*arguments)

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A lifecycle node that owns a device and releases it on every exit except SIGKILL."""
 
 from abc import ABC, abstractmethod

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Exchange messages over DDS: the two processes by which `lta doctor` checks that nodes can talk.
 

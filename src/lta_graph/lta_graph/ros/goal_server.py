@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Serve an action whose goals a node advances in its own steps.
 
@@ -42,7 +44,7 @@ class GoalServer(Generic[Task]):
     def __init__(
         self,
         node: ContainedNode,
-        action: Any,  # noqa: ANN401 - a generated type
+        action: Any,
         name: str,
         find_obstacle: Callable[[Any], str],
         begin: Callable[[Any], Task],
@@ -72,7 +74,7 @@ class GoalServer(Generic[Task]):
             else:
                 goal.publish_feedback(self._action.Feedback(**self._get_feedback()))
 
-    def _on_goal(self, goal: Any) -> GoalResponse:  # noqa: ANN401 - a message
+    def _on_goal(self, goal: Any) -> GoalResponse:
         """Refuse a goal, or accept it: it begins once it has a handle, before any other event."""
         if why := self._find_obstacle(goal):
             self._logger.warning(f'{self._name} is refused: {why}')
@@ -89,7 +91,7 @@ class GoalServer(Generic[Task]):
         ended = running is not None and self._cancel(running[1])
         return CancelResponse.ACCEPT if ended else CancelResponse.REJECT
 
-    async def _execute(self, goal: ServerGoalHandle) -> Any:  # noqa: ANN401 - a message
+    async def _execute(self, goal: ServerGoalHandle) -> Any:
         key = bytes(goal.goal_id.uuid)
         _, task, ended = self._running[key]
         if self._get_result(task) is None:

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Look at a graph from outside: read /diagnostics, publish faults there, and call services."""
 
 from collections.abc import Iterable, Iterator
@@ -92,7 +94,7 @@ def call_service(name: str, data: bool | None) -> ServiceResponse:
         return ServiceResponse(bool(answer.success), str(answer.message))
 
 
-def find_service_class(node: Node, name: str) -> Any:  # noqa: ANN401 - a generated class
+def find_service_class(node: Node, name: str) -> Any:
     """Return the class of a service, waiting up to `DISCOVERY_TIME`."""
     deadline = time.monotonic() + DISCOVERY_TIME
     while True:

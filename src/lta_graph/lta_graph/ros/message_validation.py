@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Find the class of messages, and validate them: finite numbers, lengths and continuous stamps.
 
@@ -41,19 +43,19 @@ LARGEST_VALUE: Final = 1e9  # in the unit of any field; no sensor measures more
 STAMP_JUMP_NS: Final = 2_000_000_000  # largest step between two stamps of a periodic topic
 
 
-def find_message_type(topic: Topic) -> Any:  # noqa: ANN401 - a generated class
+def find_message_type(topic: Topic) -> Any:
     """Return the Python class of a topic's messages."""
     return import_message_type(topic.type)
 
 
 @cache
-def import_message_type(name: str) -> Any:  # noqa: ANN401 - a generated class
+def import_message_type(name: str) -> Any:
     """Return the Python class of a message type, such as 'sensor_msgs/msg/Imu'."""
     package, _, message = name.split('/')
     return getattr(import_module(f'{package}.msg'), message)
 
 
-def decode_message(data: bytes, kind: Any) -> Any:  # noqa: ANN401 - a generated class
+def decode_message(data: bytes, kind: Any) -> Any:
     """Return the message of a class that the data hold; raise `ValueError` if they hold none."""
     try:
         return deserialize_message(data, kind)
@@ -100,24 +102,24 @@ def _is_plausible(numbers: Sequence[float]) -> bool:
     )
 
 
-def _find_range_fault(message: Any) -> str:  # noqa: ANN401 - a generated class
+def _find_range_fault(message: Any) -> str:
     # REP-117: infinite stands for an object out of range
     meant = math.isinf(message.range) or abs(message.range) <= LARGEST_VALUE
     return '' if meant else 'its range is not a number, or implausibly large'
 
 
-def _find_duty_fault(message: Any) -> str:  # noqa: ANN401 - a generated class
+def _find_duty_fault(message: Any) -> str:
     have, want = len(message.duty), len(message.name)
     return '' if have == want else f'it has {want} names, but {have} duties'
 
 
-def _find_block_fault(message: Any) -> str:  # noqa: ANN401 - a generated class
+def _find_block_fault(message: Any) -> str:
     counts, diodes = len(message.counts), message.diodes
     whole = diodes and not counts % diodes
     return '' if whole else f'it has {counts} counts, no multiple of its {diodes} diodes'
 
 
-def _find_peaks_fault(message: Any) -> str:  # noqa: ANN401 - a generated class
+def _find_peaks_fault(message: Any) -> str:
     want = len(message.axis)
     for beacon in message.beacon:
         for name in ('amplitude', 'snr', 'frequency'):
@@ -140,7 +142,7 @@ FAULT_FINDERS: Final[Mapping[str, Callable[[Any], str]]] = {
 }
 
 
-def find_fault(message: Any) -> str:  # noqa: ANN401 - a generated class
+def find_fault(message: Any) -> str:
     """Return why a message is invalid, or an empty string."""
     for path, numbers in _list_numeric_parts(message.__class__):
         if not _is_plausible(numbers(message)):
@@ -166,7 +168,7 @@ class MessageValidator:
         self._stamps = stamps
         self._newest: dict[str, int] = {}
 
-    def validate(self, row: Topic, name: str, message: Any) -> bool:  # noqa: ANN401 - see above
+    def validate(self, row: Topic, name: str, message: Any) -> bool:
         """
         Count a message of a topic if it is invalid, and return whether its content is valid.
 

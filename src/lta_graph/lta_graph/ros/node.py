@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The base class of LTA nodes: topics from the table, stepped inputs and health reports.
 
@@ -64,7 +66,7 @@ class FramePublisher(Publisher):
 
     frame_prefix = ''
 
-    def publish(self, msg: Any) -> None:  # noqa: ANN401 - of its type, or serialised
+    def publish(self, msg: Any) -> None:
         """Publish a message; one that is serialised stays as it is."""
         if self.frame_prefix and not isinstance(msg, bytes):
             prefix_frames(self.frame_prefix, msg)
@@ -162,7 +164,7 @@ class GraphNode(ContainedNode):
         return publisher
 
     def graph_time_ns(self) -> int:
-        """Return the time of the graph; 0 before its clock has begun. [ns]"""
+        """Return the time of the graph; 0 before its clock has begun [ns]."""
         return int(self.get_clock().now().nanoseconds)
 
     def count_readers(self) -> dict[str, int]:
@@ -216,7 +218,7 @@ class GraphNode(ContainedNode):
     ) -> Callable[[Any], None]:
         row, topic = self.table[name], prefix + name
 
-        def receive_message(message: Any) -> None:  # noqa: ANN401 - whatever the topic carries
+        def receive_message(message: Any) -> None:
             self._received_at[topic] = time.monotonic()
             self.begun = True
             stamp_ns = from_stamp(message.header.stamp) if row.stamped else 0
@@ -230,7 +232,7 @@ class GraphNode(ContainedNode):
         """Return a subscription outside the steps: the callback gets each message on arrival."""
         row = self.table[name]
 
-        def receive_message(message: Any) -> None:  # noqa: ANN401 - whatever the topic carries
+        def receive_message(message: Any) -> None:
             self.soundness.validate(row, name, message)
             callback(message)
 

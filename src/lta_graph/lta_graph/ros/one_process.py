@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Run the nodes of a launch file in one process."""
 
 from collections.abc import MutableMapping, Sequence

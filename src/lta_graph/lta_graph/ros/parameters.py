@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Declare ROS parameters from a pydantic model.
 
@@ -37,7 +39,7 @@ def iterate_fields(settings: BaseModel, prefix: str = '') -> Iterator[tuple[str,
             yield prefix + name, info, value
 
 
-def build_descriptor(info: FieldInfo, default: Any) -> ParameterDescriptor:  # noqa: ANN401
+def build_descriptor(info: FieldInfo, default: Any) -> ParameterDescriptor:
     """Return the descriptor of one field: description with unit, range and read-only flag."""
     extra = info.json_schema_extra if isinstance(info.json_schema_extra, dict) else {}
     unit = extra.get('unit')

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Run one node or several in a process, by rclpy's `EventsExecutor`: the `main` of executables.
 
@@ -299,7 +301,7 @@ def open_executor(context: Context) -> Iterator[Executor]:
 
 def spin_for(executor: Executor, nodes: Collection[ContainedNode], duration: float = POLL) -> None:
     """
-    Run the callbacks of nodes for a while, or until one of them has failed. [wall s]
+    Run the callbacks of nodes for a while, or until one of them has failed [wall s].
 
     Time limits of the executor itself do not hold while events are waiting (rclpy 7.1.5), so each
     is run by itself.
@@ -318,7 +320,7 @@ def finish_waiting_events(executor: Executor, nodes: Collection[ContainedNode]) 
 
 
 def _run_event(executor: Executor, patience: float) -> None:
-    """Run the callback of the next event, if one comes in time. [wall s]"""
+    """Run the callback of the next event, if one comes in time [wall s]."""
     # A callback may destroy a subscription of which another event waits, such as that of a
     # publisher with another quality of service. rclpy 7.1.5 raises this then; the event is gone
     with suppress(rclpy_implementation.InvalidHandle):

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Detect other publishers on a node's outputs, and unknown publishers of commands."""
 
 from collections.abc import Mapping

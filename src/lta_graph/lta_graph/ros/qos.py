@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Profiles of rclpy for the quality of service of each topic, see `lta_graph.quality`."""
 
 from collections.abc import Iterator

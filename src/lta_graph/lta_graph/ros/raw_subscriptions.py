@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """All raw subscriptions of one node: requested topics, and others that it discovers."""
 
 from collections.abc import Callable, Iterator, Sequence
@@ -53,7 +55,7 @@ class RawSubscription:
         self,
         node: Node,
         name: str,
-        kind: Any,  # noqa: ANN401 - a generated class
+        kind: Any,
         preferred: QoSProfile,
         callback: Callable[[bytes], None],
     ) -> None:
@@ -112,7 +114,7 @@ RAW_DEPTH = 1000  # messages that may wait in the middleware between two polls
 GENEROUS_PROFILE = QoSProfile(depth=RAW_DEPTH, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
-def load_message_class(type_name: str) -> Any:  # noqa: ANN401 - a generated class
+def load_message_class(type_name: str) -> Any:
     """Return the Python class of a message type; None if it is not installed."""
     package, _, name = type_name.partition('/msg/')
     try:

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Publish and receive the due times of a replay: one array with a labelled dimension per topic."""
 
 import array
@@ -26,7 +28,7 @@ def from_due(due: Mapping[str, Sequence[int]]) -> Int64MultiArray:
 
 
 def to_due(message: Int64MultiArray) -> dict[str, Sequence[int]]:
-    """Return the due times of each topic from a player's message. [ns]"""
+    """Return the due times of each topic from a player's message [ns]."""
     times: dict[str, Sequence[int]] = {}
     at = 0
     for row in message.layout.dim:

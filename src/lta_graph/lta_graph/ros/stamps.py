@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Convert between integer nanoseconds and ROS stamps, and pair messages of equal stamps."""
 
 from collections.abc import Sequence
@@ -55,7 +57,7 @@ class MessagePairing:
             self._waiting = {each: late for each, late in self._waiting.items() if each > newest}
         return pairs
 
-    def _find_stand_in(self, stamp_ns: int) -> Any:  # noqa: ANN401 - a message
+    def _find_stand_in(self, stamp_ns: int) -> Any:
         """Return the last partner, or None if it is too old."""
         if self._last is None:
             return None

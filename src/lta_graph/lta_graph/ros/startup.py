@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Wait until all nodes of a graph are ready, before a flight or a replay begins.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Build the transforms of /tf and /tf_static, and name the frames of one robot of several."""
 
 from collections.abc import Sequence
@@ -17,7 +19,7 @@ def add_prefix(prefix: str, frame: str) -> str:
     return frame if frame in ('', MAP_FRAME) or frame.startswith(prefix) else prefix + frame
 
 
-def prefix_frames(prefix: str, message: Any) -> None:  # noqa: ANN401 - of any type
+def prefix_frames(prefix: str, message: Any) -> None:
     """Give the frames that a message names the prefix of its robot."""
     if hasattr(message, 'header'):
         message.header.frame_id = add_prefix(prefix, message.header.frame_id)

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Build the messages that a vehicle publishes, simulated or real, from numbers."""
 
 import array
@@ -61,7 +63,7 @@ def build_range_message(
 
 
 def build_pressure_message(stamp: Time, value: float, deviation: float) -> FluidPressure:
-    """Return the air pressure, with the square of its deviation as variance. [Pa]"""
+    """Return the air pressure, with the square of its deviation as variance [Pa]."""
     message = FluidPressure()
     message.header = _build_header(stamp, 'pressure')
     message.fluid_pressure, message.variance = value, deviation * deviation
@@ -69,7 +71,7 @@ def build_pressure_message(stamp: Time, value: float, deviation: float) -> Fluid
 
 
 def build_light_block_message(stamp: Time, block: NDArray[np.uint16]) -> LightBlock:
-    """Return an ADC block, shape (samples, diodes). [counts]"""
+    """Return an ADC block, shape (samples, diodes) [counts]."""
     return LightBlock(
         header=_build_header(stamp, 'photodiodes'),
         sample_rate=load_topic_table().light.sample_rate.si,
@@ -80,7 +82,7 @@ def build_light_block_message(stamp: Time, block: NDArray[np.uint16]) -> LightBl
 
 
 def build_illuminance_message(stamp: Time, lux: float) -> Illuminance:
-    """Return the light at the panel. [lx]"""
+    """Return the light at the panel [lx]."""
     return Illuminance(header=_build_header(stamp, 'illuminance'), illuminance=lux)
 
 
@@ -118,7 +120,7 @@ def build_odometry(stamp: Time, motion: Sequence[float]) -> Odometry:
 
 
 def build_wind_message(stamp: Time, velocity: tuple[float, ...]) -> Vector3Stamped:
-    """Return the velocity of the air in `map`. [m/s]"""
+    """Return the velocity of the air in `map` [m/s]."""
     message = Vector3Stamped(header=_build_header(stamp, 'wind'))
     message.vector.x, message.vector.y, message.vector.z = velocity
     return message

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Air that moves with the hull: added mass and inertia, and the moment that they cause."""
 
 from lta_model.effects.protocol import (

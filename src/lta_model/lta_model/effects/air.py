@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Wind, gusts and turbulence at the hull."""
 
 from collections.abc import Mapping
@@ -234,7 +236,7 @@ def turbulence(p: Values, memory: Values, place: AirEffectInput) -> Wrench:
 
 
 def shear_shares(mean: float, height: float, place: AirEffectInput) -> tuple[float, float]:
-    """Return rms and length at the hull, relative to those of the parameters. [1]"""
+    """Return rms and length at the hull, relative to those of the parameters [1]."""
     wind = place.wind
     speed = math.sqrt(wind[0] * wind[0] + wind[1] * wind[1])
     strong = min(speed / mean, 1.0) if mean > 0.0 else 1.0
@@ -244,7 +246,7 @@ def shear_shares(mean: float, height: float, place: AirEffectInput) -> tuple[flo
 
 
 def inverse_time_constant(sigma: float, length: float, speed: float) -> float:
-    """Return 1 / T. [1/s]"""
+    """Return 1 / T [1/s]."""
     return max(speed, sigma) / length if length > 0.0 else 0.0
 
 

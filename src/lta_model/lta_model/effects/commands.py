@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What becomes of a command: its delay, and the force and moment that act for it."""
 
 from lta_model.effects.protocol import (

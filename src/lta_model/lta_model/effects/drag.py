@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Drag of the hull and damping of its rotation."""
 
 import math
@@ -242,7 +244,7 @@ def _strip_drag(drag: Values, u: Vector, share: float) -> Vector:
 
 def strip_wrench(u: Vector, w: Vector, centre: Values, half: Values, drag: Values) -> Wrench:
     """
-    Return the drag of one strip and its moment about the hull centre, body frame. [N, N m]
+    Return the drag of one strip and its moment about the hull centre, body frame [N, N m].
 
     Parameters
     ----------

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Lifting gas and outside air: purity, state, leak and warming by light."""
 
 from typing import Final

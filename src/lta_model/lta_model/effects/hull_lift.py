@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Lift, drag and moments of a hull, winged or oblique to the flow."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """From a command to the thrust of a rotor: firmware, battery, motor and propeller."""
 
 from collections.abc import Mapping

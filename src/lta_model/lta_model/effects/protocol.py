@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Interface of an effect: declared parameters, and plain functions of scalars and tuples.
 

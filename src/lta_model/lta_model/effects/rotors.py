@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """From the thrusts of the rotors to force and moment, with the jets that meet the hull."""
 
 from collections.abc import Mapping
@@ -212,7 +214,7 @@ def _gain_parameter(name: str) -> EffectParameter:
 
 
 def participating_thrust(share: float, thrust: float) -> float:
-    """Return the thrust of a participating rotor, else a number above any thrust. [N]"""
+    """Return the thrust of a participating rotor, else a number above any thrust [N]."""
     return share * thrust if share != 0.0 else _NONE
 
 

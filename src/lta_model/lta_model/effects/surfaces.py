@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Floor, walls and ceiling: contact, and their effect on rotors."""
 
 from collections.abc import Mapping
@@ -241,7 +243,7 @@ def ground_effect(p: Values, memory: Values, motion: VehicleMotion, thrust: Valu
 def ground_effect_extra_thrust(
     gain: float, radius: float, motion: VehicleMotion, rotor: Values, thrust: float
 ) -> float:
-    """Return the additional thrust of a rotor. [N]"""
+    """Return the additional thrust of a rotor [N]."""
     # Rotors that do not exist have neither thrust nor axis
     if thrust == 0.0 or radius <= 0.0:
         return 0.0
@@ -257,7 +259,7 @@ def ground_effect_extra_thrust(
 
 
 def rotor_height(motion: VehicleMotion, rotor: Values) -> float:
-    """Return how high above the floor of the map a rotor is. [m]"""
+    """Return how high above the floor of the map a rotor is [m]."""
     r = motion.rotation
     return motion.position[2] + r[6] * rotor[0] + r[7] * rotor[1] + r[8] * rotor[2]
 
@@ -358,7 +360,7 @@ def ceiling_effect(p: Values, memory: Values, motion: VehicleMotion, thrust: Val
 def ceiling_effect_extra_thrust(
     gain: float, radius: float, ceiling: float, motion: VehicleMotion, rotor: Values, thrust: float
 ) -> float:
-    """Return the additional thrust of a rotor. [N]"""
+    """Return the additional thrust of a rotor [N]."""
     # Rotors that do not exist have neither thrust nor axis
     if thrust == 0.0 or radius <= 0.0:
         return 0.0

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Weight, buoyancy, balance, and what is carried."""
 
 from collections.abc import Mapping
@@ -176,7 +178,7 @@ PAYLOAD = BodyEffect(
 
 def with_cg_shifted(rigid: RigidBody, shift: Vector) -> RigidBody:
     """
-    Shift the centre of gravity of a rigid body by a vector in the body frame. [m]
+    Shift the centre of gravity of a rigid body by a vector in the body frame [m].
 
         r' = r + d,   I' = I + m ((2 r.d + d.d) 1 - r d^T - d r^T - d d^T)
 

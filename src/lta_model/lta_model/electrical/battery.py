@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 One LiPo cell: open-circuit voltage by state of charge, a series resistance and one RC pair.
 
@@ -102,19 +104,19 @@ class BatteryModel(StrictModel):
 
 
 def resistance_factor(celsius: float) -> float:
-    """Return the resistance at a temperature [degC] relative to 25 degC (Arrhenius). [1]"""
+    """Return the resistance at a temperature [degC] relative to 25 degC (Arrhenius) [1]."""
     # Arrhenius: exp(E / R (1/T - 1/T0))
     there, here = 1.0 / (celsius + ZERO_CELSIUS), 1.0 / (ROOM_TEMPERATURE + ZERO_CELSIUS)
     return math.exp(ACTIVATION_ENERGY / GAS_CONSTANT * (there - here))
 
 
 def capacity_factor(celsius: float) -> float:
-    """Return the capacity at a temperature [degC] relative to 25 degC, at most 1. [1]"""
+    """Return the capacity at a temperature [degC] relative to 25 degC, at most 1 [1]."""
     return 1.0 - COLD_LOSS * max(ROOM_TEMPERATURE - celsius, 0.0)
 
 
 def open_circuit_voltage(charge: float) -> float:
-    """Return the resting voltage at a state of charge, clipped to 0 and 1. [V]"""
+    """Return the resting voltage at a state of charge, clipped to 0 and 1 [V]."""
     # Linear interpolation in the table; at 1.0 the last interval is used
     place = min(max(charge, 0.0), 1.0) * CHARGE_INTERVALS
     below = min(int(place), CHARGE_INTERVALS - 1)
@@ -123,7 +125,7 @@ def open_circuit_voltage(charge: float) -> float:
 
 
 def state_of_charge(voltage: float) -> float:
-    """Return the state of charge, 0 to 1, whose resting voltage this is. [1]"""
+    """Return the state of charge, 0 to 1, whose resting voltage this is [1]."""
     if voltage <= OPEN_CIRCUIT[0]:
         return 0.0
     for below in range(CHARGE_INTERVALS):
@@ -135,7 +137,7 @@ def state_of_charge(voltage: float) -> float:
 
 def stored_energy(charge: float, capacity: float) -> float:
     """
-    Return the energy above empty: the integral of the resting voltage over the charge. [J]
+    Return the energy above empty: the integral of the resting voltage over the charge [J].
 
     Losses in the resistances are not subtracted; `charge` is 0 to 1, `capacity` in C.
     """
@@ -153,7 +155,7 @@ def stored_energy(charge: float, capacity: float) -> float:
 
 
 def mean_open_circuit_voltage(before: float, after: float) -> float:
-    """Return the mean resting voltage between two states of charge, exactly. [V]"""
+    """Return the mean resting voltage between two states of charge, exactly [V]."""
     # Same interval: the curve is linear between the two, and no division by their difference
     if int(before * CHARGE_INTERVALS) == int(after * CHARGE_INTERVALS):
         return 0.5 * (open_circuit_voltage(before) + open_circuit_voltage(after))
@@ -161,7 +163,7 @@ def mean_open_circuit_voltage(before: float, after: float) -> float:
 
 
 def relaxation_energy(cell: BatteryModel, relaxation: float) -> float:
-    """Return the energy in the capacitor of the RC pair at a relaxation voltage [V]. [J]"""
+    """Return the energy in the capacitor of the RC pair at a relaxation voltage [V] [J]."""
     if cell.relaxation_resistance <= 0.0:
         return 0.0
     # C U^2 / 2 with C = tau / R1
@@ -175,7 +177,7 @@ def terminal_voltage(open_circuit: float, current: float, resistance: float) -> 
 
 def current_for_power(open_circuit: float, power: float, resistance: float) -> float:
     """
-    Return the current at which the terminals take up a power. [A]
+    Return the current at which the terminals take up a power [A].
 
     It is the smaller root of R I^2 + E I = P with E the voltage behind the series resistance [V],
     in the form that holds for R = 0. Beyond the largest power the cell can give, E^2 / 4R, it is
@@ -210,7 +212,7 @@ def relax_voltage(
 
 
 def resistive_heat(cell: BatteryModel, relaxation: float, current: float, dt: float) -> float:
-    """Return the mean heat in both resistances; parameters as `relax_voltage`. [W]"""
+    """Return the mean heat in both resistances; parameters as `relax_voltage` [W]."""
     warmth = cell.resistance * current * current
     if cell.relaxation_resistance <= 0.0:
         return warmth

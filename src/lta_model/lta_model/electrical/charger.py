@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The power path: array -> charger -> loads and cell, with its limits.
 
@@ -76,23 +78,23 @@ class PowerFlow(NamedTuple):
 
 
 def resting_flow(charge: float) -> PowerFlow:
-    """Return a cell at rest in the dark, at a state of charge. [1]"""
+    """Return a cell at rest in the dark, at a state of charge [1]."""
     return PowerFlow(charge, 0.0, open_circuit_voltage(charge), 0.0, 0.0, 0.0, 0.0, charge > 0.0)
 
 
 def charger_output(charger: ChargerModel, available: float) -> float:
-    """Return the output power at the array's largest power; 0 while the charger is off. [W]"""
+    """Return the output power at the array's largest power; 0 while the charger is off [W]."""
     return convert_harvest(charger, available * charger.tracking)
 
 
 def convert_harvest(charger: ChargerModel, harvest: float) -> float:
-    """Return the output power for a power that is taken from the array; 0 if too little. [W]"""
+    """Return the output power for a power that is taken from the array; 0 if too little [W]."""
     # The own draw is taken before the conversion: the LT3652's supply pin is at the array
     return max(0.0, harvest - charger.idle) * charger.conversion
 
 
 def charge_power_limit(cell: BatteryModel, charge: float, relaxation: float, dt: float) -> float:
-    """Return the largest power with which a cell may be charged during dt [s]. [W]"""
+    """Return the largest power with which a cell may be charged during dt [s] [W]."""
     behind = open_circuit_voltage(charge) + relaxation
     # Constant-current phase, and no more than the cell can hold
     current = min(cell.charge_current, (1.0 - charge) * cell.capacity / dt)
@@ -147,5 +149,5 @@ def advance_power_path(
 
 
 def total_stored_energy(cell: BatteryModel, flow: PowerFlow) -> float:
-    """Return the energy that a cell holds, in its chemistry and in its RC pair. [J]"""
+    """Return the energy that a cell holds, in its chemistry and in its RC pair [J]."""
     return stored_energy(flow.charge, cell.capacity) + relaxation_energy(cell, flow.relaxation)

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Power of the consumers: electronics and rotors.
 
@@ -55,7 +57,7 @@ class LoadModel(StrictModel):
 
 def navigation_power(energy: EnergyBlock, strategy: str) -> float:
     """
-    Return the power of sensing and computing for a navigation strategy, '' for none. [W]
+    Return the power of sensing and computing for a navigation strategy, '' for none [W].
 
     Entries missing in the file count as 0. A strategy from a file ./mine.py is called `mine`.
     """
@@ -95,13 +97,13 @@ class RotorBenchPoint(NamedTuple):
 
     @property
     def thrust(self) -> float:
-        """Thrust of one rotor. [N]"""
+        """Thrust of one rotor [N]."""
         # Gram-force of four rotors to newtons of one
         return self.lift * 1e-3 * STANDARD_GRAVITY / 4.0
 
     @property
     def power(self) -> float:
-        """Total power, electronics of the Crazyflie included. [W]"""
+        """Total power, electronics of the Crazyflie included [W]."""
         return self.current * self.voltage
 
 
@@ -130,12 +132,12 @@ BENCH = tuple(
 
 
 def thrust_at_duty(duty: float, voltage: float) -> float:
-    """Return the thrust of one rotor at a duty cycle and a battery voltage [V]. [N]"""
+    """Return the thrust of one rotor at a duty cycle and a battery voltage [V] [N]."""
     mean = duty * voltage
     # The absolute value keeps the sign of the duty in the quadratic term
     return (THRUST_BY_SQUARE * abs(mean) + THRUST_BY_VOLTAGE) * mean
 
 
 def power_at_duty(duty: float, voltage: float, offset: float, slope: float) -> float:
-    """Return the electrical power of one rotor; offset and slope as in `loads.rotor_power`. [W]"""
+    """Return the electrical power of one rotor; offset and slope as in `loads.rotor_power` [W]."""
     return rotor_power(thrust_at_duty(duty, voltage), offset, slope)

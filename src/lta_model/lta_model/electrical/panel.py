@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Fit a single-diode model to a solar cell's data sheet.
 
@@ -85,7 +87,7 @@ def fit_diode(cell: CellFile) -> SingleDiodeModel:
 
 
 def _solve_three_points(data: CellRatings, resistance: float) -> SingleDiodeModel:
-    """Return the diode through the three points, for a series resistance. [ohm]"""
+    """Return the diode through the three points, for a series resistance [ohm]."""
     a = data.ideality.si * data.junctions * THERMAL_VOLTAGE
     voltages = np.array([0.0, data.open_circuit.si, data.voltage.si])
     currents = np.array([data.short_circuit.si, 0.0, data.current.si])
@@ -99,7 +101,7 @@ def _solve_three_points(data: CellRatings, resistance: float) -> SingleDiodeMode
 
 
 def _slope_at_maximum(data: CellRatings, resistance: float) -> float:
-    """Return dP/dV at the maximum of the sheet; it falls as the resistance grows. [A]"""
+    """Return dP/dV at the maximum of the sheet; it falls as the resistance grows [A]."""
     diode = _solve_three_points(data, resistance)
     junction = data.voltage.si + resistance * data.current.si
     conductance = diode.saturation / diode.thermal * np.exp(junction / diode.thermal) + diode.shunt
@@ -193,7 +195,7 @@ def array_spectral_factor(energy: EnergyBlock, efficacy: float) -> float:
 
 
 def compute_curve_parameters(panel: SolarArrayModel, irradiance: float) -> Curve:
-    """Return L, S, a, R and G of the curve at an irradiance on the array's plane. [W/m2]"""
+    """Return L, S, a, R and G of the curve at an irradiance on the array's plane [W/m2]."""
     # Absolute temperature relative to 25 degC
     warm = (AIR_TEMPERATURE + panel.warming * irradiance) / STANDARD_TEMPERATURE
     kelvin = STANDARD_TEMPERATURE * (warm - 1.0)
@@ -210,20 +212,20 @@ def compute_curve_parameters(panel: SolarArrayModel, irradiance: float) -> Curve
 
 
 def junction_current(numbers: Curve, u: float) -> float:
-    """Return the current of the array at a junction voltage u [V]. [A]"""
+    """Return the current of the array at a junction voltage u [V] [A]."""
     light, saturation, a, _, shunt = numbers
     return light - saturation * math.expm1(u / a) - u * shunt
 
 
 def voltage_bound(numbers: Curve) -> float:
-    """Return a junction voltage at which no current is left: above the open circuit's. [V]"""
+    """Return a junction voltage at which no current is left: above the open circuit's [V]."""
     light, saturation, a, _, _ = numbers
     # The shunt is neglected, so this is above the open-circuit voltage
     return a * math.log1p(light / saturation) if saturation > 0.0 else 0.0
 
 
 def power_slope(numbers: Curve, u: float) -> float:
-    """Return dP/du, positive below the point of largest power. [A]"""
+    """Return dP/du, positive below the point of largest power [A]."""
     _, saturation, a, resistance, shunt = numbers
     current = junction_current(numbers, u)
     slope = -saturation / a * math.exp(u / a) - shunt
@@ -251,7 +253,7 @@ def find_max_power_point(panel: SolarArrayModel, irradiance: float) -> tuple[flo
 
 def current_at_voltage(panel: SolarArrayModel, irradiance: float, voltage: float) -> float:
     """
-    Return the current at a terminal voltage [V], 0 in the dark: no current flows back. [A]
+    Return the current at a terminal voltage [V], 0 in the dark: no current flows back [A].
 
     The short-circuit current is that at 0 V.
     """

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 A lamp's direct light on few planes many times, and the shade of the vehicle's own hull.
 
@@ -117,7 +119,7 @@ def build_beam(lamp: BeaconLamp, room: Room | None = None, thrown: float = 0.0) 
 
 def direct_light(lamp: LampBeam, point: Vector) -> tuple[float, Vector]:
     """
-    Return the light [lx] of a lamp on a facing plane at a point, and the unit vector to it. [map]
+    Return the light [lx] of a lamp on a facing plane at a point, and the unit vector to it [map].
 
     The vector is zero at the lamp itself.
     """
@@ -140,7 +142,7 @@ def direct_light(lamp: LampBeam, point: Vector) -> tuple[float, Vector]:
 
 
 def angular_response(eye: DiodeResponse, axis: Vector, towards: Vector) -> float:
-    """Return the share of the light from a direction that a diode with an axis reads. [1]"""
+    """Return the share of the light from a direction that a diode with an axis reads [1]."""
     cosine = axis[0] * towards[0] + axis[1] * towards[1] + axis[2] * towards[2]
     # Outside of the field of view, or behind the diode
     if cosine <= eye.least or cosine <= 0.0:

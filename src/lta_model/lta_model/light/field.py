@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 r"""
 All light of a scene, in the map frame.
 
@@ -119,7 +121,7 @@ class Daylight:
 
     @property
     def sun_direction(self) -> Vector:
-        """Unit vector to the sun. [map]"""
+        """Return the unit vector to the sun [map]."""
         # Horizontal component of the unit vector
         level = math.cos(self.elevation)
         return (
@@ -130,7 +132,7 @@ class Daylight:
 
     @property
     def ground_illuminance(self) -> float:
-        """Illuminance of level ground. [lx]"""
+        """Illuminance of level ground [lx]."""
         # Lambert's cosine law on level ground
         return self.sun * math.sin(self.elevation) + self.sky
 
@@ -185,7 +187,7 @@ class Room:
 
     @property
     def surface_area(self) -> float:
-        """Of all surfaces. [m2]"""
+        """Of all surfaces [m2]."""
         length, width, height = self.size
         return 2.0 * (length * width + length * height + width * height)
 
@@ -234,12 +236,12 @@ class LightField:
 
     @property
     def first_lamp(self) -> BeaconLamp:
-        """The first beacon."""
+        """Return the first beacon."""
         return self.lamps[0]
 
     @property
     def any_daylight(self) -> Daylight | None:
-        """The daylight of the scene, or that beyond its door."""
+        """Return the daylight of the scene, or that beyond its door."""
         return self.daylight if self.outside is None else self.outside.daylight
 
 

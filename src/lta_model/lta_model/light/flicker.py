@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Waves of lamps and mains at the samples of a converter.
 
@@ -32,7 +34,7 @@ class BlockSampling:
     samples: int
 
     def sample_offsets(self) -> NDArray[np.int64]:
-        """Return the times of the samples after the start, with one sample before it. [ns]"""
+        """Return the times of the samples after the start, with one sample before it [ns]."""
         times: NDArray[np.int64] = np.rint(
             # From -1: the first sample needs the state of the low pass before it
             np.arange(-1, self.samples) * (SECOND_NS / self.rate)
@@ -84,7 +86,7 @@ def sample_mains_wave(ambient: Ambient, start: int, sampling: BlockSampling) -> 
 
 
 def repeat_period(frequency: float) -> int:
-    """Return after how many whole nanoseconds a wave repeats. [ns]"""
+    """Return after how many whole nanoseconds a wave repeats [ns]."""
     # Exact: the shortest integer time that holds a whole number of periods
     top, bottom = frequency.as_integer_ratio()
     bottom *= SECOND_NS

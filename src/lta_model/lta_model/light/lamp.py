@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 r"""
 A flickering lamp with a wide beam: where it is, how bright, and when.
 
@@ -33,7 +35,7 @@ def require(holds: bool, sentence: str) -> None:
 
 
 def require_efficacy(efficacy: float) -> None:
-    """Raise `BadInput` for an impossible luminous efficacy. [lm/W]"""
+    """Raise `BadInput` for an impossible luminous efficacy [lm/W]."""
     require(
         0.0 < efficacy <= PEAK_EFFICACY,
         f'The light has a luminous efficacy of {efficacy} lm/W; it must be above 0 and at '
@@ -42,7 +44,7 @@ def require_efficacy(efficacy: float) -> None:
 
 
 def require_lux(what: str, lux: float) -> None:
-    """Raise `BadInput` for a negative or infinite illuminance. [lx]"""
+    """Raise `BadInput` for a negative or infinite illuminance [lx]."""
     require(
         math.isfinite(lux) and lux >= 0.0,
         f'{what} is {lux} lx; it must be 0 or more.',
@@ -56,7 +58,7 @@ def phase_in_cycles(
     times: NDArray[np.int64], frequency: float, phase: float = 0.0
 ) -> NDArray[np.float64]:
     """
-    Return the position within the period, in [0, 1), at int64 times [ns], at least one. [cycles]
+    Return the position within the period, in [0, 1), at int64 times [ns], at least one [cycles].
 
     `phase` is the position at time zero. Only differences to the first time are multiplied in
     floating point: over a span of one second the error is some 1e-14 of the cycles in it.
@@ -165,7 +167,7 @@ class DriftingClock:
         )
 
     def distort_wave(self, wave: SquareWave, time: int) -> SquareWave:
-        """Return a wave as timed by this clock around a time. [ns]"""
+        """Return a wave as timed by this clock around a time [ns]."""
         if self.offset == 0.0 and self.drift == 0.0:
             return wave
         seconds = time / SECOND_NS
@@ -184,7 +186,7 @@ Vector = tuple[float, float, float]
 
 
 def lambertian_order(half_power: float) -> float:
-    """Return the Lambertian order of a lamp with a half-power angle. [rad]"""
+    """Return the Lambertian order of a lamp with a half-power angle [rad]."""
     # Rounded: 60 degrees are the order 1 exactly, which needs no power.
     return round(-math.log(2.0) / math.log(math.cos(half_power)), 12)
 
@@ -242,13 +244,13 @@ class BeaconLamp:
 
     @property
     def intensity(self) -> float:
-        """Luminous intensity on the axis while on. [cd]"""
+        """Luminous intensity on the axis while on [cd]."""
         # Integrates to the flux over the half space
         return (self.order + 1.0) / (2.0 * math.pi) * self.flux
 
     @property
     def direction(self) -> Vector:
-        """Unit axis. [map]"""
+        """Return the unit axis [map]."""
         length = math.hypot(*self.axis)
         x, y, z = self.axis
         return x / length, y / length, z / length
@@ -256,7 +258,7 @@ class BeaconLamp:
 
 def direct_illuminance(lamp: BeaconLamp, points: Array, normals: Array) -> Array:
     """
-    Return the illuminance by the lamp alone while it is on, without reflections. [lx]
+    Return the illuminance by the lamp alone while it is on, without reflections [lx].
 
     `points` [m] and unit `normals` of the planes are in `map`, shape (..., 3). The result is zero
     behind lamp and plane. The distance enters as d^2 + radius^2: exact on the axis of a Lambertian

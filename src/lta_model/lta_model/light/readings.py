@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Light on a vehicle's photodiodes during a block of samples, and on its solar panel.
 
@@ -182,7 +184,7 @@ def incidence_cosine(plane: PanelPlane, way: Vector) -> float:
 
 
 def panel_center(plane: PanelPlane, position: Vector, q: Quaternion) -> Vector:
-    """Return the middle of the panel. [m, map]"""
+    """Return the middle of the panel [m, map]."""
     x, y, z = to_map(rotation_matrix(q), plane.spot)
     return position[0] + x, position[1] + y, position[2] + z
 
@@ -191,7 +193,7 @@ def lamp_light_on_panel(
     plane: PanelPlane, s: SceneGeometry, lamp: LampBeam, position: Vector, q: Quaternion
 ) -> float:
     """
-    Return the light of a lamp on the panel while it is on, reflections included. [lx]
+    Return the light of a lamp on the panel while it is on, reflections included [lx].
 
     `position` [m] and `q` are those of the hull in `map`.
     """
@@ -208,7 +210,7 @@ def lamp_light_on_panel(
 def daylight_on_panel(
     plane: PanelPlane, s: SceneGeometry, position: Vector, q: Quaternion
 ) -> float:
-    """Return sun, sky and ground light on the panel; parameters as `lamp_light_on_panel`. [lx]"""
+    """Return sun, sky and ground light on the panel; parameters as `lamp_light_on_panel` [lx]."""
     r = rotation_matrix(q)
     point, normal = panel_center(plane, position, q), to_map(r, plane.normal)
     day = daylight_illuminance(s, point, normal)

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Indirect light on a vehicle's photodiodes: a sum over ray bundles, with shading by its own hull.
 
@@ -103,7 +105,7 @@ def write_azimuths(scratch: Scratch) -> None:
 
 
 def reflected_luminance(s: SceneGeometry, met: RayHit, lamp: LampBeam) -> float:
-    """Return the luminance of a surface by the direct light of a lamp, times pi. [lx]"""
+    """Return the luminance of a surface by the direct light of a lamp, times pi [lx]."""
     light, towards = direct_light(lamp, (met.x, met.y, met.z))
     cosine = towards[0] * met.i + towards[1] * met.j + towards[2] * met.k
     # Nothing reflects, or the surface faces away
@@ -163,7 +165,7 @@ def trace_ring(
 def ray_direction(
     c: float, d: float, up: float, level: float, side: tuple[float, float]
 ) -> Vector:
-    """Return the direction of a ray offset from the middle of its bundle. [map]"""
+    """Return the direction of a ray offset from the middle of its bundle [map]."""
     # Rotate the middle's azimuth by the offset of the ray
     return (level * (c * side[0] - d * side[1]), level * (c * side[1] + d * side[0]), up)
 
@@ -261,7 +263,7 @@ def dot_rows(scratch: Scratch, a: int, b: int) -> float:
 
 
 def diode_array_center(position: Vector, q: Quaternion, planes: Rows) -> Vector:
-    """Return the middle of the diodes, from which rays are traced for all of them. [m, map]"""
+    """Return the middle of the diodes, from which rays are traced for all of them [m, map]."""
     x, y, z = 0.0, 0.0, 0.0
     for i in range(len(planes)):
         x += planes[i][0] / len(planes)

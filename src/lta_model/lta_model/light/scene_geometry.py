@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Scene geometry for ray tracing: the surface that a ray hits, and whether a path is clear.
 
@@ -86,7 +88,7 @@ def is_in_door(s: SceneGeometry, x: float, y: float, z: float) -> bool:
 
 
 def slab_crossing(low: float, high: float, at: float, step: float) -> tuple[float, float]:
-    """Return between which distances a ray is between two planes. [m]"""
+    """Return between which distances a ray is between two planes [m]."""
     # Parallel to the planes: always between them, or never
     if step == 0.0:
         return (
@@ -106,7 +108,7 @@ def box_crossing(s: SceneGeometry, point: Vector, u: Vector) -> tuple[float, flo
 
 
 def distance_to_wall(s: SceneGeometry, point: Vector, u: Vector) -> float:
-    """Return at which distance a ray from within leaves the room's box. [m]"""
+    """Return at which distance a ray from within leaves the room's box [m]."""
     t = FAR_DISTANCE
     if u[0] != 0.0:
         # From within, only the plane ahead matters
@@ -187,7 +189,7 @@ def find_first_hit(s: SceneGeometry, point: Vector, u: Vector) -> tuple[RayHit, 
 
 
 def daylight_luminance(s: SceneGeometry, indoors: bool, up: float) -> float:
-    """Return the luminance of daylight along an upward or downward ray, times pi. [lx]"""
+    """Return the luminance of daylight along an upward or downward ray, times pi [lx]."""
     # Daylight reflected in the room is not modelled
     if s.top > 0.0 and indoors:
         return 0.0
@@ -202,7 +204,7 @@ def is_sunlit(s: SceneGeometry, point: Vector) -> bool:
 
 
 def daylight_illuminance(s: SceneGeometry, point: Vector, normal: Vector) -> float:
-    """Return the light of sun, sky and ground on a plane, without the hull's shade. [lx]"""
+    """Return the light of sun, sky and ground on a plane, without the hull's shade [lx]."""
     inside = is_in_room(s, point[0], point[1], point[2])
     up = 0.5 * (1.0 + normal[2])  # share of the sky in the plane's field of view
     day = up * daylight_luminance(s, inside, 1.0) + (1.0 - up) * daylight_luminance(

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 What a detector makes of a light's spectrum.
 
@@ -38,7 +40,7 @@ def mean_responsivity(light: LightSpectrum, response: SpectralResponse) -> float
 
 @cache
 def find_spectrum(efficacy: float) -> str:
-    """Return the name of the shipped spectrum that is nearest in luminous efficacy. [lm/W]"""
+    """Return the name of the shipped spectrum that is nearest in luminous efficacy [lm/W]."""
     names = list_shipped_names('spectra')
     return min(names, key=lambda name: abs(math.log(luminous_efficacy(name) / efficacy)))
 
@@ -58,7 +60,7 @@ def responsivity_in_light(efficacy: float, detector: str) -> float:
 @cache
 def spectral_factor(efficacy: float, detector: str) -> float:
     """
-    Return a detector's current by irradiance, relative to that in sunlight. [1]
+    Return a detector's current by irradiance, relative to that in sunlight [1].
 
     Parameters as in `responsivity_in_light`.
     """

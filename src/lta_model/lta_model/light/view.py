@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Compute the share of a lamp's light that the surfaces of a room reflect.
 
@@ -58,7 +60,7 @@ def build_field_geometry(field: LightField) -> SceneGeometry:
 
 
 def integrate_reflected_flux(s: SceneGeometry, lamp: LampBeam, cells: int) -> tuple[float, float]:
-    """Return a lamp's flux on all faces of a room, and the reflected part of it. [lm]"""
+    """Return a lamp's flux on all faces of a room, and the reflected part of it [lm]."""
     # Midpoint rule over a grid on each face
     fallen, thrown = 0.0, 0.0
     for face in range(6):
@@ -118,7 +120,7 @@ Pose = tuple[float, ...]  # position and quaternion x y z w
 
 
 class LightWeights(NamedTuple):
-    """Factors of the irradiances of each lamp, of ambient light and of daylight. [1]"""
+    """Factors of the irradiances of each lamp, of ambient light and of daylight [1]."""
 
     lamps: tuple[float, ...]
     ambient: float
@@ -188,7 +190,7 @@ class LightView:
     def sample_light_block(
         self, start_ns: int, sample_rate: float, samples: int, chance: Generator
     ) -> NDArray[np.uint16]:
-        """Return the block that began at a time [ns], shape (samples, diodes). [Hz; counts]"""
+        """Return the block that began at a time [ns], shape (samples, diodes) [Hz; counts]."""
         light = self.compute_diode_readings(self._poses)
         # The next block starts where this one ended
         self._poses = [self._poses[-1]]
@@ -223,7 +225,7 @@ class LightView:
 
     @property
     def _daylight_efficacy(self) -> float:
-        """Luminous efficacy of the daylight; infinite if there is none. [lm/W]"""
+        """Luminous efficacy of the daylight; infinite if there is none [lm/W]."""
         daylight = self.field.any_daylight
         return math.inf if daylight is None else daylight.efficacy
 
@@ -266,7 +268,7 @@ class LightView:
         )
 
     def hull_irradiance(self, pose: Pose) -> float:
-        """Return the irradiance at the hull centre on planes that face each light. [W/m2]"""
+        """Return the irradiance at the hull centre on planes that face each light [W/m2]."""
         x, y, z = pose[:3]
         # The hull is taken as facing every light, without shade
         facing = [direct_light(each, (x, y, z))[0] + each.diffuse for each in self._beams]

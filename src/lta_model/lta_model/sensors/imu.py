@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 BMI088 inertial sensor: specific force and angular rate with offset, scale error, noise and counts.
 
@@ -145,7 +147,7 @@ def apply_errors(truth: Sequence[float] | Array, errors: Array, chance: Array) -
 def specific_force_at(
     state: Sequence[float] | Array, rate: Sequence[float] | Array, place: Vector, gravity: float
 ) -> Vector:
-    """Return the true specific force at the sensor, from a state and its derivative. [m/s^2]"""
+    """Return the true specific force at the sensor, from a state and its derivative [m/s^2]."""
     # State layout: quaternion 3:7, velocity 7:10, rates 10:13
     turn = rotation_matrix((state[3], state[4], state[5], state[6]))
     return imu_specific_force(

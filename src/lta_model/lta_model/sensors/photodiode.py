@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 A ring of photodiodes with amplifiers (OPT101): directions, and voltage by light.
 
@@ -42,7 +44,7 @@ class DiodeRing:
 
 
 def spread_azimuths(count: int) -> tuple[float, ...]:
-    """Return the azimuths of `count` diodes spread evenly, the first forward. [rad]"""
+    """Return the azimuths of `count` diodes spread evenly, the first forward [rad]."""
     return tuple(2.0 * math.pi * i / count for i in range(count))
 
 
@@ -110,7 +112,7 @@ class PhotodiodeArray(StrictModel):
 
     @property
     def largest_reading(self) -> float:
-        """Largest reading, at which converter or amplifier saturate. [counts]"""
+        """Largest reading, at which converter or amplifier saturate [counts]."""
         return largest_reading(self.adc_bits, self.adc_range, self.output_limit)
 
     @property
@@ -123,7 +125,7 @@ class PhotodiodeArray(StrictModel):
 
     @property
     def gain_scale(self) -> float:
-        """Reading with this resistor over that with `REFERENCE_RESISTANCE`. [1]"""
+        """Return the reading with this resistor over that with `REFERENCE_RESISTANCE` [1]."""
         return self.feedback_resistance / REFERENCE_RESISTANCE
 
     def draw_gains(self, chance: np.random.Generator) -> 'PhotodiodeArray':
@@ -147,7 +149,7 @@ class PhotodiodeArray(StrictModel):
 
 
 def voltage_sensitivity(array: PhotodiodeArray, efficacy: float) -> float:
-    """Return the volts by illuminance in light of a luminous efficacy [lm/W]. [V/lx]"""
+    """Return the volts by illuminance in light of a luminous efficacy [lm/W] [V/lx]."""
     current = array.area * responsivity_in_light(efficacy, array.detector) / efficacy
     return current * array.feedback_resistance
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 One block of converter counts from the light on a ring of photodiodes.
 
@@ -33,7 +35,7 @@ ROUNDING_TERM = 2.0**52
 @final
 @dataclass(frozen=True, slots=True)
 class AmplifierState:
-    """Amplifier output at the last sample of a block, without dark offset, shape (d,). [V]"""
+    """Amplifier output at the last sample of a block, without dark offset, shape (d,) [V]."""
 
     volts: Array
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 VL53L1x time-of-flight sensor, looking along the body's -z at the floor.
 
@@ -33,7 +35,7 @@ class RangeSettings:
 @final
 @dataclass(frozen=True, slots=True)
 class RangeErrors:
-    """Error that stays constant during a flight: the offset. [m]"""
+    """Error that stays constant during a flight: the offset [m]."""
 
     offset: float
 
@@ -44,12 +46,12 @@ def draw_errors(settings: RangeSettings, rng: Generator) -> RangeErrors:
 
 
 def noise_deviation(noise: float, distance: float) -> float:
-    """Return the standard deviation of a reading at a distance; twice `noise` at 2.5 m. [m]"""
+    """Return the standard deviation of a reading at a distance; twice `noise` at 2.5 m [m]."""
     return noise * (1.0 + math.exp(NOISE_GROWTH * (distance - NOISE_KNEE)))
 
 
 def slant_range(height: float, up: float, maximum: float) -> float:
-    """Return the length of the one ray; infinite if it looks up or is beyond the reach. [m]"""
+    """Return the length of the one ray; infinite if it looks up or is beyond the reach [m]."""
     if up <= 0.0 or height > maximum * up:
         return math.inf
     return max(height, 0.0) / up
@@ -58,7 +60,7 @@ def slant_range(height: float, up: float, maximum: float) -> float:
 def read_range(
     distance: float, offset: float, noise: float, minimum: float, maximum: float
 ) -> float:
-    """Return a distance with its errors, in whole mm; +-Inf beyond the limits (REP-117). [m]"""
+    """Return a distance with its errors, in whole mm; +-Inf beyond the limits (REP-117) [m]."""
     reading = distance + offset + noise
     if reading > maximum:
         return math.inf
@@ -77,7 +79,7 @@ def measure_range(
     elapsed: float = 0.0,
 ) -> float:
     """
-    Return one distance in whole mm; +Inf without return, -Inf below minimum (REP-117). [m]
+    Return one distance in whole mm; +Inf without return, -Inf below minimum (REP-117) [m].
 
     `height` is that of the sensor above the floor [m], `up` the cosine of the tilt. One random
     number is drawn whatever the reading, to keep seeds comparable. The effects in `chain` change

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Vehicle dynamics: the state derivative, its integration, and the wrench of each effect.
 
@@ -128,5 +130,5 @@ def evaluate_model(
 def effect_wrenches(
     state: ArrayLike, model: VehicleModel, command: ArrayLike, surroundings: ArrayLike = CALM_AIR
 ) -> Mapping[str, State]:
-    """Return the wrench of each wrench effect, body frame. [N, N m]"""
+    """Return the wrench of each wrench effect, body frame [N, N m]."""
     return evaluate_model(state, model, command, surroundings).wrenches

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Layout of parameters, memory and flags of the effects, and the stages of the model.
 

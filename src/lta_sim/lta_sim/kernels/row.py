@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Store one vehicle as one row of numbers, which the scalar kernel reads and writes in place.
 

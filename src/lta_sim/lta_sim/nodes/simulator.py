@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Simulate one drone or several in a ROS node, in place of the hardware.
 
@@ -117,7 +119,7 @@ class Simulator(GraphNode):
             self._outputs['/clock'].publish(ClockMessage(clock=to_stamp(self.graph_time_ns())))
 
     def graph_time_ns(self) -> int:
-        """Return the time of the simulation, which is that of the graph. [ns]"""
+        """Return the time of the simulation, which is that of the graph [ns]."""
         return self.table.start_ns + self._steps * self.table.control_ns
 
     def list_missing_inputs(self) -> list[str]:

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Build the report of a wind-tunnel sweep: drag of the vehicle, and its rotors' net wrenches."""
 
 from collections.abc import Sequence

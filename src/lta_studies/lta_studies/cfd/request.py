@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What `lta cfd run` and `refit` take, and what they do in which order."""
 
 from collections.abc import Sequence

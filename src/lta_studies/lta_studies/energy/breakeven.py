@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Compute the light that powers each task of a vehicle, by lamp and solar array."""
 
 from collections.abc import Mapping, Sequence
@@ -106,7 +108,7 @@ class CandidateArray:
 
     @property
     def title(self) -> str:
-        """Number and name of its panels."""
+        """Return the number and name of its panels."""
         return f'{self.count} x {self.name}'
 
 
@@ -121,7 +123,7 @@ class BreakEvenMap:
     arrays: Sequence[CandidateArray]  # arrays; the vehicle's own comes first
 
     def break_even_lux(self, array: CandidateArray, lamp: str, load: float) -> float:
-        """Return the illuminance at which the charger output equals the load. [lx]"""
+        """Return the illuminance at which the charger output equals the load [lx]."""
         return break_even_illuminance(array.harvest, self.charger, LAMPS[lamp], load)
 
     def sample_charger_output(
@@ -135,7 +137,7 @@ class BreakEvenMap:
 
 
 def list_task_loads(vehicle: Vehicle) -> dict[str, float]:
-    """Return the power of the tasks of a vehicle. [W]"""
+    """Return the power of the tasks of a vehicle [W]."""
     loads = vehicle.loads
     return {
         'idle': loads.idle,
@@ -182,7 +184,7 @@ def build_report(result: BreakEvenMap) -> Report:
     own, pairs = result.arrays[0], [(array, lamp) for array in result.arrays for lamp in LAMPS]
 
     def lux(array: CandidateArray, lamp: str) -> dict[str, float | None]:
-        """Return the illuminance for each task, None where 100 klx do not suffice. [lx]"""
+        """Return the illuminance for each task, None where 100 klx do not suffice [lx]."""
         needed = {
             task: result.break_even_lux(array, lamp, load) for task, load in result.loads.items()
         }

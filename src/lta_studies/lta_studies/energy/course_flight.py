@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Fly along a course and record motion and power at each control step."""
 
 from collections.abc import Callable
@@ -33,7 +35,7 @@ class FlightTrack:
     charge: ExactArray
 
     def crop(self, begin: float, end: float) -> 'FlightTrack':
-        """Return the part of the flight in [begin, end). [s]"""
+        """Return the part of the flight in [begin, end) [s]."""
         # 1e-9 s absorbs rounding of the accumulated time.
         keep = (self.time >= begin - 1e-9) & (self.time < end - 1e-9)
         return FlightTrack(*(getattr(self, name)[keep] for name in self.__slots__))
@@ -69,11 +71,11 @@ def fly_until(loop: ClosedLoop, until: Callable[[ClosedLoop], bool]) -> FlightTr
 
 
 def pitch_angle(quaternion: tuple[float, float, float, float]) -> float:
-    """Return the pitch, nose up positive. [rad]"""
+    """Return the pitch, nose up positive [rad]."""
     # x component of the world's up axis in the body frame, clamped against rounding
     return math.asin(max(-1.0, min(1.0, up_in_body(quaternion)[0])))
 
 
 def stop_after(seconds: float) -> Callable[[ClosedLoop], bool]:
-    """Return a condition that ends a flight after a time. [s]"""
+    """Return a condition that ends a flight after a time [s]."""
     return lambda loop: loop.world.elapsed >= seconds - 1e-9

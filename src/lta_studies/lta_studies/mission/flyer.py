@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Fly one flight of a mission on the compiled model: the round of beacons and back, leg by leg.
 
@@ -130,7 +132,7 @@ class OngoingFlight:
     visits: int = 0
 
     def distance_to(self, x: float, y: float) -> float:
-        """Return the horizontal distance to a place. [m]"""
+        """Return the horizontal distance to a place [m]."""
         return math.hypot(self.memory.flight.state[0] - x, self.memory.flight.state[1] - y)
 
 
@@ -243,7 +245,7 @@ class MissionFlyer:
         return is_at_lamp(goal, self._scenes.lamp(name).position, x, y, z)
 
     def _leg_time_limit(self, going: OngoingFlight, name: str) -> float:
-        """Return the time limit of a leg. [s]"""
+        """Return the time limit of a leg [s]."""
         x, y, _ = self._scenes.lamp(name).position
         return SEARCH_TIME + 3.0 * going.distance_to(x, y) / self._speed
 

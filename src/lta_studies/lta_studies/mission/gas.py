@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Find in which light a drone is too light to fly, as the sun warms its gas.
 
@@ -32,19 +34,19 @@ def draw_slack(seed: int) -> float:
 
 
 def countered_lift(vehicle: Vehicle) -> float:
-    """Return the additional lift that weight and rotors can counter, as mass. [kg]"""
+    """Return the additional lift that weight and rotors can counter, as mass [kg]."""
     down = solve_wrench_limit(vehicle, 'down')
     return vehicle.heaviness + (0.0 if down is None else down.most / STANDARD_GRAVITY)
 
 
 def slack_gain(vehicle: Vehicle, irradiance: float) -> float:
-    """Return the lift that a slack envelope gains in light [W/m2], as mass. [kg]"""
+    """Return the lift that a slack envelope gains in light [W/m2], as mass [kg]."""
     displaced = vehicle.air_density * vehicle.volume
     return displaced * IN_SUN['warming'] * irradiance / AIR_TEMPERATURE
 
 
 def find_brightest_light(vehicle: Vehicle, slack: float) -> float:
-    """Return the light above which the drone is too light to fly; infinite if taut. [W/m2]"""
+    """Return the light above which the drone is too light to fly; infinite if taut [W/m2]."""
     gain = slack * slack_gain(vehicle, 1.0)
     return countered_lift(vehicle) / gain if gain > 0.0 else math.inf
 
@@ -63,7 +65,7 @@ class GasOverDay:
 
     @property
     def ballast(self) -> float:
-        """Mass with which a slack drone could hold its height in the strongest light. [kg]"""
+        """Mass with which a slack drone could hold its height in the strongest light [kg]."""
         return max(self.slack_gain - self.held, 0.0)
 
 

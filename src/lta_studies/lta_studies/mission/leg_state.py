@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Define the state of one leg of a mission, and pure functions that advance and assess it.
 
@@ -158,7 +160,7 @@ def assess_leg(
     charge: float,
     spent: float,
 ) -> int:
-    """Return the outcome of a leg after a time. [s]"""
+    """Return the outcome of a leg after a time [s]."""
     state, pilot = flight.state, flight.onboard.pilot
     # The order matters: the first condition that holds names the outcome.
     if not flight.supply.flow.fed:

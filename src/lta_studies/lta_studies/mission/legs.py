@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Fly legs: compile their source once and call it with arrays."""
 
 from collections.abc import Sequence

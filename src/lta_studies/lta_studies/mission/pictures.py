@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Plot a mission: charge and light, timeline, minutes flown by the hour, and energy."""
 
 from collections.abc import Sequence
@@ -71,7 +73,7 @@ def draw_timeline(results: Sequence[MissionResult], light: IrradianceSeries) -> 
 
 
 def find_state_intervals(result: MissionResult, state: int) -> list[tuple[float, float]]:
-    """Return the merged intervals in which a drone was in a state. [h]"""
+    """Return the merged intervals in which a drone was in a state [h]."""
     diary = result.diary
     intervals: list[tuple[float, float]] = []
     for begin, end, own in zip(diary.time[:-1], diary.time[1:], diary.state[:-1], strict=True):
@@ -119,7 +121,7 @@ def draw_energy_use(results: Sequence[MissionResult]) -> Figure:
 
 
 def flight_energy(result: MissionResult) -> float:
-    """Return the energy consumed in flight. [J]"""
+    """Return the energy consumed in flight [J]."""
     return sum(each.spent.consumed for each in result.diary.flights)
 
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Summarize a mission log in numbers."""
 
 from collections import Counter
@@ -96,7 +98,7 @@ def summarize_mission(diary: MissionLog, beacons: int) -> MissionFigures:
 
 
 def time_share(diary: MissionLog, state: int) -> float:
-    """Return the share of the time that the drone spent in a state. [1]"""
+    """Return the share of the time that the drone spent in a state [1]."""
     spans = zip(diary.time[:-1], diary.time[1:], diary.state[:-1], strict=True)
     # At least 1 s, so that an empty log gives 0 rather than a division by zero.
     whole = max(diary.time[-1] - diary.time[0], 1.0) if diary.time else 1.0
@@ -104,7 +106,7 @@ def time_share(diary: MissionLog, state: int) -> float:
 
 
 def flight_minutes_by_hour(diary: MissionLog, light: IrradianceSeries) -> list[float]:
-    """Return the time flown in each hour of the mission. [min]"""
+    """Return the time flown in each hour of the mission [min]."""
     hours = [0.0] * round(light.end / 3600.0)
     for flight in diary.flights:
         # A flight counts in the hour in which it starts; the last hour takes one at the very end.

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Build the constants of a mission leg for a beacon and a light level.
 
@@ -182,7 +184,7 @@ class MissionScene:
 
 
 def lamp_brightness(listening: LightLink, lamp: BeaconLamp) -> float:
-    """Return the signal strength of a lantern at one metre, as homing expects it. [counts]"""
+    """Return the signal strength of a lantern at one metre, as homing expects it [counts]."""
     order = lamp.order
     # Generalised Lambertian source: I = flux (m + 1) / (2 pi) cos^m; at 1 m lux equals candela.
     lux = lamp.flux * (order + 1.0) / (2.0 * math.pi) * math.cos(LARGEST_EMISSION_ANGLE) ** order

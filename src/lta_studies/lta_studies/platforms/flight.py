@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Build a platform, fly it through one manoeuvre, and rate the true motion.
 
@@ -279,14 +281,14 @@ def _select_law(file: VehicleFile, steps: list[EntryChange]) -> tuple[str, str]:
     return name, gains
 
 
-def _borrow_blocks(content: Any, step: EntryChange) -> Any:  # noqa: ANN401 - what YAML holds
+def _borrow_blocks(content: Any, step: EntryChange) -> Any:
     if step.borrow is None:
         return content
     other = load_yaml(find_file('vehicle', step.borrow.vehicle))
     return {**content, **{block: other[block] for block in step.borrow.blocks}}
 
 
-def _apply_changes(content: Any, changes: Mapping[str, Any], root: str) -> Any:  # noqa: ANN401
+def _apply_changes(content: Any, changes: Mapping[str, Any], root: str) -> Any:
     """Apply the changes under `root` to the content of a file."""
     for path, value in changes.items():
         begin, _, below = path.partition('.')

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Summarize and plot the flights of a comparison: means over seeds, ablations, top speeds."""
 
 from collections.abc import Mapping, Sequence
@@ -81,7 +83,7 @@ def find_top_speed(
 
 
 def compute_lift_margin(vehicle: Vehicle) -> tuple[float, float]:
-    """Return the lift at full thrust and the weight it must carry. [N]"""
+    """Return the lift at full thrust and the weight it must carry [N]."""
     own, per_newton = select_lifting_rotors(vehicle.rotors, vehicle.file.aero.coupling)
     # The lifting rotors share the load, so the weakest limits all.
     full = min((rotor.full_thrust for rotor in own), default=0.0)
@@ -111,7 +113,7 @@ def draw_tracking(
     if not selected:
         return create_figure()
 
-    def plot(name: str, table: np.ndarray, colour: str, **look: Any) -> Curve:  # noqa: ANN401 - of a curve
+    def plot(name: str, table: np.ndarray, colour: str, **look: Any) -> Curve:
         values = scale_column(manoeuvre, table, table[0, column], column)
         line = decimate_line(table[:, 0], values)
         return Curve(name, *line, colour, f'%{{y:.3~f}} {unit}', **look)

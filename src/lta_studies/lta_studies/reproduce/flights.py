@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Fly the navigation rows: parts of the sweeps that compare the strategies."""
 
 from collections.abc import Mapping, Sequence

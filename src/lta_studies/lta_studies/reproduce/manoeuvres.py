@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Fly entries of the platform comparison for the rows that need them."""
 
 from collections.abc import Iterable, Sequence
@@ -122,7 +124,7 @@ def draw_gtmab(
 
 
 def find_speed_limit(name: str, seeds: int) -> MeasuredValue:
-    """Return the highest speed up to which an entry held all commanded speeds. [m/s]"""
+    """Return the highest speed up to which an entry held all commanded speeds [m/s]."""
     comparison = load_comparison(COMPARISON_FILE)
     limit = comparison.limits[name]
     rows = [

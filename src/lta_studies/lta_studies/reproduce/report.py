@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Build the report of a reproduction; `tools/paper_pages.py` has the pages of docs/."""
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -262,7 +264,7 @@ def build_defect_table(rows: Sequence[PaperRow]) -> TextTable:
 
 
 def to_json(rows: Sequence[PaperRow], stored_rows: StoredRows) -> dict[str, Any]:
-    """Return the measured values (with interval and seeds) and pictures of the rows. [SI]"""
+    """Return the measured values (with interval and seeds) and pictures of the rows [SI]."""
     return {
         'counts': {
             str(name): count for name, count in count_all_verdicts(rows, stored_rows).items()

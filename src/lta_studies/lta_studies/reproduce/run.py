@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Run the studies of the rows; store each result so that a later run can resume."""
 
 from collections.abc import Sequence

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Group flights by strategy and case, and compute statistics with bootstrap intervals."""
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -209,7 +211,7 @@ ROOM_MARGIN = 0.25  # m of blank space around the room
 @final
 @dataclass(frozen=True, slots=True)
 class FlownTrack:
-    """Ground track of one flight over time. [s], [m, map]"""
+    """Ground track of one flight over time [s], [m, map]."""
 
     strategy: str
     time: Array
@@ -320,7 +322,7 @@ def solve_wind_triangle(
     with_it: float, across: float, cruise: float, top: float
 ) -> tuple[float, float]:
     """
-    Return the air velocity for a straight track: along the track, and left of it. [m/s]
+    Return the air velocity for a straight track: along the track, and left of it [m/s].
 
     `with_it`, `across`: wind along the track to the lamp, and to the left of it [m/s]. `cruise`,
     `top`: cruise and maximum airspeed [m/s].
@@ -350,7 +352,7 @@ def prepare_flight(plan: SweepPlan, job: SweepJob) -> ClosedLoop:
 
 
 def top_airspeed(loop: ClosedLoop) -> float:
-    """Return the airspeed limit of the controller. [m/s]"""
+    """Return the airspeed limit of the controller [m/s]."""
     gains = loop.policy.gains
     # Only the cascade has an airspeed limit.
     return gains.speed_limit if isinstance(gains, CascadeGains) else math.inf

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Define request and result of a row's study, how both are stored, and how draws agree."""
 
 from collections import Counter
@@ -59,7 +61,7 @@ def is_satisfied(rule: AgreementRule, printed: Quantity | None, value: float | s
 
 
 def agreement_bounds(rule: AgreementRule, printed: Quantity | None) -> tuple[float, float]:
-    """Return the bounds within which a value agrees. [SI]"""
+    """Return the bounds within which a value agrees [SI]."""
     if rule.within is not None and printed is not None:
         # `within` is relative to the printed number.
         half = rule.within.si * abs(printed.si)
@@ -119,7 +121,7 @@ class RowStudyRequest:
 
     @property
     def draw_seeds(self) -> range:
-        """The numbers of the draws; a flight in a draw has the same seed."""
+        """Return the numbers of the draws; a flight in a draw has the same seed."""
         return range(1, self.draws + 1)
 
     def draw_changes(self, seed: int, vehicle: str = 'gtmab') -> dict[str, Any]:
@@ -181,7 +183,7 @@ class StoredPicture(NamedTuple):
 @dataclass(frozen=True, slots=True)
 class StoredRow:
     """
-    Results of a row's study, its number of seeds and its duration. [s]
+    Results of a row's study, its number of seeds and its duration [s].
 
     `draws` has a summary for each claim and each of its measures that was drawn.
     """

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Judge whether a claim agrees with what is measured here, by the rule in its file.
 

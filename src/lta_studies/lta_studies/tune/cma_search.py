@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Search for gains that fly well over a range of helium losses, by CMA-ES.
 

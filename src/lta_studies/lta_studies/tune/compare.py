@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Rate flights by a cost, and compare old and new gains on the same draws of loss and seed.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Find the largest helium loss that the rotors and the gains tolerate.
 
@@ -45,7 +47,7 @@ class HeliumLimit:
 
 
 def rotor_lift_loss_limit(vehicle: Vehicle) -> float:
-    """Return the loss of lift that full thrust compensates. [kg]"""
+    """Return the loss of lift that full thrust compensates [kg]."""
     own, per_newton = select_lifting_rotors(vehicle.rotors, vehicle.file.aero.coupling)
     if not own or per_newton <= 0.0:
         raise BadInput(

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Simulate and linearise one control period, with the loop opened at the controller's demand.
 
@@ -250,7 +252,7 @@ class LinearLoop:
 
     @property
     def growth_rate(self) -> float:
-        """Growth rate of the least damped mode; negative if it decays. [1/s]"""
+        """Growth rate of the least damped mode; negative if it decays [1/s]."""
         return math.log(self.radius) / self.period
 
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Build the report of a tuning."""
 
 from collections.abc import Iterator, Sequence
@@ -44,7 +46,7 @@ TUNING_UNITS = {
 }
 
 
-def tuning_to_json(tuned: TuningResult) -> Any:  # noqa: ANN401 - what JSON holds
+def tuning_to_json(tuned: TuningResult) -> Any:
     """Return a tuning as JSON content, in the units that it lists."""
     gap = compare_costs(tuned.old.flights, tuned.new.flights)
     return replace_nonfinite(

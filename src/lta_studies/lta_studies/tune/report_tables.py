@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Build the headline and the tables of a tuning report, for page and terminal."""
 
 from collections.abc import Sequence

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Run a tuning: search, comparison, stability margins, helium limits and gains file."""
 
 from collections.abc import Mapping, Sequence

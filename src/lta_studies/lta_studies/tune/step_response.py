@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Fly the step test that gains are rated by: take-off, then altitude, heading and speed steps.
 
@@ -88,7 +90,7 @@ class TuningScene:
 
     @property
     def nominal_vehicle(self) -> Vehicle:
-        """The vehicle that the drone assumes: its file, in standard air."""
+        """Return the vehicle that the drone assumes: its file, in standard air."""
         # Without a density: the drone does not know the weather.
         return Vehicle(self.build_true_vehicle(0.0).file)
 
@@ -174,7 +176,7 @@ def list_setpoints(steps: Sequence[SetpointStep], dt: float) -> list[Setpoint | 
 
 
 def _measure_state(state: Array) -> tuple[float, float, float, float, float]:
-    """Return altitude, yaw, surge speed, drift angle and tilt. [m, rad, m/s, rad, rad]"""
+    """Return altitude, yaw, surge speed, drift angle and tilt [m, rad, m/s, rad, rad]."""
     x, y, z, w = state[QUATERNION].tolist()
     surge, sway, _ = state[VELOCITY].tolist()
     yaw = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))

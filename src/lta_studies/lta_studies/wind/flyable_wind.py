@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Find the largest wind in which a drone makes headway to the lamp, by simulated flights.
 

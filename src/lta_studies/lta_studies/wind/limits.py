@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Compute the static and flown wind limits of each platform over each ground."""
 
 from collections.abc import Sequence
@@ -101,7 +103,7 @@ class WindStudyRequest(
 @final
 @dataclass(frozen=True, slots=True)
 class GroundWindLimits:
-    """Limits over one ground, as wind at the reference height. [m/s]"""
+    """Limits over one ground, as wind at the reference height [m/s]."""
 
     roughness: float
     share: float  # of the reference wind at the hull
@@ -250,7 +252,7 @@ def draw_static_limit(name: str, density: float) -> tuple[float, float] | None:
 
 
 def _flight_height(request: WindStudyRequest, vehicle: Vehicle) -> float:
-    """Return the height of the hull centre in flight; a large hull flies higher. [m]"""
+    """Return the height of the hull centre in flight; a large hull flies higher [m]."""
     return max(request.height, vehicle.hull_height_on_floor + FLOOR_CLEARANCE)
 
 

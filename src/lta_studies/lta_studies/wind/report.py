@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Build the report of the wind limits."""
 
 from collections.abc import Sequence
@@ -241,7 +243,7 @@ def draw_limits(results: Sequence[PlatformWindLimits], request: WindStudyRequest
 
 
 def limit_curve(limit: PlatformWindLimits, request: WindStudyRequest) -> NDArray[np.float64]:
-    """Return the static limit as reference wind over each roughness. [m/s]"""
+    """Return the static limit as reference wind over each roughness [m/s]."""
     vehicle = load_vehicle(limit.name)
     shares = [
         wind_limits.wind_share_at_hull(vehicle, limit.height, request.reference, float(z))

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Define a figure derived from a vehicle file, with its source and inputs."""
 
 from dataclasses import dataclass

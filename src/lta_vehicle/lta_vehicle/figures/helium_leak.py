@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Estimate the daily loss of lift by helium that permeates the hull film, and its days.
 
@@ -29,7 +31,7 @@ SOURCE = (
 
 
 def film_area(hull: HullBlock) -> float:
-    """Return the area of the film; 0 without a hull. [m2]"""
+    """Return the area of the film; 0 without a hull [m2]."""
     a, b, c = hulls.half_axes(hull)
     if hull.shape == 'balloon':
         # Area of the smooth shape, without the creases of the foil near the seam
@@ -45,7 +47,7 @@ def film_area(hull: HullBlock) -> float:
 
 
 def _spheroid_area(across: float, along: float) -> float:
-    """Return the surface of a spheroid from its half axes. [m2]"""
+    """Return the surface of a spheroid from its half axes [m2]."""
     if across == along:
         return 4.0 * math.pi * across**2
     if along > across:
@@ -58,7 +60,7 @@ def _spheroid_area(across: float, along: float) -> float:
 
 
 def daily_lift_loss(hull: HullBlock, air_density: float) -> tuple[float, float]:
-    """Return the lowest and highest expected loss of lift. [kg/day]"""
+    """Return the lowest and highest expected loss of lift [kg/day]."""
     # Lift per volume: each lost cubic metre of helium no longer displaces air
     density = air_density * (1.0 - HELIUM_TO_AIR)
     low, high = (flow * film_area(hull) * density for flow in LEAK_RANGE)
@@ -69,7 +71,7 @@ HELIUM = 'Helium'
 
 
 def tolerable_lift_loss(vehicle: Vehicle) -> float | None:
-    """Return the loss of lift up to which it can hover; None if it cannot hover now. [kg]"""
+    """Return the loss of lift up to which it can hover; None if it cannot hover now [kg]."""
     up = solve_wrench_limit(vehicle, 'up')
     if up is None:
         return None

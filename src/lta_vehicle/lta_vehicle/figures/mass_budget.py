@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Derive mass, lift, centre of gravity and inertia of a vehicle."""
 
 from collections.abc import Iterator

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Collect all figures derived from a vehicle file."""
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -104,12 +106,12 @@ class VehicleSheet:
 
     @property
     def by_key(self) -> Mapping[str, DerivedFigure]:
-        """The figures by key."""
+        """Return the figures by key."""
         return {figure.key: figure for figure in self.figures}
 
     @property
     def groups(self) -> Mapping[str, list[DerivedFigure]]:
-        """The figures by group, in order."""
+        """Return the figures by group, in order."""
         groups: dict[str, list[DerivedFigure]] = {}
         for figure in self.figures:
             groups.setdefault(figure.group, []).append(figure)
@@ -117,7 +119,7 @@ class VehicleSheet:
 
     @property
     def assumed_count(self) -> int:
-        """Number of file entries that are assumed."""
+        """Return the number of file entries that are assumed."""
         return sum(entry.is_assumed for entry in self.numbers)
 
     def count_inputs(self, figure: DerivedFigure) -> tuple[int, int]:

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Derive the stability figures: righting moment, pendulum modes, lean and tumbling speed.
 
@@ -45,7 +47,7 @@ class PendulumMode:
 
     @property
     def period(self) -> float | None:
-        """Undamped period; None if unstable. [s]"""
+        """Undamped period; None if unstable [s]."""
         if self.stiffness <= 0.0:
             return None
         return 2.0 * math.pi * math.sqrt(self.inertia / self.stiffness)
@@ -59,7 +61,7 @@ class PendulumMode:
 
     @property
     def half_amplitude_time(self) -> float | None:
-        """Time in which a swing of 5 degrees halves at constant damping. [s]"""
+        """Time in which a swing of 5 degrees halves at constant damping [s]."""
         if self.stiffness <= 0.0 or self.damping <= 0.0:
             return None
         # The amplitude decays with exp(-D t / 2 I)
@@ -96,7 +98,7 @@ def compute_pendulum_mode(vehicle: Vehicle, about: Literal['roll', 'pitch']) -> 
 
 
 def _strip_damping_moment(parameters: Mapping[str, float], turn: int) -> float:
-    """Return the damping moment of frame and panels per squared rate. [N m s2]"""
+    """Return the damping moment of frame and panels per squared rate [N m s2]."""
     values = tuple(
         parameters.get(parameter.name, parameter.null) for parameter in STRIP_DAMPING.parameters
     )

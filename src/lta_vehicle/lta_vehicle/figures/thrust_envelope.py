@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Derive rotor and speed figures: hover, thrust along each axis, and top speeds."""
 
 from collections.abc import Callable, Iterator

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Compute the largest force or moment along an axis while the others are held, and the climb.
 
@@ -122,7 +124,7 @@ def time_to_climb(
     height: float, force: float, mass: float, linear: float, quadratic: float
 ) -> float | None:
     """
-    Return the time to climb a height from rest; None if it exceeds 10 minutes. [s]
+    Return the time to climb a height from rest; None if it exceeds 10 minutes [s].
 
     Parameters
     ----------

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Draw the parts below the hull, enlarged and seen from ahead, with a colour per layer."""
 
 from collections.abc import Iterator, Sequence
@@ -28,7 +30,7 @@ LARGEST_WIDTH: Final = 0.75  # of the hull's width; wider parts are large enough
 
 @final
 class GondolaLayer(NamedTuple):
-    """A layer below the hull: its parts, its label, and the end of its leader line. [m]"""
+    """A layer below the hull: its parts, its label, and the end of its leader line [m]."""
 
     parts: Sequence[PartOutline]
     words: str

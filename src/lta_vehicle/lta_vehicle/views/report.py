@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Build the report of a vehicle sheet."""
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -104,7 +106,7 @@ def format_control_law(sheet: VehicleSheet) -> str:
 
 
 def pressure_center_offset(sheet: VehicleSheet) -> float:
-    """Return the distance of the centre of pressure ahead of the hull centre. [m]"""
+    """Return the distance of the centre of pressure ahead of the hull centre [m]."""
     figure = sheet.by_key.get('cp_x')
     return 0.0 if figure is None or figure.value is None else figure.value / CENTIMETRES
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Write a vehicle sheet as sentences, for the terminal, and as JSON."""
 
 from collections.abc import Iterator, Mapping, Sequence

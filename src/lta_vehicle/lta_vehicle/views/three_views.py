@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Project a vehicle to shapes in three views, in metres.
 
@@ -82,7 +84,7 @@ class CenterMark(NamedTuple):
 @final
 @dataclass(frozen=True, slots=True)
 class ViewShapes:
-    """All shapes of one view. [m]"""
+    """All shapes of one view [m]."""
 
     view: ViewDirection
     hull: PartOutline | None
@@ -93,7 +95,7 @@ class ViewShapes:
 
     @property
     def corners(self) -> tuple[Two, Two]:
-        """Lower left and upper right corner of what is drawn. [m]"""
+        """Lower left and upper right corner of what is drawn [m]."""
         points = [rotor.at for rotor in self.rotors] + [mark.at for mark in self.marks]
         for shape in (*self.parts, *([self.hull] if self.hull else [])):
             (x, y), (a, b) = shape.middle, shape.half
@@ -103,7 +105,7 @@ class ViewShapes:
 
     @property
     def bounds(self) -> tuple[Two, Two]:
-        """Lower left and upper right corner of the view. [m]"""
+        """Lower left and upper right corner of the view [m]."""
         (left, low), (right, high) = self.corners
         # What is flat, such as a quadrotor from the side, still needs room to be drawn in.
         pad = max(0.0, FLATTEST * (right - left) - (high - low)) / 2.0
@@ -235,7 +237,7 @@ def _view_span(shapes: ViewShapes, axis: int) -> float:
 
 
 def _draw_view(shapes: ViewShapes, left: float, top: float, scale: float) -> Iterator[str]:
-    """Yield one view with its upper left corner at a position. [px]"""
+    """Yield one view with its upper left corner at a position [px]."""
     low, high = shapes.bounds
 
     def to_pixels(place: Sequence[float]) -> tuple[float, float]:

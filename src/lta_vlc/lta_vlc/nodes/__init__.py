@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """ROS nodes of lta_vlc."""
 
 from lta_graph.interrupts import guard_start

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Demodulate ADC blocks to peaks, bearing and lamp position in a ROS node."""
 
 from typing import Unpack

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Select the search bins of beacons and the quiet bins for the noise, and check that they separate.
 
@@ -22,13 +24,13 @@ MAINS_HARMONICS = 10  # of the flicker at twice the mains' frequency: those of l
 
 
 def mains_flicker_frequencies(mains: float, sample_rate: float) -> list[float]:
-    """Return the apparent flicker frequencies of lamps on the mains; `mains` is 0 without. [Hz]"""
+    """Return the apparent flicker frequencies of lamps on the mains; `mains` is 0 without [Hz]."""
     orders = range(1, MAINS_HARMONICS + 1) if mains > 0.0 else ()
     return [alias_frequency(2.0 * mains * order, sample_rate) for order in orders]
 
 
 def alias_frequency(frequency: float, sample_rate: float) -> float:
-    """Return the apparent frequency after sampling. [Hz]"""
+    """Return the apparent frequency after sampling [Hz]."""
     # Fold into the range from 0 to the Nyquist frequency
     return abs((frequency + sample_rate / 2.0) % sample_rate - sample_rate / 2.0)
 
@@ -134,7 +136,7 @@ class BeaconBins:
 
     @property
     def frequency_limits(self) -> tuple[float, float]:
-        """Lowest and highest frequency whose nearest bin is searched. [Hz]"""
+        """Lowest and highest frequency whose nearest bin is searched [Hz]."""
         return (self.first - 0.5) * self.width, (self.last + 0.5) * self.width
 
 

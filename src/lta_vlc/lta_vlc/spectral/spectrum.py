@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The spectrum of a block of samples: means, amplitudes, and one scan for peaks and noise."""
 
 import math

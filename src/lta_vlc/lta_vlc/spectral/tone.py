@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 r"""
 Frequency and amplitude of a tone between the bins of a spectrum.
 
@@ -57,7 +59,7 @@ class Tones(NamedTuple):
 
 @compile_kernel
 def dirichlet_kernel(offset: float, samples: int) -> complex:
-    """Return a bin's value for a complex tone of amplitude 1, offset from it. [bins]"""
+    """Return a bin's value for a complex tone of amplitude 1, offset from it [bins]."""
     # sin(N h) / (N sin h), with the phase of the block's middle
     half = offset * (math.pi / samples)
     below = samples * math.sin(half)
@@ -74,7 +76,7 @@ def _estimate_frequencies(
     samples: int,
     own: NDArray[np.float64],
 ) -> float:
-    """Write each diode's frequency of one tone, and return the common one. [bins]"""
+    """Write each diode's frequency of one tone, and return the common one [bins]."""
     turn = 2.0 * math.pi / samples
     cosine, sine, off = np.zeros(3), np.zeros(3), np.zeros(3)
     for j in range(3):
@@ -109,7 +111,7 @@ def _estimate_frequencies(
 
 @compile_kernel
 def _solve_frequency(above: float, below: float, centre: int, samples: int) -> float:
-    """Return the frequency whose cosine differs from that of a bin by a quotient. [bins]"""
+    """Return the frequency whose cosine differs from that of a bin by a quotient [bins]."""
     if not below > 0.0 or above == 0.0:
         return float(centre)  # silence, or the tone in the middle of the bin
     turn = 2.0 * math.pi / samples

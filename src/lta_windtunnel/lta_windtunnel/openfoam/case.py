@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Define cases, and solve them on disk by OpenFOAM, each in a folder named by its content's hash.
 
@@ -295,7 +297,7 @@ class CaseRunner:
         self._tell(case, step, 1.0, float('nan'))
 
     def processor_time(self, case: FoamCase) -> float:
-        """Return the processor time of a solved case, as reported by its programs. [s]"""
+        """Return the processor time of a solved case, as reported by its programs [s]."""
         return sum(self._read_seconds(case, step) for step in case.steps)
 
     def _read_seconds(self, case: FoamCase, step: ProgramStep) -> float:

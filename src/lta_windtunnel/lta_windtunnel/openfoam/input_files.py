@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Write OpenFOAM's input files: the settings of config/openfoam, and the fields of the folder 0.
 
@@ -94,7 +96,7 @@ def format_files(
 
 
 def format_air(viscosity: float) -> dict[str, str]:
-    """Return the file with the kinematic viscosity. [m2/s]"""
+    """Return the file with the kinematic viscosity [m2/s]."""
     entries: dict[str, Entry] = {'transportModel': 'Newtonian', 'nu': viscosity}
     return format_files({'constant/transportProperties': entries})
 

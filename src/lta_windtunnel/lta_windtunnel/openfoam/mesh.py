@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Build meshes: a block of cubes, refined towards the bodies by snappyHexMesh, hull with layers.
 
@@ -116,7 +118,7 @@ def build_mesh_case(
 def _build_block(
     low: Array, high: Array, edge: float, patches: Mapping[str, Sequence[str]]
 ) -> dict[str, Entry]:
-    """Return blockMeshDict of a box of cubes between two corners. [m]"""
+    """Return blockMeshDict of a box of cubes between two corners [m]."""
     counts = np.maximum(np.rint((high - low) / edge), 1).astype(int)
     ends = (low, high)
     corners = [
@@ -141,7 +143,7 @@ def _format_refinement(
     regions: Mapping[str, Region],
     inside: Sequence[float],
 ) -> str:
-    """Return snappyHexMeshDict for the level of each surface and a point in the air. [m]"""
+    """Return snappyHexMeshDict for the level of each surface and a point in the air [m]."""
     geometry: dict[str, Entry] = {
         f'{name}.stl': {'type': 'triSurfaceMesh', 'name': name} for name in levels
     }

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Read OpenFOAM's output: forces on patches, momentum through them, and facts of a mesh."""
 
 from collections.abc import Mapping
@@ -62,7 +64,7 @@ def read_forces(folder: Path, name: str, begin: str) -> WrenchHistory:
 
 
 def read_momentum(folder: Path, patch: str, begin: str) -> Array:
-    """Return the momentum flux through a patch at each iteration, at 1 kg/m3. [N]"""
+    """Return the momentum flux through a patch at each iteration, at 1 kg/m3 [N]."""
     place = folder / 'postProcessing' / f'momentum_{patch}' / begin
     return read_table(place / 'surfaceFieldValue.dat')[:, 1:4]
 

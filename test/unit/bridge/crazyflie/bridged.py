@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A bridge in flight at a clock of its own, and a link that keeps what was sent."""
 
 import math

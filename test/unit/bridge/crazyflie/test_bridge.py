@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What the bridge makes of the drone's battery and of a setpoint, and how it feeds a watchdog."""
 
 from itertools import pairwise

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """One bridge to a drone, and what is said where there is no way to one."""
 
 import os

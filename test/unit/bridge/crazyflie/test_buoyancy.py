@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A balloon that is lighter than air is not called landed, and one that coasts is not blamed."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Reconnection to a Crazyflie and the writes at connect, without a thread or a drone."""
 
 from types import SimpleNamespace

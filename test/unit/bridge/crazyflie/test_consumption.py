@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The modelled current, against Bitcraze's own bench table."""
 
 from lta_bridge.crazyflie.messages import CrazyfliePowerModel

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The app of firmware/crazyflie, compiled by the host's compiler and driven by a clock of ours."""
 
 import ctypes

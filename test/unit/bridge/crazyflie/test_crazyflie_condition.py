@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What the bridge says of its link and of its motors."""
 
 from lta_bridge.crazyflie import readings

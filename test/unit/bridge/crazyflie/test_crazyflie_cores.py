@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Clock, log table, units and packets of the Crazyflie bridge, against hand calculation."""
 
 import math
@@ -22,7 +24,7 @@ MS = 1_000_000
 
 
 def fly(clock, seconds, drift=0.0, boot_ms=0, latency=None, seed=1):
-    """Return the error of each stamp of packets every 10 ms, sent when stamped. [ms]"""
+    """Return the error of each stamp of packets every 10 ms, sent when stamped [ms]."""
     chance = np.random.default_rng(seed)
     errors = []
     for turn in range(round(100 * seconds)):

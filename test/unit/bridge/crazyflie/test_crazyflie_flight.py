@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The simulated drone aboard the emulated Crazyflie, in both ways to command it."""
 
 from lta_emulation.crazyflie.commander import BodyCommand, HoverSetpoint

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Unmodified cflib against the emulated Crazyflie, through the link and its keeper."""
 
 from contextlib import nullcontext, suppress

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The emulated firmware by itself: what real firmware 2026.08 did, in its own words and bytes."""
 
 import errno

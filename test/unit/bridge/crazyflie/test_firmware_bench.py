@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A simulated body behind the bench port of the firmware, which a socket stands for."""
 
 import socket

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The emulator does what the real firmware did: `make campaign firmware` kept it, commit and all.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Whatever a drone, or who speaks in its name, sends: it is counted, and no motor turns by it."""
 
 import math

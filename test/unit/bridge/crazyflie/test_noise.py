@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 No malformed CRTP packet turns a motor, crashes or hangs a drone.
 

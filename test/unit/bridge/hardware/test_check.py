@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """lta hardware check: what hangs here by hand, and both emulators through the verb."""
 
 from contextlib import suppress

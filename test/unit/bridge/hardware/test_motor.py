@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """lta hardware bench: one motor, only after its name was typed, and none on any way out."""
 
 from contextlib import closing

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The checks of `lta doctor`: each finds what it looks for, and the conversation is a real one."""
 
 import io

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Small recordings, ways to damage them, and an oracle of what must survive."""
 
 from dataclasses import dataclass

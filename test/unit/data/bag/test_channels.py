@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Channels: each quantity by name and unit, derived ones by hand calculation."""
 
 from lta_bridge.bag.schemas import load_jazzy_types

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Flights as arrays: values against what was sent, times against the stamps."""
 
 from lta_config.errors import BadInput

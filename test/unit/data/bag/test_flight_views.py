@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A recording as a dataset of xarray and as a plot of matplotlib."""
 
 import sys

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Whatever happens to a recording's bytes, every message in a chunk whose CRC holds comes back."""
 
 from collections import Counter

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Whole topics at a time give what object by object gives, for any message of any type."""
 
 from functools import cache

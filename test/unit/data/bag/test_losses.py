@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What is lost of a damaged recording is said by whoever reads it, not by its table alone."""
 
 import sys

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Whole, torn and damaged recordings: what comes back is what was whole, and the rest is told."""
 
 import os

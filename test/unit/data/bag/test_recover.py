@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """An import of a damaged bag opens everywhere, holds all that was whole, and says what is lost."""
 
 import shutil

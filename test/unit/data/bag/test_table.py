@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Topics of a recording as tables of pandas, alone and on one clock."""
 
 import os

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Strange recordings: each oddity is one sentence, and the rest is read."""
 
 from lta_bridge.bag import BagWriter

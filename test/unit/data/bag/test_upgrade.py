@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 `lta bag upgrade`, against what rosbags decodes of a bag that version 1 recorded.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Two recordings of one hand-made motion, whose clocks, frames and faults are known.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Comparing bags: offsets, frames, faults and partings that are known by hand."""
 
 from lta_bridge.bag import BagWriter

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Clocks: offsets, drifts and starts that are known, found within their own uncertainty."""
 
 from lta_data.compare.clock_offset import estimate_clock_offset

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Differences: bias, RMS, intervals and partings against hand values and scipy."""
 
 from dataclasses import replace

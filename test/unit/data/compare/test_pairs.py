@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Which channels of two flights are compared: of other names or units, and what one lacks."""
 
 from lta_config.errors import BadInput

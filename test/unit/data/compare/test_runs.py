@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Flights without a common clock: separate runs, and texts that count from their own start."""
 
 from pathlib import Path

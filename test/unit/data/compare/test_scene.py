@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The 3-D view of two flights: where both are at one time, and when it is left out."""
 
 from lta_data.compare.channel_comparison import select_topic_pairs

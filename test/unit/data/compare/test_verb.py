@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """`lta compare`: its status, its page and figures, and bad input in one sentence."""
 
 import json

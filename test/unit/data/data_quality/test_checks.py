@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The trust checks, by hand-made channels with known faults."""
 
 from dataclasses import replace

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A recording is clean only if something was judged, and the answer says what."""
 
 from lta_data.data_quality.registry import run_checks

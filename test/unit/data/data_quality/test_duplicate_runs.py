@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Copies of a run are found, and repeated manoeuvres, which move alike, are not."""
 
 from lta_data.data_quality.duplicate_runs import find_duplicate_runs

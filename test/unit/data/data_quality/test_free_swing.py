@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A flight without commands is a free swing only if it is proved to be one."""
 
 from lta_data.data_quality.free_swing import explain_no_swing

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A hand is found in idle flights; free decays, drops and pushes are not."""
 
 import itertools

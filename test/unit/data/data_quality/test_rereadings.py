@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """One wrong unit or axis of a whole recording is found by its cause; clean ones are not."""
 
 from lta_data.data_quality.checks.units import find_unit_by_size

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Jumps of a tracker are told from motion and from gaps."""
 
 from lta_data.data_quality.recording import QualityFinding

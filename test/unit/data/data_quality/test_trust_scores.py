@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The trust checks, by few of the flights and corruptions of `make campaign trust`."""
 
 from dataclasses import replace

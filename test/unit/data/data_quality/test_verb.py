@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """`lta bag check`: bags in, findings, exit status and JSON out."""
 
 import json

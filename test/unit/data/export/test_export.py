@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Exported files, read back by other programs' readers, hold what rosbags decodes."""
 
 import json

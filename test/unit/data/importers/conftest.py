@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What the tests of the import share: import a file, and read the bag by an independent reader."""
 
 from dataclasses import dataclass, field

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Texts with columns, and the head of a mapping for them."""
 
 ODOM = '/lta1/ground_truth/odom'

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Files of arrays, written by the libraries themselves: MATLAB, NumPy, Parquet, and folders."""
 
 import pickle

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Axes by hand, and attitudes against rotation matrices."""
 
 from hypothesis import given

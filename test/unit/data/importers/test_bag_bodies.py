@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Topics with several bodies, and numbers without names, in bags of ROS 2."""
 
 from operator import attrgetter

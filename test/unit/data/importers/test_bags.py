@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Bags of ROS 2 and ROS 1: taken as they are, renamed, or turned into our topics."""
 
 from pathlib import Path

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What the motion contradicts is never read as its name says without a question."""
 
 from collections.abc import Callable

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Logs of a Crazyflie's SD card, written here byte by byte from the description of the format."""
 
 import struct

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Text with columns: unchanged in value, in the order of the file."""
 
 import gzip

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Times of a text with columns: every nanosecond, dates, and what is no time."""
 
 from datetime import datetime

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Logs cut anywhere and with bytes changed anywhere: a bag or one sentence, and nothing else."""
 
 from pathlib import Path

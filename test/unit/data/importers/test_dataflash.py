@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """ArduPilot's DataFlash logs, assembled by hand, with pymavlink as the second reader."""
 
 import struct

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A drafted mapping brings the files of a laboratory to the flight that they came from."""
 
 import io

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Commands and poses that two computers recorded are brought onto one clock by the motion."""
 
 import json

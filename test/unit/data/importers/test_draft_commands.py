@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Commands of body axes become a wrench, numbers of arrays are asked for, and rotors get names."""
 
 from lta_config.errors import BadInput

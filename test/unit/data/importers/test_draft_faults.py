@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Logs with faults are drafted, or their user learns in a sentence what is wrong."""
 
 import io

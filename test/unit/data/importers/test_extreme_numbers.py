@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Numbers of a mapping or a log that no time or value can be are refused in one sentence."""
 
 import warnings

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Commands with names that labs use: by name, by the motion, or asked for."""
 
 import itertools

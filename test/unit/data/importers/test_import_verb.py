@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The command: several logs at once, all or nothing, and what it prints."""
 
 import json

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Messages laid out at once, against those that rosbags makes one by one."""
 
 from lta_bridge.bag.schemas import load_jazzy_types

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Logs of a known flight, written in a random way, are read as they were flown, or are asked about.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Logs that tools export: rows of several topics, doubled rows, poses as matrices, lists, counts.
 

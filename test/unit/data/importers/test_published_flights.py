@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The shipped mappings on the published flights, against numpy and against physics."""
 
 import gzip

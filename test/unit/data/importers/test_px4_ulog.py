@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """ULogs of PX4, written here byte by byte from the description of the format (docs.px4.io)."""
 
 import math

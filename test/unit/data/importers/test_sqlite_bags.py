@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """SQLite bags of recorders that were killed: with a write-ahead log, without metadata, cut off."""
 
 from pathlib import Path

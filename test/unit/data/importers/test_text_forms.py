@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Texts as spreadsheets, loggers and ros2 write them give the numbers that are in them."""
 
 from lta_config.errors import BadInput

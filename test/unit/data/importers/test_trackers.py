@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What files of trackers state themselves is used: bodies, units, rates, orders of angles."""
 
 from pathlib import Path

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Forces are read along the axes in which the vehicle follows them, whatever those of the pose."""
 
 from lta_data.importers.draft.draft_mapping import draft_mapping

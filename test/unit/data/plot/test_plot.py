@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Quick looks: which channels a word means, and what the terminal shows of them."""
 
 import io

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Calibrations hidden in flights of the independent simulator, which shares no code."""
 
 from dataclasses import replace
@@ -83,7 +85,7 @@ def calibrated(tmp_path_factory: pytest.TempPathFactory) -> tuple[CalibrationCas
 
 
 def list_main_positions(found: Calibration, role: str) -> list[float]:
-    """Return the position errors of the file, the calibration and coasting. [m]"""
+    """Return the position errors of the file, the calibration and coasting [m]."""
     main = find_main_score(found.scores[role])
     assert main is not None
     return [main.positions[name] for name in (FILE_MODEL, CALIBRATED, COASTING)]

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Corrections of a calibration that are taken back, one effect at a time."""
 
 from lta_discovery.calibration.corrections import judge_corrections, list_corrections

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A discovery calibrates first where its flights call for it, and only there."""
 
 from collections.abc import Callable
@@ -85,7 +87,7 @@ def make_value(
 def make_calibration(
     nominal: NominalVehicle, *values: CalibratedValue, after: float = 0.02
 ) -> Calibration:
-    """Return a calibration with some values and a forecast error. [m]"""
+    """Return a calibration with some values and a forecast error [m]."""
     score = make_score((0.2, 0.3), (0.5, 0.2), (after, 0.4 * after))
     calibrated = nominal.with_value('wrench_gain', 'surge', 0.3)
     scores = {'train': (score,)}

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What a demonstration hides is drawn by the seed, flown, clear, and in no bag."""
 
 from itertools import islice

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Single impossible commands are clipped and counted; long ones stay."""
 
 from lta_discovery.flights.measured_flight import FlightStreams, Stream

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Swings without commands show when they begin, and about which tilt they swing."""
 
 from lta_discovery.flights.free_swings import (
@@ -44,7 +46,7 @@ def swinging(
 
 
 def decay(seconds: float, amplitude: float = 0.5) -> Array:
-    """Return a free decay with a period of 1.4 s. [rad]"""
+    """Return a free decay with a period of 1.4 s [rad]."""
     time = np.arange(0.0, seconds, 1.0 / RATE)
     return amplitude * np.exp(-time / 6.0) * np.cos(2.0 * np.pi * time / 1.4)
 

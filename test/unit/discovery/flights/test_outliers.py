@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Wild readings and what a tracker mistakes are left out, and lively ones stay."""
 
 from dataclasses import replace

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A recording on the grid: what is there, how noisy it is, and what is left out."""
 
 from dataclasses import replace

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Bags, which of them teach, confirm and are held out, and what is said of several."""
 
 from dataclasses import replace

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Stamps that are rounded or jitter: what is behind them, and what is left alone."""
 
 from dataclasses import replace
@@ -41,7 +43,7 @@ def rounded(time: Array, step: float) -> Array:
 
 
 def wrong(found: Array, true: Array) -> float:
-    """Return how far stamps are off at most, a constant delay aside. [s]"""
+    """Return how far stamps are off at most, a constant delay aside [s]."""
     return float(np.abs(found - true - np.mean(found - true)).max())
 
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Pose, commands and sensors are picked from the channels of a recording, in known units."""
 
 from typing import Final

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Take-off, hand releases and catches are cut, and nothing of a free flight."""
 
 from dataclasses import replace
@@ -25,7 +27,7 @@ def flight(height: Array, *, idle_until: float = 0.0, ahead: Array | None = None
 
 
 def found(streams: FlightStreams) -> list[tuple[float, float]]:
-    """Return begin and end of the transients. [s]"""
+    """Return begin and end of the transients [s]."""
     return [(one.from_s, one.to_s) for one in find_transients(resample_flight(streams), streams)]
 
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What of a recording can be used, what is cut out, and what is refused."""
 
 from dataclasses import replace

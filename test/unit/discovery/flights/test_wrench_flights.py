@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Vehicles that are told forces and moments, seen by a slow tracker alone, with gaps."""
 
 from dataclasses import replace

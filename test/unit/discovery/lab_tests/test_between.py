@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The test that tells two effects apart: by hand, by physics, and what is said where none does."""
 
 from lta_config.errors import BadInput

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Logs of a folder: what is a log, and which mapping it gets."""
 
 from pathlib import Path

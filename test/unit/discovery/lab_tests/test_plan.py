@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The list of an afternoon: what a vehicle file says about its own tests."""
 
 from dataclasses import replace

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """An afternoon's logs: CSV files of the independent simulator, what is missing, thrust laws."""
 
 from collections.abc import Sequence

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Damping from swings alone, by the public command, with swings of the independent simulator."""
 
 from collections.abc import Callable

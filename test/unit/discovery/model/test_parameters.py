@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What can be turned about each shipped vehicle, and rotations against scipy."""
 
 from dataclasses import replace

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Forces of forms that the library does not have, as columns of a flight."""
 
 from lta_discovery.flights.measured_flight import resample_flight

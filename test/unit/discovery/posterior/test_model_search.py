@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Evidence and search against every model of a small linear problem, computed densely."""
 
 from dataclasses import replace

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The replay in pieces is the simulator's own model; markers and tangents by hand."""
 
 from dataclasses import replace

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What a tracker is taken to say is the truth of another time, as trigonometry has it."""
 
 from types import SimpleNamespace

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A small random linear flight, and its joint normal distribution as one dense matrix."""
 
 from dataclasses import dataclass, replace

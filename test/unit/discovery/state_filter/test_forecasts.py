@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Forecasts know nothing of later poses, and are right where the model is."""
 
 from dataclasses import replace

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The filter against the joint normal distribution of a small flight, as one dense matrix."""
 
 from dataclasses import replace

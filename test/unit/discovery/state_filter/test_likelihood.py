@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Moments of the parameters of a flight against those of their joint normal distribution."""
 
 from lta_discovery.state_filter.kalman import FilteredFlight

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The motion, measured and smoothed, against closed forms, and poses of any rate."""
 
 from dataclasses import replace

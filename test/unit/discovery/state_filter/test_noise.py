@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The noise of trackers of any rate is found by the evidence of the readings."""
 
 from dataclasses import replace

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Fits of linear flights against the posterior, computed densely; columns by differences."""
 
 from dataclasses import replace

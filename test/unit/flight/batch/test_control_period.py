@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The step of a batch flight as plain Python, with a vehicle that does not move."""
 
 from lta_config.topics import load_topic_table

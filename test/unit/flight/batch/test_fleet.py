@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A batch flies what the loop flies: the same parts, and the same on a GPU."""
 
 from dataclasses import replace
@@ -81,7 +83,7 @@ BRIEF = (
 
 
 def with_record(spec, path, turn):
-    """Return a flight in a recorded wind that turns at some rate. [rad/s]"""
+    """Return a flight in a recorded wind that turns at some rate [rad/s]."""
     time = np.arange(0.0, 70.0, 0.7)
     wind = [np.cos(turn * time), np.sin(turn * time), np.sin(3.0 * turn * time)]
     rows = np.column_stack([time, 0.2 * np.array(wind).T])

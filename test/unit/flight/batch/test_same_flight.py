@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 With the loop's random numbers and its ADC samples, the batch's step flies the loop's flight.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What counts as identical, the same or different; and what a replay is started with."""
 
 import math

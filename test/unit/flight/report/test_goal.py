@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The lamps of a route in their order: which is next, and when each was reached."""
 
 import math

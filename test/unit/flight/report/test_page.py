@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The page of a flight: whole, self-contained, and honest about what is missing."""
 
 import base64

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A sweep flown as one batch goes on, keeps what failed, and draws its map like any other."""
 
 from collections import Counter

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A sweep's flights: which there are, what chance gives them, and what is refused beforehand."""
 
 import itertools

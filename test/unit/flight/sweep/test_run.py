@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """A sweep survives its workers and itself, and leaves a table with units and a page."""
 
 from collections import Counter

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 The model once more, slow and obvious: vectors, matrices, cross products and a linear solve.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Wind at the hull, its acceleration along its own way, and the memory of gusts and filters."""
 
 import numpy as np

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What a vehicle weighs and displaces: lumps put together by the theorem of Steiner."""
 
 import numpy as np

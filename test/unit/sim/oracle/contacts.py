@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Floor, walls and ceiling: soft, one-sided, with smooth friction."""
 
 import numpy as np

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What the air does to the hull and to what hangs on it."""
 
 import numpy as np

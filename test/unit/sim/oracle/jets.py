@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What the rotors do, and what hull, floor and ceiling make of their jets."""
 
 import numpy as np

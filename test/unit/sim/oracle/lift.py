@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What lifts and what rights: weights, buoyancy and gas; wrench and rates of the memory."""
 
 import numpy as np

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 All effects together: Newton and Euler, forces about the centre of gravity.
 

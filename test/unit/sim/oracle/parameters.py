@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What the functions of the oracle are given: parameters by name, and what is seen."""
 
 from dataclasses import dataclass

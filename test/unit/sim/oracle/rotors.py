@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """From a duty to newtons, rotor by rotor: the value and the rates of its memory."""
 
 import numpy as np

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The published law of a hull with wings, in axes forward, right, down."""
 
 import numpy as np

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """lta cfd, as it is typed, with programs that stand in for OpenFOAM."""
 
 import math

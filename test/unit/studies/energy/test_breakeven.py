@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """lta energy breakeven: the map as JSON, and what is refused."""
 
 import json

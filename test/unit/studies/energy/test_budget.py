@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The power budget against loads by hand, the paper's figures, and Bitcraze's bench."""
 
 from contextlib import redirect_stdout

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Solar cells beside each other: figures by hand, both fronts, arrays and the verb."""
 
 import json

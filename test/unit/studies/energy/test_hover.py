@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Hovering on identical cells, against energy by hand and the figures of the paper."""
 
 from lta_flight.flight_spec import build_vehicle_scenario_stack

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Where panels sit: against the balance by hand, the linearised rigid body and plane geometry."""
 
 import json

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Small halls for the tests of `lta light plan`."""
 
 from lta_config.topics import load_topic_table
@@ -23,7 +25,7 @@ ambient: {steady: 100 lx, mains_amplitude: 0 lx, mains_frequency: 100 Hz, effica
 
 
 def rectangle(west, south, east, north):
-    """Return an area as a file has it. [m]"""
+    """Return an area as a file has it [m]."""
     return {
         'x': {'value': [west, east, east, west], 'unit': 'm'},
         'y': {'value': [south, south, north, north], 'unit': 'm'},

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """lta light link: the inverse square by hand, the paper's figures, bad input in one sentence."""
 
 import json

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Frequencies of several lamps: laws over any demodulator, and what a spectrum says of them."""
 
 import math

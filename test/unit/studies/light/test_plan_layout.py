@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Lamps laid out: known optima, set cover against brute force, gaps, hand-overs, the command."""
 
 from itertools import combinations

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What a drone hears of a lamp: inverse square, shade and walls by hand, SNR as simulated."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """lta light calibrate: known diodes of a simulated board that turns, found again."""
 
 from dataclasses import replace
@@ -87,7 +89,7 @@ def test_half_a_turn_is_refused_by_the_directions_it_lacks():
 
 
 def record_turn(record, types, diodes, bench, turned, odometry=False):
-    """Record the blocks of a board 3 m before the lamp at a list of headings. [rad]"""
+    """Record the blocks of a board 3 m before the lamp at a list of headings [rad]."""
     chance = np.random.default_rng(5)
     messages = []
     for k, heading in enumerate(turned):

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Gas over a day: the lift that light and air change, against a hand calculation."""
 
 import math

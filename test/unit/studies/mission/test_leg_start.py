@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The state in which a mission's flight starts, and the schedule of its legs."""
 
 from dataclasses import replace

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Legs of a mission: gone on with they are one flight, and they cost what the full loop costs."""
 
 from leg_validation import compare_leg_with_loop

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Missions side by side: each is simulated once, and the headline counts failures."""
 
 from lta_energy.circuit import EnergyTotals

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Platforms compared: figures of signals known in closed form, and every platform in flight."""
 
 from dataclasses import replace

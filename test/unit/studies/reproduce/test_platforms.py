@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The paper's table of platforms as numbers: hand counts, and the order they make."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What a row rests on, how rows are taken up again, and what a person sees meanwhile."""
 
 from io import StringIO

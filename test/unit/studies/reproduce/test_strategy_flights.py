@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Flights of the strategies: their statistics, their groups, and the pilot beside them."""
 
 from itertools import product

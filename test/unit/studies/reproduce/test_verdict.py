@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Verdicts of the reproduction, and how its values are told and kept."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Margins of loops with a closed form, and of a drone's own loop against its flight."""
 
 from dataclasses import replace
@@ -84,7 +86,7 @@ def quiet(scene, loss):
 
 
 def heave(scene, gains, loss, end):
-    """Return the vertical speed of a hover that is kicked at 15 s. [m/s]"""
+    """Return the vertical speed of a hover that is kicked at 15 s [m/s]."""
     world = quiet(scene, loss)
     autopilot = Autopilot(
         build_drone_constants(scene.nominal_vehicle, EstimatorSettings(), gains, PERIOD)

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Tuning: what is turned, how it is searched and kept, and the verb around it."""
 
 from io import StringIO

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """The flyable wind: bisection over made-up flights, the wind as it is set, the command."""
 
 from io import StringIO

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Unpack the chunks of an MCAP file, with bounds on their sizes, and read their messages."""
 
 from collections import deque
@@ -82,7 +84,7 @@ LONGEST_NAME = 16  # bytes of the name of a compression
 
 
 class McapRecord(NamedTuple):
-    """The position of a record's body in a buffer. [bytes]"""
+    """The position of a record's body in a buffer [bytes]."""
 
     opcode: int
     start: int

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Represent the contents of one MCAP file, and read them from the summary of a finished one."""
 
 from collections import Counter
@@ -26,7 +28,7 @@ TOO_MANY = f'The recording has more than {MOST_CHANNELS} topics; the others are 
 @dataclass(frozen=True, slots=True)
 class MessageRegion:
     """
-    A region of the file that contains messages. [bytes from the start of the file]
+    A region of the file that contains messages [bytes from the start of the file].
 
     `packed` marks a chunk, otherwise the records are bare; `channels` is None if unknown. `is_cut`
     marks a chunk without its end.
@@ -101,7 +103,7 @@ class McapContents:
         self.extend_time_span(log_time, log_time)
 
     def extend_time_span(self, start: int, end: int) -> None:
-        """Extend the span of log times. [ns]"""
+        """Extend the span of log times [ns]."""
         self.start = start if self.start is None else min(self.start, start)
         self.end = end if self.end is None else max(self.end, end)
 

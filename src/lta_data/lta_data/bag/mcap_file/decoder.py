@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Decode messages to objects with the definitions in the bag, within limits; ROS is not needed.
 
@@ -70,7 +72,7 @@ def parse_definition(text: str, type_name: str, encoding: str) -> Typesdict:
     return types
 
 
-def iterate_nested_types(described: Any) -> Iterator[str]:  # noqa: ANN401 - as rosbags nests it
+def iterate_nested_types(described: Any) -> Iterator[str]:
     """Yield the message type of a field, if it is one."""
     kind, detail = described
     if kind is Nodetype.NAME:
@@ -79,7 +81,7 @@ def iterate_nested_types(described: Any) -> Iterator[str]:  # noqa: ANN401 - as 
         yield from iterate_nested_types(detail[0])
 
 
-def count_unrolled_elements(described: Any) -> int:  # noqa: ANN401 - as rosbags nests it
+def count_unrolled_elements(described: Any) -> int:
     """Return the number of array elements for which rosbags generates separate code."""
     kind, detail = described
     if kind is not Nodetype.ARRAY:

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Scan an MCAP file chunk by chunk.
 
@@ -53,7 +55,7 @@ class IntactChunk(NamedTuple):
 @dataclass(slots=True)
 class DamagedRegion:
     """
-    A region of the file that cannot be used. [bytes from the start of the file]
+    A region of the file that cannot be used [bytes from the start of the file].
 
     `reason`: why, as a clause, if not for damage.
     """

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Detect clocks that disagree: one motion at two times, or with a drifting lag.
 
@@ -85,7 +87,7 @@ def share_axes(motion: PoseMotion, vector: MeasuredVector) -> list[SharedQuantit
 
 @final
 class DriftingLag(NamedTuple):
-    """A lag in the middle of the flight, its standard error and its drift. [s]"""
+    """A lag in the middle of the flight, its standard error and its drift [s]."""
 
     lag: float
     error: float
@@ -114,7 +116,7 @@ def estimate_lag(shared: Sequence[SharedQuantity]) -> DriftingLag | None:
 
 def _estimate_error(shared: Sequence[SharedQuantity], correlation: float) -> float:
     """
-    Return the standard error of a lag by the correlation there. [s]
+    Return the standard error of a lag by the correlation there [s].
 
     Twice the bound of Knapp and Carter (1976, doi:10.1109/TASSP.1976.1162830), with the number of
     independent values that the kernel leaves in the flight.
@@ -154,7 +156,7 @@ def find_lag(
 
 
 def _move(each: SharedQuantity, lag: float, drift: float) -> SampledSignal:
-    """Return the measured signal without a lag and a drift over the flight. [s]"""
+    """Return the measured signal without a lag and a drift over the flight [s]."""
     time, values = each.b
     share = (each.a.time - each.a.time[0]) / np.ptp(each.a.time) - 0.5
     finite = np.isfinite(values)
@@ -165,7 +167,7 @@ def _move(each: SharedQuantity, lag: float, drift: float) -> SampledSignal:
 def correlate_moved(
     shared: Sequence[SharedQuantity], lag: float = 0.0, drift: float = 0.0
 ) -> float:
-    """Return the correlation of all axes after removing a lag and a drift over the flight. [s]"""
+    """Return the correlation of all axes after removing a lag and a drift over the flight [s]."""
     left = np.concatenate([np.nan_to_num(each.a.values) for each in shared])
     right = np.concatenate([_move(each, lag, drift).values for each in shared])
     return float((left * right).sum() / (np.linalg.norm(left) * np.linalg.norm(right)))

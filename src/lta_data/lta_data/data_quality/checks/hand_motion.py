@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Detect a vehicle held in a hand: motion that no free airship makes.
 
@@ -53,7 +55,7 @@ ZERO_FORCE = 1e-3  # smaller commanded forces count as zero [N]
 
 @final
 class TremorLevels(NamedTuple):
-    """RMS acceleration in the tremor band and the adjacent bands, by window. [m/s2]"""
+    """RMS acceleration in the tremor band and the adjacent bands, by window [m/s2]."""
 
     time: Array
     tremor: Array
@@ -98,7 +100,7 @@ def is_sampled_fast_enough(vector: VectorSeries) -> bool:
 
 
 def compute_acceleration(place: VectorSeries) -> Array:
-    """Return the second derivative of a position. [m/s2]"""
+    """Return the second derivative of a position [m/s2]."""
     return np.asarray(np.gradient(np.gradient(place.values, place.time, axis=0), place.time,
                                   axis=0))  # fmt: skip
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Judge how the motion in a recording was read: units, axes, frames and orders of sensor and pose.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Detect values that no noisy instrument repeats: constant, frozen, clipped or copied.
 

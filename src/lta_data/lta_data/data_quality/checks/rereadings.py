@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Detect a log that was read with the wrong unit of time, length or angle, or with z upside down.
 
@@ -326,7 +328,7 @@ def _fit_speed(pose: PoseSeries) -> ScaleFit:
 
 
 def _measure_motion(place: VectorSeries) -> tuple[float, float]:
-    """Return the usual speed and acceleration. [m/s], [m/s2]"""
+    """Return the usual speed and acceleration [m/s], [m/s2]."""
     step = median_period(place.time)
     calm = smooth_columns(place.values, hann_kernel(0.5, step))
     speed = np.gradient(calm, place.time, axis=0)
@@ -338,7 +340,7 @@ def _measure_motion(place: VectorSeries) -> tuple[float, float]:
 
 
 def _explain_vertical(pose: PoseSeries, motion: PoseMotion | None) -> tuple[str, float] | None:
-    """Return why the z axes of a pose point down, and its median height. [m]"""
+    """Return why the z axes of a pose point down, and its median height [m]."""
     place = pose.position
     if place is None or not pose.tracked or len(place.time) < limits.LEAST_SAMPLES:
         return None

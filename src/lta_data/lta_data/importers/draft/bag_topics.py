@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Draft the topics of a bag: poses by type and physics, commands by name and by the user."""
 
 from collections.abc import Mapping, Sequence
@@ -302,7 +304,7 @@ def _draft_inertial(
 
 
 def _count_seconds(table: LogTable) -> Numbers:
-    """Return the stamps since the first. [s]"""
+    """Return the stamps since the first [s]."""
     return np.asarray((table.stamps - table.stamps[0]) * 1e-9)
 
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Tell the bodies of a tracker apart, in columns, rows or topics, and choose the vehicle."""
 
 from collections.abc import Mapping, Sequence
@@ -135,7 +137,7 @@ def _choose_moving(
 
 def _choose_label(
     column: str, labels: Column, rows: Numbers, cells: Column, choices: DraftChoices
-) -> Any:  # noqa: ANN401 - a number or a word
+) -> Any:
     """Return the label of the vehicle: of the only body that moves, or as the user says."""
     extents = {}
     for label in labels:

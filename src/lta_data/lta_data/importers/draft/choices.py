@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Record the readings that a draft settles, with reasons, and the questions that it cannot."""
 
 from collections.abc import Mapping, Sequence

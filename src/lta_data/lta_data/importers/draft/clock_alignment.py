@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Find how far the clocks of the tables of a log are apart."""
 
 from collections.abc import Mapping, Sequence
@@ -156,7 +158,7 @@ def _ask_for_shift(key: str, pose: TimedTable, table: TimedTable, choices: Draft
 
 
 def _parse_seconds(key: str, text: str) -> float:
-    """Return a time that the user gave. [s]"""
+    """Return a time that the user gave [s]."""
     try:
         time = Quantity.model_validate(text)
     except ValidationError:
@@ -248,7 +250,7 @@ def estimate_clock_offset(
     return CommandOffset(float(offsets[best]), float(gains[best]), bool(clear))
 
 
-def find_rising(times: Numbers) -> Any:  # noqa: ANN401 - an array of bool
+def find_rising(times: Numbers) -> Any:
     """Return which times are later than all before them, without jumps of an hour."""
     finite = np.isfinite(times)
     latest = np.maximum.accumulate(np.where(finite, times, -np.inf))

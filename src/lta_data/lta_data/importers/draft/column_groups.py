@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Group the columns of a table: vectors, quaternions, Euler angles, and single columns."""
 
 from collections.abc import Iterator, Mapping, Sequence

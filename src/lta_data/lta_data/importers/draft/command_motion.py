@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Find by the motion what commands drive: body axes or rotors, FLU or FRD axes, N or mN.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Draft the mapping of a source, with reasons, questions and the first seconds."""
 
 from collections.abc import Mapping, Sequence
@@ -110,7 +112,7 @@ def count_changing_columns(source: SourceTables) -> int:
 
 
 def measure_size(path: Path) -> int:
-    """Return the size of a log, which may be a folder of files. [bytes]"""
+    """Return the size of a log, which may be a folder of files [bytes]."""
     files = path.rglob('*') if path.is_dir() else [path]
     return sum(file.stat().st_size for file in files if file.is_file())
 
@@ -331,7 +333,7 @@ def _format_mapping(content: dict[str, Any], path: Path) -> str:
     return '\n'.join(lines) + '\n'
 
 
-def _format_value(value: Any) -> str:  # noqa: ANN401 - plain data
+def _format_value(value: Any) -> str:
     """Return a value in one line of YAML."""
     text = yaml.safe_dump(value, default_flow_style=True, width=10_000, sort_keys=False,
                           allow_unicode=True)  # fmt: skip

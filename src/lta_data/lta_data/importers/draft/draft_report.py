@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Report a draft: reasons, open questions, columns without a meaning, and the first seconds."""
 
 from pathlib import Path

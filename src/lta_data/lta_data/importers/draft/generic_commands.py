@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 List commands whose names do not say what they drive: `u1`, `tau_2`, `joy_x`, `thrust`.
 
@@ -274,7 +276,7 @@ def _find_largest(axis: str, unit: str, choices: DraftChoices) -> float:
 
 
 def _parse_force(key: str, text: str, unit: str) -> float:
-    """Return a force or moment that the user gave. [N, N m]"""
+    """Return a force or moment that the user gave [N, N m]."""
     try:
         force = Quantity.model_validate(text)
     except ValidationError:

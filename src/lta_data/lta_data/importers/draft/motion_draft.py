@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Draft the motion of one table: position, attitude, velocity, rates and inertial sensor."""
 
 from collections.abc import Iterator, Mapping

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Tell by the motion what a vector is, whatever its name says, also in arrays without names.
 

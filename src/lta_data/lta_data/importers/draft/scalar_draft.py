@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Draft single columns: actuators, battery, range, pressure."""
 
 from collections.abc import Mapping, Sequence

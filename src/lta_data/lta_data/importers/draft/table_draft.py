@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Draft the topics of one table: which group is state, estimate, command or sensor."""
 
 from collections.abc import Mapping, Sequence
@@ -350,7 +352,7 @@ def _draft_wrench(topic: str, members: Groups, choices: DraftChoices) -> dict[st
     return entry
 
 
-def list_columns(part: Any) -> list[str]:  # noqa: ANN401 - a mapping as plain data
+def list_columns(part: Any) -> list[str]:
     """Return all columns that an entry names."""
     if isinstance(part, dict):
         return [

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Find the time of a table: its column and unit, or the rate of its rows."""
 
 from typing import Final, final, NamedTuple
@@ -127,7 +129,7 @@ def _refuse_second_log(column: str, cells: Numbers) -> None:
 
 
 def _parse_rate(key: str, text: str) -> float:
-    """Return a rate that the user gave. [Hz]"""
+    """Return a rate that the user gave [Hz]."""
     try:
         rate = float(text.removesuffix('Hz'))
     except ValueError:
@@ -310,7 +312,7 @@ def _median_step(cells: Numbers) -> float:
 
 
 def _derive_rate(table: Columns, groups: list[ColumnGroup]) -> tuple[float, str]:
-    """Return rows per second from velocity over movement per row; 0 if nothing says it. [Hz]"""
+    """Return rows per second from velocity over movement per row; 0 if nothing says it [Hz]."""
     places = [group for group in groups if group.kind == 'position']
     speeds = [group for group in groups if group.kind == 'velocity']
     for place in places:

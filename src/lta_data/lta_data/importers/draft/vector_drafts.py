@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Draft each vector of a motion: its unit and its frame, by names, motion and usual sizes."""
 
 from collections.abc import Mapping

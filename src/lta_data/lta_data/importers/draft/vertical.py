@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Find which way is up: gravity, the tilt of a rotorcraft, names, heights."""
 
 from collections.abc import Sequence
@@ -162,7 +164,7 @@ def _find_vertical(evidence: MotionEvidence, turn: Rotation) -> _Vertical:
 
 
 def _mean_pull(evidence: MotionEvidence, turn: Rotation) -> Numbers | None:
-    """Return the mean specific force in the world if most of it has one direction. [m/s2]"""
+    """Return the mean specific force in the world if most of it has one direction [m/s2]."""
     if evidence.acceleration is None:
         return None
     pull: Numbers = turn.apply(np.nan_to_num(evidence.acceleration)).mean(axis=0)
@@ -304,7 +306,7 @@ FORWARDNESS_GAIN: Final = 0.15  # by which another reading must keep to its dire
 
 
 def typical_difference(one: Rotation, other: Rotation) -> float:
-    """Return the 90th percentile of the angle between two attitudes. [deg]"""
+    """Return the 90th percentile of the angle between two attitudes [deg]."""
     return float(np.percentile(np.degrees((one.inv() * other).magnitude()), 90.0))
 
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Read the columns of MATLAB, NumPy and Parquet files; nothing in them is executed."""
 
 from collections.abc import Iterator, Mapping

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Convert topics of a bag to tables: one row per message, one column per numeric field path.
 
@@ -268,7 +270,7 @@ def complete_entry(entry: TopicMapping, type_name: str, target: str) -> TopicMap
     )
 
 
-def _build_mapping_part(part: MessagePart) -> Any:  # noqa: ANN401 - one of three records
+def _build_mapping_part(part: MessagePart) -> Any:
     """Return a part in the form of a mapping."""
     if part.kind == 'attitude':
         return OrientationField(quaternion=[f'{part.place}.{axis}' for axis in 'xyzw'])
@@ -305,7 +307,7 @@ class BagTableLog(ABC):
 
     @property
     def columns(self) -> Mapping[str, Sequence[str]]:
-        """The columns of the tables that the mapping uses."""
+        """Return the columns of the tables that the mapping uses."""
         return {name: list(table.columns) for name, table in self._tables.items()}
 
     def read_tables(self, selection: Mapping[str, Collection[str]]) -> Mapping[str, LogTable]:

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Serve columns that were read at once as a log, with times by the mapping.
 
@@ -75,8 +77,8 @@ class ParsedTimes(NamedTuple):
     assumed: tuple[str, ...]
 
 
-def compute_even_times(time: Any, rows: Times) -> Times:  # noqa: ANN401 - lta_config.schema.import_file.TimeColumn
-    """Return the times of evenly spaced rows, without accumulated error. [ns]"""
+def compute_even_times(time: Any, rows: Times) -> Times:
+    """Return the times of evenly spaced rows, without accumulated error [ns]."""
     period = SECOND_NS / time.rate.si if time.step is None else round(time.step.si * SECOND_NS)
     _check_readable(rows * (period / SECOND_NS), rows)
     # From the row number, so that rounding does not add up.
@@ -159,7 +161,7 @@ def is_time(text: str) -> bool:
 
 def parse_time(text: str, *, month_first: bool = False) -> int:
     """
-    Return a date since 1970, a time of day or a duration, with all digits. [ns]
+    Return a date since 1970, a time of day or a duration, with all digits [ns].
 
     `month_first`: of dates with slashes. Raise `ValueError` for other text.
     """
@@ -228,7 +230,7 @@ def _round_to_nanoseconds(seconds: Decimal) -> int:
 
 
 def build_decimal_parser(unit: str) -> Callable[[str], int]:
-    """Return a function that parses decimals in a unit of time. [ns]"""
+    """Return a function that parses decimals in a unit of time [ns]."""
     # Decimal: float64 has too few digits for nanoseconds since 1970
     factor = Decimal(str(SI_UNITS[unit][1]))
     return lambda text: _round_to_nanoseconds(Decimal(text) * factor)
@@ -236,7 +238,7 @@ def build_decimal_parser(unit: str) -> Callable[[str], int]:
 
 def choose_time_offset(first: int, notes: list[str], facts: dict[str, str]) -> int:
     """
-    Return the offset of all times of a log: zero, unless they start near or below zero. [ns]
+    Return the offset of all times of a log: zero, unless they start near or below zero [ns].
 
     `first` is the earliest time [ns]; an offset is added to the notes and facts of the log.
     """
@@ -318,7 +320,7 @@ class ColumnLog:
         yield from ()
 
     def _read_stamps(self, name: str) -> Times:
-        """Return the times of a table. [ns]"""
+        """Return the times of a table [ns]."""
         time, table = self._times.get(name), self._tables[name]
         if time is None:
             raise BadInput(
@@ -359,7 +361,7 @@ class ColumnLog:
         return round_to_nanoseconds(cells.astype(np.float64) * SI_UNITS[unit][1])
 
     def _choose_time_offset(self, stamps: Mapping[str, Times]) -> int:
-        """Return the offset of all times, equal for all tables. [ns]"""
+        """Return the offset of all times, equal for all tables [ns]."""
         if all(self._times[name].start is not None for name in stamps):
             return 0
         first = min((int(times[0]) for times in stamps.values() if len(times)), default=0)

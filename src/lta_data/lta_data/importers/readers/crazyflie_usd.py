@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Read logs that a Crazyflie writes to its micro SD card, versions 1 and 2.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Read text with columns with pyarrow.
 
@@ -187,7 +189,7 @@ def read_cells(
     data, notes = clean_text(read_text(path), text, names)
     skipped: list[str] = []  # the first of them; the others are only counted
 
-    def skip_row(row: Any) -> str:  # noqa: ANN401 - pyarrow's InvalidRow
+    def skip_row(row: Any) -> str:
         skipped.append('' if skipped else shorten_cell(row.text or ''))
         return 'skip'
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Read ArduPilot's DataFlash logs (.bin): each message type is a table.
 
@@ -76,7 +78,7 @@ def open_ulog(path: Path, mapping: MappingFile | None) -> InMemoryLog:
     return InMemoryLog(tables, notes, facts)
 
 
-def _format_table_name(data: Any) -> str:  # noqa: ANN401 - pyulog has no types
+def _format_table_name(data: Any) -> str:
     return f'{data.name}_{data.multi_id}' if data.multi_id else str(data.name)
 
 

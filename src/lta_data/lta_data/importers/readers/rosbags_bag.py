@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Read rosbag2 recordings in SQLite and ROS 1 bags with the rosbags library.
 

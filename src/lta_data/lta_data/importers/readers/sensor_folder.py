@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Read a folder with one file for each sensor: each file is a table."""
 
 from contextlib import suppress

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Refuse hostile bags, and prepare SQLite files, so that rosbags reads all that is in them.
 

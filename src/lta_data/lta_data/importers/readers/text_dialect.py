@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Detect how a text with columns is written: delimiter, comments, lines before the names."""
 
 from collections import Counter

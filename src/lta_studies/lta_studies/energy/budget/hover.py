@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Hover two drones on the same cell in the closed loop, for as long as in the paper.
 
@@ -41,7 +43,7 @@ class DischargeTrace:
 
     @property
     def voltage_drop(self) -> float:
-        """Voltage drop from the first to the last value under load. [V]"""
+        """Voltage drop from the first to the last value under load [V]."""
         return float(self.voltage[0] - self.voltage[-1])
 
 
@@ -84,7 +86,7 @@ class HoverResult:
 
     @property
     def endurance(self) -> float:
-        """Time that a full cell lasts at the power of the hover. [s]"""
+        """Time that a full cell lasts at the power of the hover [s]."""
         return self.capacity / self.power
 
 
@@ -100,11 +102,11 @@ class HoverComparison:
 
     @property
     def power_ratio(self) -> float:
-        """Power of the first drone relative to the second. [1]"""
+        """Power of the first drone relative to the second [1]."""
         return self.first.power / self.second.power
 
 
-def build_hover_spec(vehicle: str, battery: Any | None = None) -> FlightSpec:  # noqa: ANN401 - YAML
+def build_hover_spec(vehicle: str, battery: Any | None = None) -> FlightSpec:
     """Return the spec of a hover with a full cell, optionally replaced by `battery`."""
     made_of = load_spec(vehicle, HOVER_SCENE, 'bag', '')
     scene, body = made_of.contents['scenario'], made_of.contents['vehicle']
@@ -201,7 +203,7 @@ def fly_hover(
 
 
 def mean_hover_power(loads: LoadModel, track: FlightTrack) -> float:
-    """Return the mean hover power, including electronics and radio. [W]"""
+    """Return the mean hover power, including electronics and radio [W]."""
     # A drone that failed before STEADY is averaged over its second half.
     steady = track.crop(min(STEADY_TIME, float(track.time[-1]) / 2.0), math.inf)
     return loads.idle + loads.transmitting + float(np.mean(steady.rotors))

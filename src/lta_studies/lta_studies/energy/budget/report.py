@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Build the report of a power budget."""
 
 from dataclasses import asdict
@@ -119,7 +121,7 @@ def build_report(result: PowerBudget, cell: HoverComparison) -> Report:
 
 
 def format_paper_power(task: TaskPower) -> str:
-    """Return what the paper states, or the range of it. [mW]"""
+    """Return what the paper states, or the range of it [mW]."""
     return TO.join(f'{1e3 * each:.0f}' for each in task.paper)
 
 
@@ -190,7 +192,7 @@ def draw_rotor_power(result: PowerBudget) -> Figure:
 
 
 class HoverRow(NamedTuple):
-    """A discharge of the cell: flown, or at a power of the paper. [W]"""
+    """A discharge of the cell: flown, or at a power of the paper [W]."""
 
     name: str
     power: float

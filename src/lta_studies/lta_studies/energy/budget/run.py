@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Measure the power budget of a drone, and the hover of a multirotor for comparison.
 
@@ -79,7 +81,7 @@ def explain_hover_power(vehicle: Vehicle, hover: float, goal: float) -> PowerCau
 
 
 def _equivalent_wind(vehicle: Vehicle, more: float) -> float:
-    """Return the wind whose drag costs the forward rotors that much power. [m/s]"""
+    """Return the wind whose drag costs the forward rotors that much power [m/s]."""
     pushing = [rotor.column[0] for rotor in vehicle.rotors if rotor.column[0] > PUSHING_SHARE]
     if not pushing:
         return math.nan
@@ -123,7 +125,7 @@ class TaskPower:
 
     @property
     def power(self) -> float:
-        """Total power. [W]"""
+        """Total power [W]."""
         return self.electronics + self.rotors
 
 
@@ -138,7 +140,7 @@ def list_ground_tasks(loads: LoadModel) -> list[TaskPower]:
 
 
 def build_course(base: float) -> Course:
-    """Return the course of take-off, hover and straight flight above a base height. [m]"""
+    """Return the course of take-off, hover and straight flight above a base height [m]."""
 
     def setpoint_at(time: float) -> Setpoint:
         rise = HOVER_ALTITUDE if time >= START_TIME else 0.0
@@ -296,7 +298,7 @@ class PowerBudget:
 
     @property
     def hover_power_ratio(self) -> float:
-        """Hover power of the drone relative to the multirotor. [1]"""
+        """Hover power of the drone relative to the multirotor [1]."""
         return self.tasks['hovering'].power / self.hover.power
 
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Rank solar cells, and compute mass and net power of arrays of them in a given light.
 
@@ -48,22 +50,22 @@ class CellReading:
 
     @property
     def areal_mass(self) -> float:
-        """Mass per area. [kg/m2]"""
+        """Mass per area [kg/m2]."""
         return self.cell.mass.si / self.cell.area
 
     @property
     def charging_time_per_area(self) -> float:
-        """Charging time per area, the paper's criterion. [s/m2]"""
+        """Charging time per area, the paper's criterion [s/m2]."""
         return self.row.charge.si / self.cell.area
 
     @property
     def charging_time_times_area(self) -> float:
-        """Charging time times area, the fair criterion. [s m2]"""
+        """Charging time times area, the fair criterion [s m2]."""
         return self.row.charge.si * self.cell.area
 
     @property
     def charging_time_times_mass(self) -> float:
-        """Charging time times the printed mass. [s kg]"""
+        """Charging time times the printed mass [s kg]."""
         return self.row.charge.si * self.row.mass.si
 
 
@@ -109,17 +111,17 @@ class CellArray:
 
     @property
     def panel_count(self) -> int:
-        """Number of panels."""
+        """Return the number of panels."""
         return self.series * self.parallel
 
     @property
     def mass(self) -> float:
-        """Mass of the panels, without wiring. [kg]"""
+        """Mass of the panels, without wiring [kg]."""
         return self.panel_count * self.cell.mass.si
 
     @property
     def area(self) -> float:
-        """Area of the panels. [m2]"""
+        """Area of the panels [m2]."""
         return self.panel_count * self.cell.area
 
     def peak_power(self, irradiance: float) -> float:
@@ -149,7 +151,7 @@ def find_largest_array(cell: CellFile, budget: float) -> CellArray | None:
 @dataclass(frozen=True, slots=True)
 class NetPower:
     """
-    The net power of an array in some kind of light. [W]
+    The net power of an array in some kind of light [W].
 
     `charger` is the charger output; `standby` and `transmitting` are that minus the loads.
     """
@@ -191,7 +193,7 @@ def compute_net_powers(
 
 
 def compute_ground_loads(energy: EnergyBlock) -> tuple[float, float]:
-    """Return the power in stand-by and while transmitting, motors off. [W]"""
+    """Return the power in stand-by and while transmitting, motors off [W]."""
     own = LoadModel.from_energy(energy)
     return power_demand(own, (), transmitting=False), power_demand(own, (), transmitting=True)
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Build the report of a comparison of solar cells and arrays."""
 
 from collections.abc import Sequence
@@ -90,7 +92,7 @@ def build_ranking_table(table: CellTable) -> TextTable:
 
 
 def datasheet_charging_time(each: CellReading, entries: Sequence[CellReading]) -> float:
-    """Return the charging time by short-circuit current, relative to the fastest cell. [s]"""
+    """Return the charging time by short-circuit current, relative to the fastest cell [s]."""
     first = min(entries, key=lambda entry: entry.row.charge.si)
     # Charging a capacitor takes Q / I, so times are inverse to the short-circuit currents.
     currents = [entry.cell.electrical.short_circuit.si for entry in (first, each)]
@@ -141,7 +143,7 @@ def format_array(array: CellArray) -> str:
 
 
 def build_mass_budget_table(table: CellTable, energy: EnergyBlock, budget: float) -> TextTable:
-    """Return the table of the largest array of each cell within a mass. [kg]"""
+    """Return the table of the largest array of each cell within a mass [kg]."""
     lights = table.lights
     heads = (
         'array',
@@ -253,7 +255,7 @@ CELLS_METHOD: Final = (
 
 
 def build_report(table: CellTable, energy: EnergyBlock, budget: float) -> Report:
-    """Return the report of a cell table; the budget is a mass. [kg]"""
+    """Return the report of a cell table; the budget is a mass [kg]."""
     readings = list_readings(table)
     paper, fair = zip(*list_front_pairs(readings), strict=True)
     by_area = draw_fronts(
@@ -314,7 +316,7 @@ def draw_fronts(
 ) -> Figure:
     """Plot a criterion of the cells against mass per area, with the Pareto fronts."""
 
-    def plot(name: str, cells: Sequence[CellReading], colour: str, **look: Any) -> Curve:  # noqa: ANN401 - of a curve
+    def plot(name: str, cells: Sequence[CellReading], colour: str, **look: Any) -> Curve:
         x, y = [_areal_mass(each) for each in cells], [criterion(each) for each in cells]
         return Curve(name, x, y, colour, **look)
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Build a vehicle with a panel mount, in its own or a larger hull, and light its panels.
 
@@ -52,7 +54,7 @@ LIGHT_DIRECTIONS = (
 @final
 @dataclass(frozen=True, slots=True)
 class PanelLightShares:
-    """Shares of light, mean over all headings: panels in series, and separately. [1]"""
+    """Shares of light, mean over all headings: panels in series, and separately [1]."""
 
     series: float
     apart: float
@@ -104,7 +106,7 @@ def _iterate_directions(height: float) -> Iterator[Vector]:
 
 
 def panel_light_share(vehicle: Vehicle, mount: MountFile, panel: str, towards: Vector) -> float:
-    """Return the share of light on one panel from a direction. [1]"""
+    """Return the share of light on one panel from a direction [1]."""
     facing = sum(a * b for a, b in zip(mount.panels[panel].normal.vector, towards, strict=True))
     # The light comes from behind the panel.
     if facing <= 0.0:
@@ -118,7 +120,7 @@ def panel_light_share(vehicle: Vehicle, mount: MountFile, panel: str, towards: V
 
 
 def iterate_panel_points(mount: MountFile, panel: str) -> Iterator[Vector]:
-    """Yield evenly spaced points just above the lit face of a panel. [m]"""
+    """Yield evenly spaced points just above the lit face of a panel [m]."""
     part, normal = mount.parts[panel], mount.panels[panel].normal.vector
     # The thinnest axis of the box is the one across the panel.
     thin = min(range(3), key=lambda axis: part.size.vector[axis])
@@ -155,7 +157,7 @@ class MountedVehicle:
 
     @property
     def nose_down_pitch(self) -> float:
-        """Nose-down pitch at rest, from the centre of gravity. [rad]"""
+        """Nose-down pitch at rest, from the centre of gravity [rad]."""
         x, _, z = self.vehicle.cg
         # At rest the centre of gravity hangs vertically below the centre of buoyancy.
         return math.atan2(float(x), -float(z))
@@ -198,14 +200,14 @@ def build_mounted_vehicle(
 
 
 def lift_deficit(content: Mapping[str, Any], name: str) -> float:
-    """Return the lift that the hull lacks to fly a mount at the file's heaviness. [kg]"""
+    """Return the lift that the hull lacks to fly a mount at the file's heaviness [kg]."""
     roomy = build_mounted_vehicle(content, name, fuller=ROOMY).vehicle
     # The roomy hull has this much more lift than the real one; ballast took up the unused part.
     return roomy.gross_lift * (1.0 - 1.0 / ROOMY) - roomy.ballast_mass
 
 
 def required_volume_factor(content: Mapping[str, Any], names: Sequence[str]) -> float:
-    """Return the volume factor that carries every mount; 1 if the hull does. [1]"""
+    """Return the volume factor that carries every mount; 1 if the hull does [1]."""
     most = 1.0
     for name in names:
         roomy = build_mounted_vehicle(content, name, fuller=ROOMY).vehicle

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Build the tables and the JSON of the mount comparison: balance, flights and light."""
 
 from collections.abc import Callable, Mapping
@@ -135,7 +137,7 @@ def build_light_table(study: MountingStudy) -> TextTable:
 
 
 def compute_charger_output(vehicle: Vehicle, share: float) -> float:
-    """Return the charger output with a share of the light on the darkest panel. [W]"""
+    """Return the charger output with a share of the light on the darkest panel [W]."""
     efficacy = luminous_efficacy(WHITE_LED)
     irradiance = LAMP_LUX / efficacy * array_spectral_factor(vehicle.file.energy, efficacy)
     voltage, current = find_max_power_point(vehicle.panel, irradiance * share)
@@ -167,7 +169,7 @@ def to_json(study: MountingStudy) -> dict[str, Any]:
 
 
 def mean_light_share(study: MountingStudy) -> dict[str, float]:
-    """Return the light on the panels in series, mean over the lights, by mount. [1]"""
+    """Return the light on the panels in series, mean over the lights, by mount [1]."""
     return {
         name: math.fsum(at.series for at in shares.values()) / len(shares)
         for name, shares in study.light.items()
@@ -175,7 +177,7 @@ def mean_light_share(study: MountingStudy) -> dict[str, float]:
 
 
 def pitch_rms(study: MountingStudy) -> dict[str, float]:
-    """Return the rms pitch in flight, in the hull that carries all mounts. [rad]"""
+    """Return the rms pitch in flight, in the hull that carries all mounts [rad]."""
     return {
         name: average_over_seeds(each.flights, 'rms').mean for name, each in study.shared.items()
     }
@@ -331,7 +333,7 @@ def draw_swings(study: MountingStudy) -> Figure:
 
 
 def swing_envelope(each: MountTrial, time: Array) -> Array:
-    """Return the analytical envelope of the swing. [deg]"""
+    """Return the analytical envelope of the swing [deg]."""
     # Without a swing (no righting moment) the envelope is constant.
     ratio, period = each.swing.damping_ratio or 0.0, each.swing.period or math.inf
     first = DEGREES * float(each.release.tilt[0])

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Compare panel mounts: weight, swing, flight and light."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -52,7 +54,7 @@ class MountTrial:
 
     @property
     def misplacement(self) -> float:
-        """Misplacement of the panels that would cause the paper's swing. [m]"""
+        """Misplacement of the panels that would cause the paper's swing [m]."""
         body = self.fitted.vehicle
         panels = sum(self.fitted.mount.parts[name].mass.si for name in self.fitted.mount.panels)
         # Moving the panels by d moves the centre of gravity by d panels / mass.

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Fly the seed paper's test of a mount, straight at 0.1 m/s, and release a mount tilted.
 
@@ -49,13 +51,13 @@ class Release:
 
     @property
     def overturn_time(self) -> float | None:
-        """Time at which it overturned; None if it did not. [s]"""
+        """Time at which it overturned; None if it did not [s]."""
         over = np.nonzero(np.abs(self.tilt) > OVERTURNED_TILT)[0]
         return float(self.time[over[0]]) if len(over) else None
 
     @property
     def peaks(self) -> tuple[Array, Array]:
-        """Times [s] and tilts [rad] of the maxima on the initial side."""
+        """Return the times [s] and tilts [rad] of the maxima on the initial side."""
         inner = self.tilt[1:-1]
         # ">=" on one side counts a plateau of two equal samples once.
         peak_indices = np.nonzero(
@@ -72,7 +74,7 @@ class Release:
 
     @property
     def period(self) -> float | None:
-        """Mean period of the first three swings; None if there are fewer. [s]"""
+        """Mean period of the first three swings; None if there are fewer [s]."""
         times, _ = self.peaks
         return float(times[3] / 3.0) if len(times) > 3 else None
 
@@ -130,7 +132,7 @@ def simulate_release(
 
 def tilt_growth_rate(vehicle: Vehicle, height: float, inertia: float) -> float:
     """
-    Return the linearised growth rate of a tilt with the centre of gravity above. [1/s]
+    Return the linearised growth rate of a tilt with the centre of gravity above [1/s].
 
     `height`: height of the centre of gravity above the hull centre [m]. `inertia`: effective
     inertia, including added mass and the coupled surge [kg m2].

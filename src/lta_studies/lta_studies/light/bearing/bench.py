@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Simulate light blocks of a vehicle at rest and estimate the bearing to the lamp."""
 
 from collections.abc import Mapping, Sequence
@@ -110,7 +112,7 @@ class BearingBench:
 
     @property
     def diodes(self) -> PhotodiodeArray:
-        """The simulated diodes, with equal gains."""
+        """Return the simulated diodes, with equal gains."""
         return self._vehicle.diodes
 
     def sample_diode_gains(self, chance: Generator) -> PhotodiodeArray:
@@ -160,7 +162,7 @@ class BearingBench:
         )
 
     def true_direction(self, pose: Pose) -> tuple[float, float]:
-        """Return azimuth and elevation of the lamp from the middle of the diodes. [rad, body]"""
+        """Return azimuth and elevation of the lamp from the middle of the diodes [rad, body]."""
         turn = Rotation.from_quat(pose[3:])
         x, y, z = turn.inv().apply(self._lamp - np.array(pose[:3])) - self._middle
         return math.atan2(y, x), math.atan2(z, math.hypot(x, y))
@@ -197,7 +199,7 @@ def error_quantile(errors: Array, percent: float) -> float:
 
 
 def list_directions() -> list[float]:
-    """Return the true directions of the lamp, seen from the ring. [rad]"""
+    """Return the true directions of the lamp, seen from the ring [rad]."""
     return [math.tau * k / DIRECTION_COUNT for k in range(DIRECTION_COUNT)]
 
 
@@ -209,7 +211,7 @@ def study_ring(
     seed: int,
     aside: float = STUDY_OFF_AXIS,
 ) -> RingStudy:
-    """Study one ring in all directions, `aside` of the lamp's axis. [rad]"""
+    """Study one ring in all directions, `aside` of the lamp's axis [rad]."""
     # The same draws indoors and outdoors: only the place differs.
     chance = np.random.default_rng([seed, count])
     diodes = bench.sample_diode_gains(chance)
@@ -226,7 +228,7 @@ def study_ring(
 def pose_for_lamp_direction(
     bench: BearingBench, direction: float, aside: float = STUDY_OFF_AXIS
 ) -> Pose:
-    """Return the level pose, `aside` of the axis, that has the lamp in a direction. [rad]"""
+    """Return the level pose, `aside` of the axis, that has the lamp in a direction [rad]."""
     x, y, _ = bench.scenario.goal_lamp.position.vector
     ahead_x, ahead_y, _ = bench.scenario.goal_lamp.facing.vector
     facing = math.atan2(ahead_y, ahead_x) + aside
@@ -253,7 +255,7 @@ RING_METHOD: Final = (
 
 
 def describe_method(aside: float) -> str:
-    """Describe the set-up, with the drone `aside` of the lamp's axis. [rad]"""
+    """Describe the set-up, with the drone `aside` of the lamp's axis [rad]."""
     where = f'{math.degrees(aside):g} degrees off its axis' if aside else 'on its axis'
     return f'The lamp is {STUDY_DISTANCE:g} m away and the drone is {where}. {RING_METHOD}'
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Define the floor plan file: a hall, its obstacles, the flight altitude and the lamps to lay out.
 
@@ -37,12 +39,12 @@ class LampMount(NamedTuple):
 
 
 def polygon_edges(corners: Array) -> Array:
-    """Return the edges of a polygon of shape (k, 2) as rows x0 y0 x1 y1, shape (k, 4). [m]"""
+    """Return the edges of a polygon of shape (k, 2) as rows x0 y0 x1 y1, shape (k, 4) [m]."""
     return np.hstack([corners, np.roll(corners, -1, axis=0)])
 
 
 def signed_area(corners: Array) -> float:
-    """Return the area of a simple polygon, positive if counter-clockwise. [m2]"""
+    """Return the area of a simple polygon, positive if counter-clockwise [m2]."""
     x, y = corners.T
     return float(0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
 
@@ -62,7 +64,7 @@ def points_in_polygon(points: Array, corners: Array) -> Mask:
 
 
 def distance_to_edges(points: Array, edges: Array) -> Array:
-    """Return the distance from points (..., 2) to the nearest edge; inf without edges. [m]"""
+    """Return the distance from points (..., 2) to the nearest edge; inf without edges [m]."""
     nearest = np.full(points.shape[:-1], np.inf)
     for x0, y0, x1, y1 in edges:
         along = np.array([x1 - x0, y1 - y0])
@@ -96,7 +98,7 @@ def find_polygon_flaw(corners: Array) -> str | None:
 
 
 def _format_edge(edge: Array) -> str:
-    """Format an edge. [m]"""
+    """Format an edge [m]."""
     x0, y0, x1, y1 = edge
     return f'from ({x0:g}, {y0:g}) to ({x1:g}, {y1:g}) m'
 
@@ -155,7 +157,7 @@ class FloorArea(StrictModel):
 
     @property
     def corners(self) -> Array:
-        """Corners, shape (k, 2). [m]"""
+        """Corners, shape (k, 2) [m]."""
         return np.stack([self.x.vector, self.y.vector], axis=1)
 
 
@@ -178,7 +180,7 @@ class FloorObstacle(FloorArea):
 
     @property
     def footprints(self) -> list[Array]:
-        """Corners of each copy, shape (k, 2). [m]"""
+        """Corners of each copy, shape (k, 2) [m]."""
         step = np.array(self.step.vector)
         return [self.corners + k * step for k in range(self.count)]
 
@@ -293,7 +295,7 @@ class FloorGrid:
 
     @property
     def cell_centers(self) -> Array:
-        """Centres of the wanted cells, shape (m, 2). [m]"""
+        """Centres of the wanted cells, shape (m, 2) [m]."""
         rows, columns = np.nonzero(self.target_cells)
         return np.stack([self.x[columns], self.y[rows]], axis=1)
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Choose frequencies so that lamps are not confused with each other or with the mains.
 
@@ -45,12 +47,12 @@ class FrequencyBand:
 
     @property
     def bin_width(self) -> float:
-        """Width of a bin. [Hz]"""
+        """Width of a bin [Hz]."""
         return self.rate / self.samples
 
     @property
     def half_window(self) -> float:
-        """Half width of a search window, including a rounding tolerance. [Hz]"""
+        """Half width of a search window, including a rounding tolerance [Hz]."""
         return (self.window + BIN_TOLERANCE) * self.bin_width
 
     def list_harmonics(self, order: int) -> list[int]:
@@ -63,7 +65,7 @@ class FrequencyBand:
         ]
 
     def alias_frequency(self, frequency: Array) -> Array:
-        """Return the aliased frequencies in the sampled spectrum. [Hz]"""
+        """Return the aliased frequencies in the sampled spectrum [Hz]."""
         return np.abs(frequency - self.rate * np.rint(frequency / self.rate))
 
     def is_usable_frequency(self, frequency: Array) -> Mask:
@@ -97,7 +99,7 @@ def build_band(
 def find_clear_frequencies(
     band: FrequencyBand, existing: Sequence[float], order: int, most: int
 ) -> list[float]:
-    """Return up to `most` further frequencies, lowest first. [Hz]"""
+    """Return up to `most` further frequencies, lowest first [Hz]."""
     middles: Array = np.arange(1.0, band.samples // 2 + 1) * band.bin_width
     free = band.is_usable_frequency(middles)
     for frequency in existing:

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Compute the SNR of each lamp over each cell while all lamps are on, as compiled functions.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Define the result of a plan: lamps and their reception, its gaps, hand-overs and a route.
 
@@ -56,7 +58,7 @@ class LampLayout:
 
     @property
     def received_count(self) -> Array:
-        """Number of lamps received in each wanted cell."""
+        """Return the number of lamps received in each wanted cell."""
         return np.asarray(self.is_received.sum(axis=0))
 
     @property
@@ -172,7 +174,7 @@ def find_arrival_cell(centres: Array, audible: Mask, layout: LampLayout, lamp: i
 
 
 def is_straight_path_clear(floor: FloorGrid, here: Array, there: Array) -> bool:
-    """Return whether the hull fits along the straight path between two places. [m]"""
+    """Return whether the hull fits along the straight path between two places [m]."""
     # Two samples per cell, so that no cell on the path is skipped.
     steps = max(int(np.ceil(2.0 * np.hypot(*(there - here)) / floor.cell)), 1)
     points = here + np.linspace(0.0, 1.0, steps + 1)[:, None] * (there - here)
@@ -199,7 +201,7 @@ def find_longest_route(count: int, edges: list[tuple[int, int]]) -> tuple[int, .
 
 
 def find_farthest_place(floor: FloorGrid, centres: Array, audible: Mask, end: int) -> Place:
-    """Return the farthest place that receives a lamp and has a straight path to it. [m]"""
+    """Return the farthest place that receives a lamp and has a straight path to it [m]."""
     off = np.where(audible, np.hypot(*(centres - centres[end]).T), -1.0)
     # From the farthest cell; the first one with a free path is the answer.
     for cell in np.argsort(-off):

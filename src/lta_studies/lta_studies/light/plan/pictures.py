@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Plot the floor from above: coverage with gaps, and hand-overs."""
 
 from collections.abc import Sequence

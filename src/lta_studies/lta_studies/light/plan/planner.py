@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Plan a layout: list positions, minimise the lamps, assign frequencies, compute reception.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Compute the light of a lamp on the photodiode ring over every cell, at the worst heading.
 
@@ -34,7 +36,7 @@ def diode_light(
     half_axes: Vector,
 ) -> float:
     """
-    Return the light of a lamp on a diode of a level drone, shaded by its own hull. [lx]
+    Return the light of a lamp on a diode of a level drone, shaded by its own hull [lx].
 
     Parameters
     ----------

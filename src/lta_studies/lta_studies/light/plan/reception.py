@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Compute light and SNR of each lamp over each cell.
 
@@ -59,7 +61,7 @@ def build_light_field(plan: FloorPlan, mount: LampMount, frequency: float) -> Li
 def build_lamp_link(
     plan: FloorPlan, ear: LightReceiver, mount: LampMount, frequency: float
 ) -> LightLink:
-    """Return the light link of a lamp at a frequency. [Hz]"""
+    """Return the light link of a lamp at a frequency [Hz]."""
     field = build_light_field(plan, mount, frequency)
     return build_light_link(
         field,
@@ -96,7 +98,7 @@ def single_lamp_snr(reception: LightLink, share: float, light: float) -> float:
 
 
 def solve_required_light(reception: LightLink, share: float, needed: float) -> float:
-    """Return the light at which the SNR reaches `needed`, by bisection; inf if never. [lx]"""
+    """Return the light at which the SNR reaches `needed`, by bisection; inf if never [lx]."""
     low, high = (
         0.0,
         max(reception.top - reception.dark - share * reception.steady, 0.0)
@@ -181,7 +183,7 @@ def _build_diode_response(ear: LightReceiver) -> DiodeResponse:
 
 
 def ambient_shares(plan: FloorPlan, ear: LightReceiver) -> Array:
-    """Return each diode's share of isotropic ambient light, shape (diodes,). [1]"""
+    """Return each diode's share of isotropic ambient light, shape (diodes,) [1]."""
     # The shares of ambient light do not depend on the lamp, so any lamp will do.
     nowhere = LampMount((0.0, 0.0, plan.lamp.height.si), (1.0, 0.0, 0.0))
     link = build_lamp_link(plan, ear, nowhere, LOWEST_FLICKER)

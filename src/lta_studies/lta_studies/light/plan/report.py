@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Build the report of a lamp layout."""
 
 from collections.abc import Sequence
@@ -168,7 +170,7 @@ def build_tiles(layout: LampLayout, handover: LampHandover) -> list[Tile]:
 
 
 def picture_height(layout: LampLayout) -> int:
-    """Return the height of a plot of the floor on a desktop. [px]"""
+    """Return the height of a plot of the floor on a desktop [px]."""
     corners = layout.plan.outline.corners
     across, up = corners.max(axis=0) - corners.min(axis=0)
     # 60 px for the axis below the plot

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What `lta light plan` takes, and what it does in which order."""
 
 from collections.abc import Mapping, Sequence
@@ -208,7 +210,7 @@ def _format_lengths(*numbers: float) -> str:
 
 
 def _goal_radius(layout: LampLayout, handover: LampHandover) -> float:
-    """Return a goal radius that includes all arrivals, where the hull hides a lamp. [m]"""
+    """Return a goal radius that includes all arrivals, where the hull hides a lamp [m]."""
     ends = [
         math.dist(end, layout.lamps[k].mount.position[:2])
         for k in handover.route
@@ -219,7 +221,7 @@ def _goal_radius(layout: LampLayout, handover: LampHandover) -> float:
 
 
 def _vertical_tolerance(layout: LampLayout) -> float:
-    """Return a tolerance of height that includes the altitude of the plan. [m]"""
+    """Return a tolerance of height that includes the altitude of the plan [m]."""
     plan = layout.plan
     return max(
         VERTICAL_TOLERANCE.si,
@@ -228,7 +230,7 @@ def _vertical_tolerance(layout: LampLayout) -> float:
 
 
 def _time_limit(handover: LampHandover) -> float:
-    """Return the time limit of the route, in whole minutes. [s]"""
+    """Return the time limit of the route, in whole minutes [s]."""
     places = [handover.start, *(handover.arrivals[k] for k in handover.route)]
     stops = [place for place in places if place is not None]
     way = sum(math.dist(a, b) for a, b in pairwise(stops))

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """What `lta light calibrate` takes: a turn in front of a lamp."""
 
 from collections.abc import Mapping

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """
 Evaluate a recording of a real light board that turns in front of a lamp.
 
@@ -265,7 +267,7 @@ class FittedResponse(NamedTuple):
 
     @property
     def gain_spread(self) -> float:
-        """Standard deviation of the gains among the diodes."""
+        """Return the standard deviation of the gains among the diodes."""
         return float(np.std(self.gains, ddof=1)) if len(self.gains) > 1 else 0.0
 
 

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Compare BEAVIS and GT-MAB, both 2 g heavy: altitude, yaw hold, changing yaw."""
 
 from typing import Final
@@ -82,7 +84,7 @@ def plot_both_platforms(
 
 
 def lift_margins(flights: ComparisonFlights) -> dict[str, MeasuredValue]:
-    """Return the lift at full thrust [N] and its excess over the weight, as mass. [kg]"""
+    """Return the lift at full thrust [N] and its excess over the weight, as mass [kg]."""
     values = {}
     for name in (*COMPARED_ENTRIES, 'beavis'):
         vehicle = build_entrant(flights.comparison.contestants[name], AIR_DENSITY).vehicle

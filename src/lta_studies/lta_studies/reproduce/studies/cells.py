@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Recompute the paper's table of solar cells, its Pareto front, and arrays at 18 klux."""
 
 from collections.abc import Sequence
@@ -96,7 +98,7 @@ def draw_cell(name: str, seed: int) -> CellFile:
 
 
 def draw_efficacy(light: str, seed: int) -> float:
-    """Return a luminous efficacy from the range of a shipped spectrum. [lm/W]"""
+    """Return a luminous efficacy from the range of a shipped spectrum [lm/W]."""
     among = load_spectrum(light).efficacy
     if among is None:
         return luminous_efficacy(light)

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Compare closed loop and open-loop baseline, each with both vehicle models."""
 
 from typing import Final

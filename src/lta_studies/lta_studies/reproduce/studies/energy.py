@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Study energy: power budget, hovering for 450 s on one cell, and charging ratios."""
 
 from collections.abc import Mapping
@@ -82,7 +84,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
 
 
 def draw_navigation(request: RowStudyRequest) -> dict[str, list[float | str]]:
-    """Return the power of navigating by each strategy, one flight in every draw. [W]"""
+    """Return the power of navigating by each strategy, one flight in every draw [W]."""
     rows = fly_draws('light_indoors', request, strategies=BUDGET_STRATEGIES)
     powers: dict[str, list[float | str]] = {
         name: [float(row.figures.get('power') or math.nan) for (row,) in results]
@@ -135,7 +137,7 @@ def measure_task_power(power_budget: PowerBudget, seeds: int) -> dict[str, Measu
 
 
 def task_power(task: TaskPower, seeds: int) -> MeasuredValue:
-    """Return the power of a task with the spread of single flights. [W]"""
+    """Return the power of a task with the spread of single flights [W]."""
     if seeds == 1:
         return MeasuredValue(task.power)
     return MeasuredValue(task.power, task.power - task.off, task.power + task.off, seeds)

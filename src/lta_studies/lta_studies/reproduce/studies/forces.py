@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Collect the wind-tunnel results of GT-MAB: drag fits, rotors on, and its matrix B."""
 
 from collections.abc import Mapping, Sequence
@@ -49,7 +51,7 @@ def load_sweep() -> TunnelSweep:
 
 
 def collect_coefficients(sweep: TunnelSweep) -> dict[str, MeasuredValue]:
-    """Return the drag coefficients, and the net force of both upward rotors. [SI]"""
+    """Return the drag coefficients, and the net force of both upward rotors [SI]."""
     fits = fit_drag_by_axis(sweep)
     values = {'tunnel_up': MeasuredValue(sweep.blows[BOTH_UP].force[2])}
     for axis in ('surge', 'heave', 'roll', 'pitch', 'yaw'):
@@ -156,7 +158,7 @@ def draw_vehicle(request: RowStudyRequest, seed: int, name: str) -> Vehicle:
 
 
 def linear_share(linear: float, quadratic: float) -> float:
-    """Return the linear share of drag at the least speed of the paper's tunnel. [1]"""
+    """Return the linear share of drag at the least speed of the paper's tunnel [1]."""
     total = linear + quadratic * LINEAR_TERM_SPEED
     return linear / total if total else math.nan
 
@@ -198,7 +200,7 @@ def net_forces(vehicle: Vehicle, beavis: Mapping[str, Vehicle]) -> dict[str, Mea
 
 
 def mass_budget(vehicle: Vehicle) -> dict[str, MeasuredValue]:
-    """Return the mass and lift budget. [kg]"""
+    """Return the mass and lift budget [kg]."""
     parts = vehicle.file.parts
     panels = sum(part.mass.si for name, part in parts.items() if NOT_IN_TABLE in name)
     total = sum(part.mass.si for part in parts.values())

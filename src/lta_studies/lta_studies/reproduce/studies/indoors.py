@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Compare the strategies in simulation and indoors: success, path and time."""
 
 from collections.abc import Mapping
@@ -147,7 +149,7 @@ def compare_dga_path(paths: Mapping[str, float]) -> float:
 
 
 def measure_excursion(group: FlightGroup) -> MeasuredValue:
-    """Return how far DGA flies away from the lamp before it approaches. [m]"""
+    """Return how far DGA flies away from the lamp before it approaches [m]."""
     cell = group.find_cell('dga')
     excursions = []
     for seed in cell.rows:

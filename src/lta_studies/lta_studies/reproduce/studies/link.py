@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Study the light link: raw samples, lux and SNR by distance, and floor area per lamp."""
 
 from collections.abc import Mapping, Sequence
@@ -103,12 +105,12 @@ def measure_draw(request: RowStudyRequest, seed: int) -> dict[str, float]:
 
 
 def find_point(points: Sequence[LinkPoint], distance: float) -> LinkPoint:
-    """Return the point at a distance. [m]"""
+    """Return the point at a distance [m]."""
     return next(each for each in points if math.isclose(each.distance, distance))
 
 
 def reception_range(points: Sequence[LinkPoint]) -> float:
-    """Return the largest distance with an SNR above the demodulator's threshold. [m]"""
+    """Return the largest distance with an SNR above the demodulator's threshold [m]."""
     needed = DemodulationSettings().threshold
     return max((each.distance for each in points if each.snr >= needed), default=math.nan)
 
@@ -125,7 +127,7 @@ def simulate_samples(distance: float = TRACE) -> np.ndarray:
 
 
 def estimate_frequency() -> float:
-    """Estimate the beacon frequency at the paper's range. [Hz]"""
+    """Estimate the beacon frequency at the paper's range [Hz]."""
     light, top = (
         load_topic_table().light,
         load_vehicle(LINK_VEHICLE).file.sensors.diodes.largest_reading,
@@ -137,7 +139,7 @@ def estimate_frequency() -> float:
 
 
 def floor_area_per_lamp() -> float:
-    """Return the floor area per lamp in the shipped warehouse. [m2]"""
+    """Return the floor area per lamp in the shipped warehouse [m2]."""
     # 2.0: required SNR as a multiple of the demodulator's threshold
     plan, ear = load_inputs('warehouse', LINK_VEHICLE, 2.0)
     # 0.5 m cells

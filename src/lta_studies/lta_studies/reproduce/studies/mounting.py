@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Study panel mounts, and the effect of the height of the centre of gravity."""
 
 import math

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Study the strategies in wind, and the computing time of one update."""
 
 from collections.abc import Mapping, Sequence
@@ -149,7 +151,7 @@ def draw_winds(request: RowStudyRequest) -> dict[str, list[float | str]]:
 
 
 def compare_wind_with_thrust(changes: Mapping[str, Any]) -> float:
-    """Return 14 m/s at 10 m, at the hull, by the airspeed that the thrust allows. [1]"""
+    """Return 14 m/s at 10 m, at the hull, by the airspeed that the thrust allows [1]."""
     spec = load_spec('gtmab', 'windy_field', 'bag', '').with_values(changes)
     vehicle = build_vehicle_scenario_stack(spec)[0]
     share = wind_share_at_hull(vehicle, OUTDOOR_HEIGHT, REFERENCE_HEIGHT, spec_roughness(spec))
@@ -157,7 +159,7 @@ def compare_wind_with_thrust(changes: Mapping[str, Any]) -> float:
 
 
 def spec_roughness(spec: FlightSpec) -> float:
-    """Return the roughness of the ground of a spec. [m]"""
+    """Return the roughness of the ground of a spec [m]."""
     return Quantity.model_validate(spec.read_value(ROUGHNESS_PATH)).si
 
 
@@ -199,18 +201,18 @@ def measure_reached_share(
 
 
 def measure_time(group: FlightGroup, strategy: str, place: float) -> MeasuredValue:
-    """Return the time of the flights that reached the lamp. [s]"""
+    """Return the time of the flights that reached the lamp [s]."""
     return summarize_cell('x', find_cell(group, strategy, place))['x_time']
 
 
 def minimum_flyable_roughness(grounds: FlightGroup) -> float:
-    """Return the smallest roughness over which most BAG flights arrive in 8 m/s. [m]"""
+    """Return the smallest roughness over which most BAG flights arrive in 8 m/s [m]."""
     over = [each.place for each in grounds.cells if each.reached_share.value > MOST_SHARE]
     return min(over, default=math.nan)
 
 
 def hull_winds() -> dict[str, MeasuredValue]:
-    """Return the paper's winds at the height of the hull, and the static limit. [m/s]"""
+    """Return the paper's winds at the height of the hull, and the static limit [m/s]."""
     vehicle = load_vehicle('gtmab')
     parts = {
         each: wind_share_at_hull(vehicle, OUTDOOR_HEIGHT, REFERENCE_HEIGHT, each)
@@ -226,12 +228,12 @@ def hull_winds() -> dict[str, MeasuredValue]:
 
 
 def measure_update_time(name: str) -> float:
-    """Return the median computing time of one strategy update in an indoor flight. [s]"""
+    """Return the median computing time of one strategy update in an indoor flight [s]."""
     loop = build_loop(load_spec('gtmab', 'lamp_room', name, ''), 1)
     inner, took = loop.policy.strategy, []
 
     # Wrap the strategy, so that only its update is timed.
-    def steer_with_timer(*given: Any) -> Any:  # noqa: ANN401 - as strategies are called
+    def steer_with_timer(*given: Any) -> Any:
         begun = clock.perf_counter()
         answer = inner.steer(*given)
         took.append(clock.perf_counter() - begun)

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Repeat the paper's study of the number of photodiodes, and find the causes of its errors."""
 
 from collections.abc import Mapping
@@ -98,7 +100,7 @@ def measure_draw(changes: Mapping[str, Any], seed: int) -> dict[str, float]:
 
 
 def weigh_diodes(changes: Mapping[str, Any]) -> dict[str, float]:
-    """Return the mass of eight diodes by that of the drone and by its spare lift. [1]"""
+    """Return the mass of eight diodes by that of the drone and by its spare lift [1]."""
     own = {path: each for path, each in changes.items() if path.startswith('vehicle')}
     spec = build_flight_spec(BEARING_PLACES['indoor'], 'gtmab', 8).with_values(own)
     vehicle = build_vehicle_scenario_stack(spec)[0]
@@ -142,7 +144,7 @@ def measure_readings(studies: VehicleStudies) -> dict[str, float]:
 
 
 def measure_vehicle(studies: VehicleStudies, aside: float) -> dict[str, float]:
-    """Return the measures of one vehicle at an angle to the lamp's axis. [rad]"""
+    """Return the measures of one vehicle at an angle to the lamp's axis [rad]."""
     errors = {(p, n): ring.paper for (angle, p, n), ring in studies.items() if angle == aside}
     middle = {key: float(np.median(each)) for key, each in errors.items()}
     values = {}

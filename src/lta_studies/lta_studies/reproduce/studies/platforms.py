@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Rank five platforms by six criteria, each from a flown task or from the vehicle file."""
 
 from collections.abc import Callable, Mapping, Sequence
@@ -137,7 +139,7 @@ def build_criterion_functions(
 
 
 def thrust_to_weight(vehicle: Vehicle) -> float:
-    """Return the total rotor thrust in hover divided by the weight. [1]"""
+    """Return the total rotor thrust in hover divided by the weight [1]."""
     own, per_newton = select_lifting_rotors(vehicle.rotors, vehicle.file.aero.coupling)
     # `per_newton` is the total lift [N] if each lifting rotor gives 1 N.
     thrust = max(vehicle.heaviness, 0.0) * STANDARD_GRAVITY / per_newton * len(own)
@@ -145,7 +147,7 @@ def thrust_to_weight(vehicle: Vehicle) -> float:
 
 
 def greatest_extent(vehicle: Vehicle) -> float:
-    """Return the largest extent of the hull or between two rotors. [m]"""
+    """Return the largest extent of the hull or between two rotors [m]."""
     places = [rotor.place for rotor in vehicle.rotors]
     span = max(math.dist(a, b) for a, b in combinations(places, 2))
     if vehicle.file.hull.shape == 'none':
@@ -154,7 +156,7 @@ def greatest_extent(vehicle: Vehicle) -> float:
 
 
 def count_thrust_lines(vehicle: Vehicle) -> float:
-    """Return the number of different lines of thrust. [1]"""
+    """Return the number of different lines of thrust [1]."""
     lines: list[tuple[float, float, float]] = []
     for rotor in vehicle.rotors:
         # Opposite axes count as the same line, hence the absolute value.

@@ -1,3 +1,5 @@
+# Copyright 2026 The LTA maintainers
+# SPDX-License-Identifier: Apache-2.0
 """Compare hull pressures in flight (potential flow) and under jets (CFD) with the paper's."""
 
 from collections.abc import Mapping
