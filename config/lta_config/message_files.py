@@ -1,6 +1,6 @@
 # Copyright 2026 The LTA maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""Find the definitions of lta_msgs, and the units in their comments."""
+"""Find the definitions of messages that no library has, and the units in the comments of ours."""
 
 from collections.abc import Mapping
 from functools import cache
@@ -29,6 +29,16 @@ def list_message_files() -> Mapping[str, Path]:
         if paths := sorted(folder.glob('*.msg')):
             return {f'{MESSAGE_PACKAGE}/msg/{path.stem}': path for path in paths}
     return {}
+
+
+def find_message_file(type_name: str) -> Path | None:
+    """Return the definition of a message of a package in AMENT_PREFIX_PATH; None without one."""
+    if not re.fullmatch(r'[A-Za-z]\w*/msg/[A-Za-z]\w*', type_name):
+        return None
+    place = Path('share', f'{type_name}.msg')
+    prefixes = os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep)
+    paths = (Path(prefix) / place for prefix in prefixes if prefix)
+    return next((path for path in paths if path.is_file()), None)
 
 
 @cache

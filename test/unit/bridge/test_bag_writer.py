@@ -12,6 +12,7 @@ import tracemalloc
 
 from lta_bridge.bag import BagWriter, build_offered_qos, free_space, storage, StorageFault
 from lta_bridge.bag.background_writer import FLUSH_PERIOD
+from lta_bridge.bag.schemas import generate_definition
 from lta_config.errors import BadInput
 from lta_data.bag import read_bag
 from mcap.reader import make_reader
@@ -305,3 +306,23 @@ def test_two_hours_cost_some_megabytes_of_indexes(tmp_path):
     with (tmp_path / 'bag' / 'bag_0.mcap').open('rb') as stream:
         assert len(make_reader(stream).get_summary().chunk_indexes) == chunks
     assert held / (0.9 * chunks) * 7200 / FLUSH_PERIOD < 30e6
+
+
+def test_a_message_of_an_installed_package_has_a_definition(tmp_path, monkeypatch):
+    folder = tmp_path / 'share/lab_probe/msg'
+    folder.mkdir(parents=True)
+    (folder / 'Frame.msg').write_text('std_msgs/Header header\nlab_probe/Marker[] markers\n')
+    (folder / 'Marker.msg').write_text('uint8 LOST=1\nuint32 id\nfloat64[3] place\n')
+    (folder / 'Broken.msg').write_text('lab_probe/Nowhere[<=2] parts\n')
+    monkeypatch.setenv('AMENT_PREFIX_PATH', str(tmp_path))
+    text = generate_definition('lab_probe/msg/Frame').text
+    head, *parts = [part.split('\n') for part in text.split('=' * 80 + '\n')]
+    assert head[:2] == ['std_msgs/Header header', 'lab_probe/Marker[] markers']
+    assert [part[0] for part in parts] == [
+        'MSG: std_msgs/Header',
+        'MSG: builtin_interfaces/Time',
+        'MSG: lab_probe/Marker',
+    ]
+    for name in ('lab_probe/msg/Broken', 'lab_probe/msg/Nowhere', '../lab_probe/msg/Frame'):
+        with pytest.raises(BadInput, match='source its workspace'):
+            generate_definition(name)

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Message definitions to store in a bag, so that it can be read without ROS."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from operator import itemgetter
@@ -10,7 +10,7 @@ from types import SimpleNamespace
 from typing import Any, final
 
 from lta_config.errors import BadInput
-from lta_config.message_files import list_message_files
+from lta_config.message_files import find_message_file, list_message_files
 import numpy as np
 from rosbags.interfaces import Nodetype
 from rosbags.typesys import get_types_from_msg, get_typestore, Stores
@@ -43,9 +43,22 @@ def load_jazzy_types() -> Typestore:
     return types
 
 
-def is_jazzy_type(type_name: str) -> bool:
-    """Return whether a message type is one of ROS 2 Jazzy's common interfaces or of lta_msgs."""
-    return type_name in load_jazzy_types().fielddefs
+def is_known_type(type_name: str) -> bool:
+    """Return whether a message type is of ROS 2 Jazzy, of lta_msgs or of an installed package."""
+    types = load_jazzy_types()
+    if type_name not in types.fielddefs and (path := find_message_file(type_name)):
+        found = get_types_from_msg(path.read_text('utf-8'), type_name)
+        if all(map(is_known_type, _list_parts(found[type_name][1]))):
+            types.register(found)
+    return type_name in types.fielddefs
+
+
+def _list_parts(fields: Any) -> Iterator[str]:
+    """Yield the types of the messages in a message."""
+    for _, (kind, described) in fields:
+        inner, item = (kind, described) if kind < Nodetype.ARRAY else described[0]
+        if inner == Nodetype.NAME:
+            yield item
 
 
 @cache
@@ -53,13 +66,13 @@ def generate_definition(type_name: str) -> MessageDefinition:
     """
     Return the definition of a message type, such as 'sensor_msgs/msg/Imu'.
 
-    Raise `BadInput` if neither ROS 2 Jazzy nor lta_msgs has such a type.
+    Raise `BadInput` if `is_known_type` does not hold.
     """
     types = load_jazzy_types()
-    if not is_jazzy_type(type_name):
+    if not is_known_type(type_name):
         raise BadInput(
-            f"Message type '{type_name}' cannot be recorded, because it is not part of ROS 2 "
-            "Jazzy's common interfaces; record only types such as 'sensor_msgs/msg/Imu'."
+            f"Message type '{type_name}' cannot be recorded, because it is neither in ROS 2 "
+            "Jazzy's common interfaces nor in an installed package; source its workspace."
         )
     text, _ = types.generate_msgdef(type_name, ros_version=2)
     return MessageDefinition(type_name, text, types.hash_rihs01(type_name))
