@@ -7,7 +7,7 @@ from typing import final
 
 from lta_bridge.bag.background_writer import BackgroundWriter
 from lta_bridge.bag.metadata import has_mixed_durability, OfferedQos, QosDuration
-from lta_bridge.bag.schemas import is_known_type
+from lta_bridge.bag.schemas import is_defined_type
 from lta_bridge.intake import MessageIntake
 from lta_graph.health import HealthFact, HealthLevel
 from lta_graph.ros.node import GraphNode
@@ -149,7 +149,7 @@ class RecordedTopics:
         """Return whether to record a discovered topic; note those of unknown types."""
         if not self._intake.covers_topic(name):
             return False
-        is_decodable = is_known_type(type_name) and load_message_class(type_name) is not None
+        is_decodable = is_defined_type(type_name) and load_message_class(type_name) is not None
         if not is_decodable:
             self._left_out[name] = type_name or 'several types'
         return is_decodable

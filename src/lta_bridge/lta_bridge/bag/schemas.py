@@ -43,12 +43,12 @@ def load_jazzy_types() -> Typestore:
     return types
 
 
-def is_known_type(type_name: str) -> bool:
+def is_defined_type(type_name: str) -> bool:
     """Return whether a message type is of ROS 2 Jazzy, of lta_msgs or of an installed package."""
     types = load_jazzy_types()
     if type_name not in types.fielddefs and (path := find_message_file(type_name)):
         found = get_types_from_msg(path.read_text('utf-8'), type_name)
-        if all(map(is_known_type, _list_parts(found[type_name][1]))):
+        if all(map(is_defined_type, _list_parts(found[type_name][1]))):
             types.register(found)
     return type_name in types.fielddefs
 
@@ -66,10 +66,10 @@ def generate_definition(type_name: str) -> MessageDefinition:
     """
     Return the definition of a message type, such as 'sensor_msgs/msg/Imu'.
 
-    Raise `BadInput` if `is_known_type` does not hold.
+    Raise `BadInput` if `is_defined_type` does not hold.
     """
     types = load_jazzy_types()
-    if not is_known_type(type_name):
+    if not is_defined_type(type_name):
         raise BadInput(
             f"Message type '{type_name}' cannot be recorded, because it is neither in ROS 2 "
             "Jazzy's common interfaces nor in an installed package; source its workspace."
