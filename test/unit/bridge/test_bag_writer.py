@@ -67,7 +67,7 @@ def test_busy_place_is_refused_and_untouched(tmp_path, kind):
 
 def test_unknown_type_leaves_the_bag_as_it_was(tmp_path):
     with BagWriter(tmp_path / 'bag', {}) as bag:
-        with pytest.raises(BadInput, match="Nothing' cannot be recorded, because it is not"):
+        with pytest.raises(BadInput, match="Nothing' cannot be recorded, because it is neither"):
             bag.add_topic('/x', 'lta_msgs/msg/Nothing', [])
         bag.add_topic('/b', 'std_msgs/msg/Bool', [])
         with pytest.raises(BadInput, match='add each topic only once'):

@@ -47,9 +47,9 @@ def is_defined_type(type_name: str) -> bool:
     """Return whether a message type is of ROS 2 Jazzy, of lta_msgs or of an installed package."""
     types = load_jazzy_types()
     if type_name not in types.fielddefs and (path := find_message_file(type_name)):
-        found = get_types_from_msg(path.read_text('utf-8'), type_name)
-        if all(map(is_defined_type, _list_parts(found[type_name][1]))):
-            types.register(found)
+        own = get_types_from_msg(path.read_text('utf-8'), type_name)
+        if all(map(is_defined_type, _list_parts(own[type_name][1]))):
+            types.register(own)
     return type_name in types.fielddefs
 
 
