@@ -55,15 +55,15 @@ def build_error_tables(
     whole, parts = list[list[str]](), list[list[str]]()
     for role, one in every:
         ahead = f'{role}, {one.horizon:g} s' if role else f'{one.horizon:g} s'
-        whole.append([
-            ahead,
-            *(f'{format_error(each.position, 3)}, {format_number(TO_DEG * each.attitude)}{DEGREE}'
-              for each in (*one.errors.values(), one.least)),
-            str(one.forecasts),
-        ])  # fmt: skip
+        sizes = [(each.position, each.attitude) for each in one.errors.values()]
+        cells = [
+            f'{format_error(place, 3)}, {format_number(TO_DEG * turn)}{DEGREE}'
+            for place, turn in [*sizes, one.least]
+        ]
+        whole.append([ahead, *cells, str(one.forecasts)])
         for side in DIRECTIONS:
-            sizes = (getattr(each, side) for each in one.errors.values())
-            parts.append([ahead, side, *(format_error(size, 3) for size in sizes)])
+            errors = (getattr(each, side) for each in one.errors.values())
+            parts.append([ahead, side, *(format_error(size, 3) for size in errors)])
     note = (
         f'RMS errors of position and attitude. A forecast begins every {FORECAST_INTERVAL:g} s '
         'from past readings only, and a flight tells its lift and the strength of its commands on '
