@@ -11,7 +11,7 @@ from lta_discovery.lab_tests.design import LabTest
 
 # Seen from above, where the vehicle turns about the vertical or moves sideways
 TOP_VIEW: Final = 'from above, nose to the right'
-BOX: Final = '-84 -66 168 132'  # of a sketch, with the hull in its middle [px]
+SKETCH_VIEW: Final = '-84 -66 168 132'  # of a sketch, with the hull in its middle [px]
 HULL: Final = '<ellipse rx="44" ry="30"/>'
 NOSE: Final = '<path d="M44 0 l-11 -5 v10 z" class="ink"/>'
 GONDOLA: Final = '<rect x="-12" y="31" width="24" height="8" class="ink"/>'
@@ -24,7 +24,7 @@ STYLE: Final = (
     '.sketches .tip { fill: var(--accent); stroke: none; }</style>'
 )
 # Arrows to the right and counter-clockwise
-PUSH: Final = (
+PUSH_ARROW: Final = (
     '<path d="M48 0 H70" class="move"/><path d="M82 0 l-14 -7 v14 z" class="tip"/>'
 )  # fmt: skip
 TURN: Final = (
@@ -37,7 +37,7 @@ WANDER: Final = '<path d="M-72 50 q12 -18 24 0 t24 0 t24 0 t24 0 t24 0 t24 0" cl
 def draw_sketches(tests: Sequence[LabTest]) -> str:
     """Return a row of sketches as HTML, one for each test."""
     figures = ''.join(
-        f'<figure><svg viewBox="{BOX}" role="img" aria-label="{escape(test.name)}">'
+        f'<figure><svg viewBox="{SKETCH_VIEW}" role="img" aria-label="{escape(test.name)}">'
         f'{draw_sketch(test)}</svg>{escape(test.name)}<br><small>{name_view(test)}</small></figure>'
         for test in tests
     )
@@ -64,5 +64,5 @@ def draw_sketch(test: LabTest) -> str:
     if test.kind == 'step':  # forward is right, left and up are up in the sketch
         angle = (0 if test.axis == 'surge' else -90) + (180 if back else 0)
         near = 0 if test.axis == 'surge' else -14  # the hull is lower than it is long
-        return f'{body}<g transform="rotate({angle}) translate({near} 0)">{PUSH}</g>'
+        return f'{body}<g transform="rotate({angle}) translate({near} 0)">{PUSH_ARROW}</g>'
     return body + (WANDER if test.kind == 'free_flight' else '')
