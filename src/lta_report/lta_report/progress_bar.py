@@ -107,10 +107,14 @@ class ProgressBar:
 
     def update_bar(self, **change: Any) -> None:
         """Change description, total, completed, or fields; `advance` adds to completed."""
-        share = self._share
+        share, total = self._share, self._bar.tasks[0].total
         self._bar.update(self._task, **change)
         if self._share != share:
             self._moved = time.monotonic()
+        if total is None and self._bar.tasks[0].total is not None:
+            # What came before is no part of the whole
+            self._before, self._begun = self._share, time.monotonic()
+            self._moved = self._begun
 
     def _describe(self) -> str:
         """Return the current work with its share and the time left, as far as known."""

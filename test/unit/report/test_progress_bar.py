@@ -54,6 +54,17 @@ def test_a_first_step_that_compiles_tells_no_pace(capsys, clock):
     assert capsys.readouterr().err == 'flying: 1 % ...\n'
 
 
+def test_what_came_before_the_whole_was_known_says_nothing_about_the_pace(capsys, clock):
+    """Flights were simulated for five minutes; then a fifth of the study takes one."""
+    with ProgressBar(Console(file=io.StringIO()), begin='simulating', total=None) as bar:
+        clock.now = 300.0
+        bar.update_bar(description='reading', total=1.0, completed=0.0)
+        clock.now = 360.0
+        bar.update_bar(description='fitting', completed=0.2)
+        bar.write_line()
+    assert capsys.readouterr().err == 'fitting: 20 %, about 4.0 min left ...\n'
+
+
 def test_what_was_done_before_says_nothing_about_the_pace(capsys, clock):
     """Of ten items eight are stored; the ninth takes a minute, and so does the tenth."""
     progress = StudyProgress(Console(file=io.StringIO()), 10, unit='flights')
