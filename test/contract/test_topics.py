@@ -24,7 +24,6 @@ from lta_control.parameters import ControllerSettings, EstimatorParameters, Navi
 from lta_energy.nodes.energy_monitor import EnergyMonitorParameters
 from lta_graph.launch_arguments import FlyArguments
 from lta_graph.launches import DRONE_NODES, FLY
-from lta_graph.ros.managed_node import LifecycleSettings
 from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.node import ACKNOWLEDGE_TIME, GraphSettings
 from lta_graph.ros.parameters import build_descriptor, iterate_fields
@@ -348,8 +347,7 @@ def test_every_text_of_the_launch_file_stays_a_text():
 
 @each_node
 def test_the_launch_file_gives_only_parameters_that_are_declared(name):
-    declared = (GraphSettings(), LifecycleSettings(), NODES[name]())
-    own = {key for settings in declared for key, _, _ in iterate_fields(settings)}
+    own = {key for key, _, _ in [*iterate_fields(GraphSettings()), *iterate_fields(NODES[name]())]}
     (entry,) = (each for each in DRONE_NODES if each.executable == name)
     given = set(entry.build_process(FlyArguments()).parameters)
     assert given - {'use_sim_time'} <= own

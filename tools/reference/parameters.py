@@ -12,7 +12,6 @@ from typing import Any
 
 from lta_config.settings import format_bounds
 from lta_graph.launches import FLY
-from lta_graph.ros.managed_node import LifecycleSettings
 from lta_graph.ros.node import GraphSettings
 from lta_graph.ros.parameters import iterate_fields
 from pydantic import BaseModel
@@ -43,8 +42,7 @@ def render_page() -> str:
     tables = [
         format_model_section(
             'Every node', GraphSettings, 'Parameters that all ROS nodes of LTA have.'
-        ),
-        format_model_section('Estimator, controller and navigator', LifecycleSettings),
+        )
     ]
     tables += [
         format_model_section(f'{package} {node}', model)

@@ -181,11 +181,6 @@ class FlyArguments(DroneArguments, PacedArguments):
     """With pilot:=true, the height of the flight, in metres."""
     pilot_seconds: float = setting(60.0)
     """With pilot:=true, the seconds in which sticks move."""
-    autostart: bool = setting(True)
-    """
-    Whether estimator, controller and navigator work from their start; false: as lifecycle nodes,
-    from configure and activate on, in real time.
-    """
     simulator: bool = setting(True)
     """With source:=sim, whether to start the simulator."""
     estimator: bool = setting(True)

@@ -117,13 +117,13 @@ DRONE_NODES = (
         'lta_control',
         'estimator',
         lambda a: a.estimator,
-        'use_sim_time time frame_prefix source vehicle autostart',
+        'use_sim_time time frame_prefix source vehicle',
     ),
     NodeEntry(
         'lta_control',
         'controller',
         lambda a: a.starts_controller,
-        'use_sim_time time frame_prefix source vehicle scenario armed autostart',
+        'use_sim_time time frame_prefix source vehicle scenario armed',
         takes_gains=True,
     ),
     NodeEntry(
@@ -136,7 +136,7 @@ DRONE_NODES = (
         'lta_control',
         'navigator',
         lambda a: a.navigator,
-        'use_sim_time time frame_prefix source vehicle strategy scenario commanded autostart',
+        'use_sim_time time frame_prefix source vehicle strategy scenario commanded',
     ),
     NodeEntry(
         'lta_energy',

@@ -9,8 +9,8 @@ from lta_config.errors import BadInput
 from lta_control.actions.tasks import FlightTask, TaskKind, TaskOutcome
 from lta_control.commanded_flight import CommandedFlight
 from lta_control.place_hold import Place, Route
+from lta_graph.ros.contained_node import ContainedNode
 from lta_graph.ros.goal_server import GoalServer
-from lta_graph.ros.managed_node import ManagedNode
 from lta_msgs.action import FollowPath, GoToLamp, GoToPose, Land, TakeOff
 
 ACTION_TYPES: Final = {
@@ -23,14 +23,14 @@ ACTION_TYPES: Final = {
 PLACE_FRAMES: Final = ('map', '')  # frames of a place to fly to
 
 
-def serve_tasks(node: ManagedNode, flight: CommandedFlight) -> list[GoalServer[FlightTask]]:
+def serve_tasks(node: ContainedNode, flight: CommandedFlight) -> list[GoalServer[FlightTask]]:
     """Offer the actions of a flight; see `GoalServer`."""
     return [
         GoalServer(
             node,
             action,
             kind.value,
-            partial(find_goal_obstacle, node, flight),
+            partial(find_goal_obstacle, flight),
             lambda goal: flight.request(*to_task(goal)),
             flight.cancel,
             partial(from_task_result, flight),
@@ -40,10 +40,8 @@ def serve_tasks(node: ManagedNode, flight: CommandedFlight) -> list[GoalServer[F
     ]
 
 
-def find_goal_obstacle(node: ManagedNode, flight: CommandedFlight, goal: Any) -> str:
+def find_goal_obstacle(flight: CommandedFlight, goal: Any) -> str:
     """Return why a goal is refused, or ''."""
-    if not node.active:
-        return 'the navigator is inactive'
     try:
         return flight.find_obstacle(*to_task(goal))
     except BadInput as error:

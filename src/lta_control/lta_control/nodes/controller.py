@@ -30,7 +30,7 @@ from lta_graph.health import HealthLevel
 from lta_graph.lockstep import InboxStep
 from lta_graph.ros.command_mux import CommandMux
 from lta_graph.ros.contained_node import NodeOptions
-from lta_graph.ros.managed_node import ManagedNode
+from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
 from lta_graph.ros.stamps import from_stamp
@@ -41,7 +41,7 @@ from std_srvs.srv import SetBool, Trigger
 AIRSPEED_AGE_NS = 250_000_000  # ns; an airspeed further from the odometry is not used
 
 
-class Controller(ManagedNode):
+class Controller(GraphNode):
     """Publish duties for each estimate."""
 
     def __init__(self, **options: Unpack[NodeOptions]) -> None:

@@ -34,7 +34,7 @@ from lta_control.vehicle_parameters import build_estimator_model
 from lta_graph.health import HealthLevel
 from lta_graph.lockstep import InboxStep
 from lta_graph.ros.contained_node import NodeOptions
-from lta_graph.ros.managed_node import ManagedNode
+from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
 from lta_graph.ros.stamps import from_stamp
@@ -44,7 +44,7 @@ from lta_msgs.msg import LampPeaks
 from nav_msgs.msg import Odometry
 
 
-class Estimator(ManagedNode):
+class Estimator(GraphNode):
     """Publish an estimate for each IMU sample."""
 
     def __init__(self, **options: Unpack[NodeOptions]) -> None:

@@ -20,7 +20,7 @@ from lta_graph.health import HealthLevel
 from lta_graph.lockstep import InboxStep
 from lta_graph.ros.contained_node import NodeOptions
 from lta_graph.ros.goal_server import GoalServer
-from lta_graph.ros.managed_node import ManagedNode
+from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
 from lta_model.scenario import load_course, load_room_size, load_route
@@ -32,7 +32,7 @@ from std_msgs.msg import Bool, Float64
 SILENCE_LIMIT = 10.0  # wall seconds without a step after which a task ends
 
 
-class Navigator(ManagedNode):
+class Navigator(GraphNode):
     """Publish setpoints for each light estimate."""
 
     def __init__(self, **options: Unpack[NodeOptions]) -> None:
