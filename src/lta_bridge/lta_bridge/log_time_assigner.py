@@ -154,7 +154,7 @@ class LogTimeAssigner:
         return True
 
     def _count_gap(self, name: str, stamp: int, period: int) -> None:
-        """Count the messages missing between a topic's last stamp and this one [ns]."""
+        """Count the messages missing between a topic's last stamp and this one, in ns."""
         # In real time the recorder may have joined late, so nothing counts before the first stamp
         first = self._table.start_ns if self._lockstep else stamp
         before = self._last.get(name, first - period)

@@ -102,7 +102,7 @@ def is_turning(biases: SensorBiases, expected: Vector) -> bool:
 
 
 def is_tilted(biases: SensorBiases, expected: Vector) -> bool:
-    """Return whether the mean force indicates a tilt; `expected` as in `is_turning` [m/s2]."""
+    """Return whether the mean force indicates a tilt; `expected` [m/s2] as in `is_turning`."""
     return largest_deviation(biases.force, expected) > MOST_FORCE
 
 

@@ -89,7 +89,7 @@ class ReserveReport(NamedTuple):
 def decide_permission(
     settings: ReserveResponseSettings, word: ReserveReport | None, now_ns: int
 ) -> FlightPermission:
-    """Return what the energy allows; without a fresh report the drone must land [ns]."""
+    """Return what the energy allows; without a fresh report the drone must land."""
     if word is None or word.age(now_ns) > settings.stale or word.urgent:
         return FlightPermission.DOWN
     return permission_at_reserve(word.reserve)
@@ -103,7 +103,7 @@ def permission_at_reserve(reserve: bool) -> FlightPermission:
 def explain_restriction(
     settings: ReserveResponseSettings, word: ReserveReport | None, now_ns: int
 ) -> str:
-    """Return why the energy restricts the flight, in words [ns]."""
+    """Return why the energy restricts the flight, in words."""
     if word is None:
         return 'no report from the energy monitor'
     age = word.age(now_ns)

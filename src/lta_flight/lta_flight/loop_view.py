@@ -132,7 +132,7 @@ class LoopView:
 
     @property
     def warning(self) -> str:
-        """Return a warning if the flight leaves the validity of its vehicle file, else ''."""
+        """Return a warning if the flight leaves its vehicle file's region of validity, else ''."""
         state = np.array(self._truth)[:, 1:]
         motion = list_motion(state[:, QUATERNION], state[:, VELOCITY], state[:, RATES])
         vehicle = self.scene.vehicle

@@ -40,7 +40,7 @@ class ProcessExit:
 
     @property
     def sentence(self) -> str:
-        """Return the end in words, such as 'estimator was killed by SIGKILL'."""
+        """Return the end without a full stop, such as 'estimator was killed by SIGKILL'."""
         if self.status < 0:
             return f'{self.name} was killed by {signal_name(-self.status)}'
         return f'{self.name} ended' + (f' with status {self.status}' if self.status else '')

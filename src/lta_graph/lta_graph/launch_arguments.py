@@ -26,8 +26,8 @@ class GraphArguments(Settings):
     """Topics to record, separated by spaces, or all. Empty: those that topics.yaml marks."""
     params_file: str = setting('')
     """
-    YAML file of parameters, as ROS reads it: for nodes by name, or for all below /**. Its values
-    win over those of the launch.
+    YAML file of parameters, as ROS reads it: for a node below /**/NAME, for all below /**. Its
+    values win over those of the launch.
     """
     queue_size: float = setting(64.0)
     """Memory for messages that wait for a slow disk, in MB."""
@@ -207,7 +207,7 @@ class FlyArguments(DroneArguments, PacedArguments):
 
     @property
     def use_sim_time(self) -> bool:
-        """Return False for a real drone: whoever else plays the vehicle tells /clock."""
+        """Return False for a real drone, which flies by the time of day; others tell /clock."""
         return self.source != 'crazyflie'
 
     @property

@@ -158,7 +158,7 @@ class Vehicle:
 
     @property
     def added_mass(self) -> Vector:
-        """Return the added mass and inertia, as published or of a spheroid [kg, kg m2]."""
+        """Return the added mass and inertia, published or of a spheroid hull [kg, kg m2]."""
         return mass_properties.added_mass(self.file.hull, self.air_density)
 
     @cached_property

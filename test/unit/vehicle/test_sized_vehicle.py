@@ -141,6 +141,6 @@ def test_the_command_says_what_it_wrote_and_what_next(call, tmp_path: Path) -> N
     assert call('vehicle', 'new', 'mine', *CIGAR, '--file', str(path))[0] == 2
     status, said = call('vehicle', 'new', 'other', '--mass', '30 g')
     assert status == 2
-    assert '--diameter, --thrust, --arm is missing' in said.err
+    assert 'add --diameter, --thrust, --arm, or' in said.err
     status, said = call('vehicle', 'new', 'other', '--mass', '30 g', '--from', 'gtmab')
     assert status == 2

@@ -13,7 +13,7 @@ from lta_config.errors import BadInput
 from lta_config.message_files import find_message_file, list_message_files
 import numpy as np
 from rosbags.interfaces import Nodetype
-from rosbags.typesys import get_types_from_msg, get_typestore, Stores
+from rosbags.typesys import get_types_from_msg, get_typestore, Stores, TypesysError
 from rosbags.typesys.store import Typestore
 
 
@@ -47,9 +47,13 @@ def is_defined_type(type_name: str) -> bool:
     """Return whether a message type is of ROS 2 Jazzy, of lta_msgs or of an installed package."""
     types = load_jazzy_types()
     if type_name not in types.fielddefs and (path := find_message_file(type_name)):
-        own = get_types_from_msg(path.read_text('utf-8'), type_name)
-        if all(map(is_defined_type, _list_parts(own[type_name][1]))):
-            types.register(own)
+        try:
+            own = get_types_from_msg(path.read_text('utf-8-sig', errors='replace'), type_name)
+            if all(map(is_defined_type, _list_parts(own[type_name][1]))):
+                types.register(own)
+        except (OSError, RecursionError, TypesysError):
+            # A file that no recorder can read, or a message that holds itself, is left out
+            return False
     return type_name in types.fielddefs
 
 

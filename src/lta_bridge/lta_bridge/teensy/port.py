@@ -37,7 +37,7 @@ class SenderFilter:
         self._heard_ns = 0
 
     def accept_sender(self, who: Hashable, now_ns: int) -> bool:
-        """Return whether to accept a message of a sender that arrives now [ns]."""
+        """Return whether to accept a message of a sender that arrives now, at `now_ns`."""
         loyal = (
             0 <= now_ns - self._heard_ns <= LOYAL_NS
         )  # a clock that was set back also ends the preference

@@ -71,9 +71,10 @@ def format_verdict(comparison: ComparisonResult) -> str:
 
 
 def describe_separation(comparison: ComparisonResult) -> str:
-    """Return how far apart the positions are, and where; '' without positions in one frame."""
+    """Return how far apart the positions are, and where; '' without those of the vehicle."""
     pose = find_pose_prefix(comparison.channels)
-    names = {f'{pose}position.{axis}' for axis in 'xyz'} if pose else set()
+    is_flown = pose and not pose.startswith(('setpoint', 'light'))
+    names = {f'{pose}position.{axis}' for axis in 'xyz'} if is_flown else set()
     places = [each.both for each in comparison.channels if each.name in names]
     if len(places) < 3 or len({len(each.time) for each in places}) > 1:
         return ''

@@ -151,7 +151,13 @@ def _widen(prepared: PreparedCalibration, fit: ParameterFit) -> ParameterFit:
     heading by the wind, a third of the deviation.
     """
     systems = smooth_systems(prepared.systems, fit)
-    near = fit_likelihood(systems, prepared.nominal, fit.values, fit.noise, 0, (), is_near=True)
+    try:
+        near = fit_likelihood(
+            systems, prepared.nominal, fit.values, fit.noise, 0, (), is_near=True
+        )
+    except BadInput:
+        # The smoothed motion may leave what the model can fly
+        return fit
     return replace(fit, covariance=near.covariance, own=near.own)
 
 
@@ -168,21 +174,23 @@ def _fit_any_heading(
         both = [
             one for one in looks[1:] if abs(math.cos(one[0][heading] - best[0][heading])) > 0.5
         ]
-        best = max(both, key=lambda one: _count_forward(prepared.parameters, one[1].values))
+        best = max(both, key=lambda one: (_count_forward(prepared, one[1]), one[1].evidence))
         other = _fit_from_look(prepared, *best)
         if other[1].evidence > out[1].evidence + HEADING_EVIDENCE:
             return other
     return out
 
 
-def _count_forward(parameters: Sequence[FreeParameter], values: Array) -> int:
+def _count_forward(prepared: PreparedCalibration, fit: ParameterFit) -> int:
     """Return how many rotors or commanded level forces push the way they are told."""
-    level = ('wrench_gain.surge', 'wrench_gain.sway')
-    return sum(
-        bool(value > -1.0)
-        for one, value in zip(parameters, values, strict=True)
-        if one.name in level or one.name.endswith('.thrust')
-    )
+    count = 0
+    for one, value in zip(prepared.parameters, fit.values, strict=True):
+        effect, _, part = one.name.partition('.')
+        if part == 'thrust':
+            count += bool(value > -1.0)
+        elif effect == 'wrench_gain' and part in ('surge', 'sway'):
+            count += bool(prepared.nominal.parameter_value(effect, part) + value > 0.0)
+    return count
 
 
 def _look_at_headings(prepared: PreparedCalibration) -> list[tuple[Array, ParameterFit]]:

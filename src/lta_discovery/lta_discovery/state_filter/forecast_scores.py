@@ -8,6 +8,7 @@ from typing import Final, final, NamedTuple
 
 from lta_discovery.state_filter.forecast_sums import BLOCK
 from lta_discovery.state_filter.forecasts import FlightForecasts
+from lta_discovery.state_filter.linear_flight import POSE_SIZE
 import numpy as np
 from numpy.typing import NDArray
 
@@ -36,7 +37,11 @@ class ForecastRms(NamedTuple):
 
 @final
 class LeastRms(NamedTuple):
-    """RMS errors of the same forecasts by a perfect model, which sensors and still air allow."""
+    """
+    RMS errors by a perfect model, which sensors and still air allow.
+
+    Of those forecasts that meet no gap of the tracker; NaN without any.
+    """
 
     position: float  # [m]
     attitude: float  # [rad]
@@ -86,8 +91,9 @@ def score_forecasts(
                 name: _summarize_errors(table[measured], headings[measured])
                 for name, table in tables.items()
             }
-            squares = np.nanmean(floor[measured] ** 2, axis=0).reshape(2, 3).sum(axis=1)
-            least = LeastRms(*np.sqrt(squares).tolist())
+            told = floor[measured & np.isfinite(floor).all(axis=1)]
+            squares = np.mean(told**2, axis=0) if len(told) else np.full(POSE_SIZE, np.nan)
+            least = LeastRms(*np.sqrt(squares.reshape(2, 3).sum(axis=1)).tolist())
             out.append(HorizonErrors(horizon, rms, int(measured.sum()), least))
     return tuple(out)
 

@@ -145,16 +145,17 @@ def _forecast_flight(
     linear = system.linearize(nominal, np.zeros(len(system.parameters)))
     starts = list_starts(linear.runs, apart)
     coasting = coast(system.flight, starts, horizons)
+    # Whatever the model, a force of this size acts
+    quiet = replace(noise, wrench=wrench_floor(nominal))
     try:
         values, states = _estimate_starts(linear, noise, system.parameters, starts)
         errors = _fly_forecasts(system, nominal, linear, starts, values, states, noise, horizons)
+        floor = predict_deviations(linear, quiet, starts, horizons)
     except np.linalg.LinAlgError:
         # So unstable that a filter loses it
         errors = np.where(np.isnan(coasting), np.nan, np.inf)
+        floor = np.full_like(errors, np.nan)
     headings = _compute_headings(linear.motion[starts])
-    # Whatever the model, a force of this size acts
-    quiet = replace(noise, wrench=wrench_floor(nominal))
-    floor = predict_deviations(linear, quiet, starts, horizons)
     return FlightForecasts(system.flight.time[starts], horizons, errors, coasting, headings, floor)
 
 

@@ -48,6 +48,7 @@ Array = NDArray[np.float64]
 Matrix = NDArray[np.floating]  # as NumPy types an inverse
 Sums = TypeVar('Sums', LikelihoodSum, ForecastSum)
 
+LEAST_PULLS: Final = 4  # pieces of flights; the scatter of fewer tells nothing
 MOST_LINEARIZATIONS: Final = 10  # most linearizations
 FORECAST_NOISES: Final = 2  # times that a fit to forecasts chooses its noise
 FIT_NOISE_ROUNDS: Final = (1, 4)  # rounds before which the noise is learned
@@ -114,8 +115,9 @@ class _Search(Generic[Sums]):
 
     def step(self, at: _Point[Sums], limit: float) -> _Point[Sums] | None:
         """Return a point whose cost is below a limit, after a step; None if no step gets there."""
-        # What was too far at the last point is likely too far at this one
-        for k, damping in enumerate(DAMPINGS[at.damping :], at.damping):
+        # What was far too far at the last point is likely too far at this one
+        first = max(at.damping - 1, 0)
+        for k, damping in enumerate(DAMPINGS[first:], first):
             longest = self.longest if damping == 0.0 else math.inf
             after = at.sums.step(self.prior, at.values, damping, longest)
             try:
@@ -191,14 +193,17 @@ def fit_likelihood(
             point = point if after is None else after
         if has_settled and not left:
             break
-    starts = [list_starts(one.runs, BLOCK) for one in point.flights]
+    # From afar, where a fit ends early, pulls are no scatter
+    starts = [list_starts(one.runs, BLOCK) for one in point.flights] if is_near else None
     filtered = filter_all(point.flights, noise, starts)
-    pulls = np.concatenate([list_pulls(one, prior) for one in filtered])[:, prior.free]
 
     def spread(inverse: Matrix) -> Matrix:
-        # From afar, where a fit ends early, pulls are no scatter
         if not is_near:
             return inverse
+        pulls = np.concatenate([list_pulls(one, prior) for one in filtered])[:, prior.free]
+        if len(pulls) < LEAST_PULLS:
+            return inverse
+        pulls = pulls - pulls.mean(axis=0)
         # What the model lacks pulls a parameter for longer than noise does, as moving air pulls a
         # wind. Then independent pieces scatter more than their curvature tells (White,
         # Econometrica 50, 1982).

@@ -309,7 +309,10 @@ def read_header(path: Path) -> list[str]:
 def split_quoted(line: str, delimiter: str) -> list[str]:
     """Return the stripped cells of a line, some of them in quotes."""
     line = line.replace('\r', ' ')  # within a line, csv takes it for a broken file
-    cells = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])
+    try:
+        cells = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])
+    except csv.Error as error:
+        raise BadInput(f'A line cannot be split into cells: {error}; check its quotes.') from None
     return [cell.strip() for cell in cells]
 
 
