@@ -91,8 +91,8 @@ def score_forecasts(
                 name: _summarize_errors(table[measured], headings[measured])
                 for name, table in tables.items()
             }
-            told = floor[measured & np.isfinite(floor).all(axis=1)]
-            squares = np.mean(told**2, axis=0) if len(told) else np.full(POSE_SIZE, np.nan)
+            sizes = floor[measured & np.isfinite(floor).all(axis=1)]
+            squares = np.mean(sizes**2, axis=0) if len(sizes) else np.full(POSE_SIZE, np.nan)
             least = LeastRms(*np.sqrt(squares.reshape(2, 3).sum(axis=1)).tolist())
             out.append(HorizonErrors(horizon, rms, int(measured.sum()), least))
     return tuple(out)

@@ -90,7 +90,6 @@ class _Point(NamedTuple, Generic[Sums]):
     values: Array
     flights: list[LinearFlight]
     sums: Sums
-    damping: int = 0  # of the step that led here, by DAMPINGS
 
 
 @final
@@ -115,9 +114,7 @@ class _Search(Generic[Sums]):
 
     def step(self, at: _Point[Sums], limit: float) -> _Point[Sums] | None:
         """Return a point whose cost is below a limit, after a step; None if no step gets there."""
-        # What was far too far at the last point is likely too far at this one
-        first = max(at.damping - 1, 0)
-        for k, damping in enumerate(DAMPINGS[first:], first):
+        for damping in DAMPINGS:
             longest = self.longest if damping == 0.0 else math.inf
             after = at.sums.step(self.prior, at.values, damping, longest)
             try:
@@ -129,7 +126,7 @@ class _Search(Generic[Sums]):
             except BadInput:
                 continue
             if there.sums.cost < limit:
-                return there._replace(damping=k)
+                return there
             if self.has_settled(at.values, after):
                 break
         return None
