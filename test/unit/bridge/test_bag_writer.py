@@ -314,6 +314,9 @@ def test_a_message_of_an_installed_package_has_a_definition(tmp_path, monkeypatc
     (folder / 'Frame.msg').write_text('std_msgs/Header header\nlab_probe/Marker[] markers\n')
     (folder / 'Marker.msg').write_text('uint8 LOST=1\nuint32 id\nfloat64[3] place\n')
     (folder / 'Broken.msg').write_text('lab_probe/Nowhere[<=2] parts\n')
+    (folder / 'Cut.msg').write_text('uint8[ x\n')
+    (folder / 'Nested.msg').write_text('lab_probe/Nested[] inner\n')
+    (folder / 'Latin.msg').write_bytes('uint8 x # \xb5m\n'.encode('latin-1'))
     monkeypatch.setenv('AMENT_PREFIX_PATH', str(tmp_path))
     text = generate_definition('lab_probe/msg/Frame').text
     head, *parts = [part.split('\n') for part in text.split('=' * 80 + '\n')]
@@ -323,6 +326,7 @@ def test_a_message_of_an_installed_package_has_a_definition(tmp_path, monkeypatc
         'MSG: builtin_interfaces/Time',
         'MSG: lab_probe/Marker',
     ]
-    for name in ('lab_probe/msg/Broken', 'lab_probe/msg/Nowhere', '../lab_probe/msg/Frame'):
+    assert generate_definition('lab_probe/msg/Latin').text.startswith('uint8 x')
+    for name in ('Broken', 'Nowhere', 'Cut', 'Nested', '../msg/Frame'):
         with pytest.raises(BadInput, match='source its workspace'):
-            generate_definition(name)
+            generate_definition(f'lab_probe/msg/{name}')

@@ -118,7 +118,7 @@ class _FittedModel(NamedTuple):
     scored: ScoredModel  # with its posterior about the fit itself
     values: Array  # relative to the vehicle file, shape (K,)
     covariance: Array  # shape (K, K)
-    excess: Array  # standard deviations by those of a right model, shape (K,)
+    excess: Array  # as in `ParameterFit`, shape (K,)
     noise: Sequence[NoiseModel]  # of each flight
     systems: Sequence[FlightSystem]
 

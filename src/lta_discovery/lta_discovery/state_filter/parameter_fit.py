@@ -72,7 +72,7 @@ class ParameterFit:
 
     values: Array  # shared, relative to the vehicle file, shape (K,)
     covariance: Array  # shape (K, K)
-    # Standard deviations by those of a right model, whose errors are independent, shape (K,)
+    # Standard deviations divided by those that independent errors would give, shape (K,)
     excess: Array
     # What each flight has of its own, and its covariance; 0 for shared parameters
     own: tuple[tuple[Array, Array], ...]

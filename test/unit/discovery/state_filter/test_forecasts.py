@@ -260,5 +260,8 @@ def test_forecasts_that_were_not_measured_do_not_count() -> None:
     assert score.errors[FILE_MODEL] == pytest.approx((0.05, 0.1, 0.04, 0.03, 0.0))
     assert score.least == pytest.approx((0.03, 0.03))
     assert score.forecasts == 2
+    unstable = replace(flight, floor=np.full((3, 1, 6), np.nan))
+    (score,) = score_forecasts({FILE_MODEL: [unstable]})
+    assert np.isnan(score.least).all()
     lost = replace(flight, errors=np.full((3, 1, 6), np.nan))
     assert score_forecasts({FILE_MODEL: [lost]}) == ()
