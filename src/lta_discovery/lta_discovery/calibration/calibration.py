@@ -120,11 +120,13 @@ def _list_estimates(prepared: PreparedCalibration, fit: ParameterFit) -> list[_E
     systems, nominal, horizons = prepared.systems, prepared.nominal, prepared.horizons
     prior = ParameterPrior.of(prepared.parameters)
     noise = average_noise(fit_forecast_noise(fit.flights, fit.noise, prior, horizons))
-    out = [_Estimate('likelihood', fit.values, fit.covariance, _join(fit), noise)]
+    ahead = None
     with contextlib.suppress(BadInput):
         # Where nothing explains single readings, a fit to them is a poor start
         ahead = fit_forecasts(systems, nominal, prepared.begin, fit.noise, horizons)
-        out.append(_widen_intervals(ahead, fit))
+    out = [_build_estimate('likelihood', fit, ahead, noise)]
+    if ahead is not None:
+        out.append(_build_estimate('forecasts', ahead, fit, average_noise(ahead.noise)))
     none = np.zeros(len(fit.values))
     unknown = np.diag([one.tolerance**2 for one in prepared.parameters])
     noise = adapt_noise(systems, nominal, average_noise(fit.noise), horizons)
@@ -132,26 +134,31 @@ def _list_estimates(prepared: PreparedCalibration, fit: ParameterFit) -> list[_E
     return out
 
 
-def _widen_intervals(ahead: ParameterFit, fit: ParameterFit) -> _Estimate:
+def _build_estimate(
+    method: str, fit: ParameterFit, other: ParameterFit | None, noise: NoiseModel
+) -> _Estimate:
     """
-    Return a fit to forecasts, whose intervals contain the fit to all readings, too.
+    Return a fit, with intervals that contain the other one where they contradict each other.
 
-    Errors of a model make the two differ by more than either interval says, so that the square of
-    the difference is added to the variance.
+    Of two fits of a right model, the less precise one differs from the other by the difference of
+    their variances (Hausman, Econometrica 46, 1978). What they differ by beyond 95 % of that is an
+    error of the model, and its square is added to the variance.
     """
-    both = [(ahead.values, ahead.covariance)]
-    both += [(ahead.values + own, ahead.covariance + more) for own, more in ahead.own]
-    others = [fit.values, *(fit.values + own for own, _ in fit.own)]
-    (shared, covariance), *members = (
-        (values, spread + np.diag((values - other) ** 2))
-        for (values, spread), other in zip(both, others, strict=True)
-    )
-    return _Estimate('forecasts', shared, covariance, members, average_noise(ahead.noise))
+    both = _join(fit)
+    for (values, spread), (values_of_other, spread_of_other) in zip(
+        both, _join(other) if other else both, strict=True
+    ):
+        expected = WIDE**2 * np.abs(np.diag(spread) - np.diag(spread_of_other))
+        excess = (values - values_of_other) ** 2 - expected
+        spread[np.diag_indices_from(spread)] += np.maximum(excess, 0.0)
+    (shared, covariance), *members = both
+    return _Estimate(method, shared, covariance, members, noise)
 
 
 def _join(fit: ParameterFit) -> list[tuple[Array, Array]]:
-    """Return the values of each flight: the shared ones with its own, and their covariance."""
-    return [(fit.values + own, fit.covariance + more) for own, more in fit.own]
+    """Return values and covariance: the shared ones, and with what each flight has of its own."""
+    own = [(fit.values + own, fit.covariance + more) for own, more in fit.own]
+    return [(fit.values, fit.covariance.copy()), *own]
 
 
 def _choose_estimate(

@@ -159,6 +159,10 @@ TOLERANCES: Final[dict[str, float]] = {
     'motor_lag': 0.006,
     'command_delay.delay': 0.005,
 }
+# Of a change of the motors' lag; deviation of the delay beside it. Stages in series, of speed
+# controller, motor and propeller, act as one stage after a delay: two equal ones as one with 1.41
+# times their time constant after 0.59 times it, which is 0.41 of that lag
+DELAY_WITH_LAG: Final = 0.2
 THRUST_SPREAD: Final = 0.02  # of the thrust of each
 GAIN_SPREAD: Final = 0.2  # of each axis of a commanded wrench, which is rarely met exactly
 WITHIN: Final = (-0.5, 1.0)  # bounds of relative changes of mass, inertia, thrust

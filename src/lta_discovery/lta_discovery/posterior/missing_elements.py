@@ -17,7 +17,7 @@ from typing import Final, final, NamedTuple
 from lta_config.errors import BadInput
 from lta_discovery.flights.measured_flight import MeasuredFlight
 from lta_discovery.model.nominal import NominalVehicle
-from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.model.parameters import DELAY_WITH_LAG, FreeParameter
 from lta_discovery.parallel import map_parallel
 from lta_discovery.posterior.elements import (
     compute_variance,
@@ -242,7 +242,8 @@ class MissingElementSearch:
     def _fit(self, begin: '_FittedModel', one: ScoredModel) -> '_FittedModel':
         """Fit a model, from another one that is fitted."""
         count = len(self.parameters)
-        tolerance = np.array([each.tolerance for each in self.parameters])
+        parameters = self._list_parameters_about(begin.values)
+        tolerance = np.array([each.tolerance for each in parameters])
         own = np.array([each.per_flight for each in self.parameters])
         tolerance[~own] *= one.trust
         tolerance = np.append(tolerance, np.zeros(self._wrenches[0].shape[2]))
@@ -276,6 +277,17 @@ class MissingElementSearch:
             smooth_systems(begin.systems, fit, forces),
         )
 
+    def _list_parameters_about(self, values: Array) -> list[FreeParameter]:
+        """Return the parameters with their tolerances about some values."""
+        at = {one.name: k for k, one in enumerate(self.parameters) if not one.per_flight}
+        lag, delay = at.get('motor_lag'), at.get('command_delay.delay')
+        out = list(self.parameters)
+        if lag is not None and delay is not None:
+            # The stages of another lag are unknown
+            more = DELAY_WITH_LAG * abs(float(values[lag]))
+            out[delay] = replace(out[delay], tolerance=math.hypot(out[delay].tolerance, more))
+        return out
+
     def _look(self, about: '_FittedModel', noise: Sequence[NoiseModel]) -> ModelSearch:
         """Linearize the flights with all columns, and return a search among the models."""
         flights = linearize_all(about.systems, self._nominal, about.values)
@@ -291,15 +303,16 @@ class MissingElementSearch:
         self._wrenches = [one[1] for one in looks]
         self._elements = list_elements(self.parameters, looks[0][0])
         none = np.zeros(self._wrenches[0].shape[2])
+        parameters = self._list_parameters_about(about.values)
         own = ParameterPrior(
-            np.array([*(one.tolerance for one in self.parameters), *none]),
+            np.array([*(one.tolerance for one in parameters), *none]),
             none,
             none,
-            np.array([*(one.per_flight for one in self.parameters), *(none > 0.0)]),
+            np.array([*(one.per_flight for one in parameters), *(none > 0.0)]),
         )
         values = np.append(about.values, none)
         evidence = LinearEvidence.of([one[2] for one in looks], noise, own, values, self._nominal)
-        return ModelSearch(self.parameters, self._elements, evidence)
+        return ModelSearch(parameters, self._elements, evidence)
 
     def _conclude(
         self, final: '_FittedModel', search: ModelSearch, ranked: Sequence[ScoredModel]

@@ -147,6 +147,20 @@ def test_each_of_several_effects_is_named_with_its_value(name: str) -> None:
 
 
 @pytest.mark.long
+def test_a_lag_of_two_stages_is_named_alone() -> None:
+    """Two stages act as one after a delay, here of 20 ms, which is no effect of its own."""
+    changes = {
+        'vehicle.effects.motor_lag.up': {'value': 0.22, 'unit': 's'},
+        'vehicle.effects.motor_lag.down': {'value': 0.22, 'unit': 's'},
+        'vehicle.effects.command_delay.delay': {'value': 0.02, 'unit': 's'},
+    }
+    result = search([resample_flight(flown(changes, seed)) for seed in (1, 2)])
+    assert [one.names[0] for one in result.present] == ['motor_lag']
+    value, deviation = find_value(result, 'command_delay.delay')
+    assert value == pytest.approx(0.02, abs=3.0 * deviation)
+
+
+@pytest.mark.long
 @pytest.mark.parametrize('seed', [1, 2])
 def test_nothing_is_named_in_a_vehicle_that_is_off_by_its_tolerances(seed: int) -> None:
     flights = [resample_flight(flown(off_by_tolerance(seed), k)) for k in (seed, seed + 10)]
