@@ -18,7 +18,7 @@ from lta_config.topics import load_topic_table
 from lta_control.phases import Phase
 from lta_energy.irradiance import NO_IRRADIANCE
 from lta_flight.closed_loop import ClosedLoop
-from lta_model.electrical.charger import resting_flow
+from lta_model.electrical.mppt_charger import resting_flow
 from lta_sim.world import World
 from lta_studies.mission.leg_state import GO, LegPlan
 from lta_studies.mission.legs import Array, LegPilot

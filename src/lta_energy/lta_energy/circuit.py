@@ -3,7 +3,7 @@
 """
 The cell on the perch over a time step: power path, energy totals, and the gauge of its charge.
 
-In flight, `lta_sim.supply` calls the same power path (`lta_model.electrical.charger`).
+In flight, `lta_sim.supply` calls the same power path (`lta_model.electrical.mppt_charger`).
 
 The gauge is a scalar Kalman filter. Coulomb counting drifts with the errors of the current meter;
 the voltage of a cell at low current gives the charge through the slope of the open-circuit
@@ -18,7 +18,7 @@ from lta_model.electrical.battery import (
     open_circuit_voltage,
     state_of_charge,
 )
-from lta_model.electrical.charger import (
+from lta_model.electrical.mppt_charger import (
     advance_power_path,
     charger_output,
     ChargerModel,

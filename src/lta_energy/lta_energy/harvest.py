@@ -20,7 +20,7 @@ from typing import Final, final, NamedTuple, Self
 from lta_config.schema.spectrum_file import luminous_efficacy
 from lta_config.schema.vehicle_energy import EnergyBlock
 from lta_energy.irradiance import NO_IRRADIANCE, PanelIrradiance
-from lta_model.electrical.charger import charger_output, ChargerModel
+from lta_model.electrical.mppt_charger import charger_output, ChargerModel
 from lta_model.electrical.panel import (
     array_spectral_factor,
     cell_spectral_factor,

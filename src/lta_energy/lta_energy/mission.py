@@ -24,7 +24,7 @@ from lta_energy.harvest import HarvestCurve
 from lta_energy.irradiance import IrradianceSeries, PanelIrradiance
 from lta_energy.schedule import Schedule, ScheduleDecision, ScheduleInputs
 from lta_model.electrical.battery import BatteryModel
-from lta_model.electrical.charger import (
+from lta_model.electrical.mppt_charger import (
     charger_output,
     ChargerModel,
     PowerFlow,

@@ -19,8 +19,8 @@ from lta_config.files import find_file, parse_yaml, validate_content
 from lta_config.schema.vehicle_file import load_vehicle_file, VehicleFile
 from lta_model import effect_parameters, mass_properties, propulsion
 from lta_model.electrical.battery import BatteryModel
-from lta_model.electrical.charger import ChargerModel
 from lta_model.electrical.loads import LoadModel
+from lta_model.electrical.mppt_charger import ChargerModel
 from lta_model.electrical.panel import SolarArrayModel
 from lta_model.mass_properties import (
     Array,

@@ -14,14 +14,14 @@ from typing import Any, final, NamedTuple
 from lta_config.compilation.flat import compile_core, TupleLayout
 from lta_energy.monitoring.meters import EnergyBalance
 from lta_model.electrical.battery import BatteryModel
-from lta_model.electrical.charger import (
+from lta_model.electrical.loads import LoadModel, power_demand
+from lta_model.electrical.mppt_charger import (
     advance_power_path,
     ChargerModel,
     PowerFlow,
     resting_flow,
     total_stored_energy,
 )
-from lta_model.electrical.loads import LoadModel, power_demand
 from lta_model.electrical.panel import current_at_voltage, find_max_power_point, SolarArrayModel
 from lta_model.scenario import FaultTimes, is_cut_off, is_shorted
 from lta_model.vehicle import Vehicle

@@ -11,7 +11,7 @@ import math
 from lta_energy.monitoring.meters import MeterReading, PowerSystem
 from lta_energy.monitoring.monitor import EnergyEstimate, MonitorSettings, update_estimate
 from lta_model.electrical.battery import BatteryModel, open_circuit_voltage
-from lta_model.electrical.charger import ChargerModel
+from lta_model.electrical.mppt_charger import ChargerModel
 from lta_sim import supply
 import numpy as np
 

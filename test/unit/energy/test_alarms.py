@@ -19,7 +19,7 @@ from lta_energy.monitoring.report import report_energy
 from lta_energy.monitoring.soc_ekf import CellState
 from lta_graph.health import HealthLevel
 from lta_model.electrical.battery import BatteryModel
-from lta_model.electrical.charger import ChargerModel
+from lta_model.electrical.mppt_charger import ChargerModel
 import pytest
 
 SETTINGS = MonitorSettings()

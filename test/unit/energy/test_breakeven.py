@@ -14,7 +14,7 @@ from lta_energy.harvest import (
     LAMPS,
     LightSource,
 )
-from lta_model.electrical.charger import ChargerModel
+from lta_model.electrical.mppt_charger import ChargerModel
 from lta_model.electrical.panel import cell_spectral_factor, find_max_power_point, SolarArrayModel
 import pytest
 

@@ -9,7 +9,7 @@ from lta_energy.circuit import add_totals, EnergyTotals, NO_ENERGY, step_circuit
 from lta_energy.harvest import HarvestCurve
 from lta_energy.irradiance import NO_IRRADIANCE
 from lta_model.electrical.battery import BatteryModel
-from lta_model.electrical.charger import ChargerModel, resting_flow, total_stored_energy
+from lta_model.electrical.mppt_charger import ChargerModel, resting_flow, total_stored_energy
 from lta_model.electrical.panel import find_max_power_point, SolarArrayModel
 import numpy as np
 import pytest

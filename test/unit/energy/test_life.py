@@ -20,7 +20,7 @@ from lta_energy.mission import (
 )
 from lta_energy.schedule import ScheduleDecision
 from lta_model.electrical.battery import BatteryModel
-from lta_model.electrical.charger import ChargerModel, resting_flow
+from lta_model.electrical.mppt_charger import ChargerModel, resting_flow
 import numpy as np
 import pytest
 

@@ -28,7 +28,7 @@ from lta_energy.schedule import (
     ScheduleInputs,
 )
 from lta_model.electrical.battery import BatteryModel
-from lta_model.electrical.charger import charger_output, ChargerModel
+from lta_model.electrical.mppt_charger import charger_output, ChargerModel
 import pytest
 
 ENERGY = load_vehicle_file('gtmab').energy

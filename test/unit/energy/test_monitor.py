@@ -16,7 +16,7 @@ from lta_energy.monitoring.soc_ekf import (
 )
 from lta_graph.health import HealthLevel
 from lta_model.electrical import battery
-from lta_model.electrical.charger import ChargerModel
+from lta_model.electrical.mppt_charger import ChargerModel
 import pytest
 
 from .metered import ABOARD, CELL, Metered

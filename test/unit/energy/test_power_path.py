@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_model.electrical.battery import BatteryModel
-from lta_model.electrical.charger import (
+from lta_model.electrical.mppt_charger import (
     advance_power_path,
     charge_power_limit,
     charger_output,

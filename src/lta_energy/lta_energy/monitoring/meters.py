@@ -9,7 +9,7 @@ from typing import Final, final, NamedTuple, Self
 from lta_config.schema.vehicle_energy import EnergyBlock
 from lta_energy.monitoring.soc_ekf import CellState, RELAXATION, RESISTANCE
 from lta_model.electrical.battery import BatteryModel
-from lta_model.electrical.charger import ChargerModel, convert_harvest
+from lta_model.electrical.mppt_charger import ChargerModel, convert_harvest
 
 # Beyond the range of any meter of a small cell; one reading of 1e30 A would ruin the filter.
 MOST_VOLTS: Final = 100.0

@@ -40,7 +40,7 @@ from lta_flight.batch.flight import (
     with_setpoint,
 )
 from lta_flight.batch.targets import BatchSchedule
-from lta_model.electrical.charger import PowerFlow
+from lta_model.electrical.mppt_charger import PowerFlow
 from lta_model.state import RIGID
 from lta_sim.compiled_sensors import draw_white_noise, SensorErrors, simulate_range_reading
 from lta_sim.environment import steady_wind_at

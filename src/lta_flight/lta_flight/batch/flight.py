@@ -22,7 +22,7 @@ from lta_flight.batch.batch_flight import (
     FlightTally,
     Vector,
 )
-from lta_model.electrical.charger import PowerFlow
+from lta_model.electrical.mppt_charger import PowerFlow
 from lta_model.light.direct_light import direct_light
 from lta_model.light.readings import daylight_on_panel, lamp_light_on_panel
 from lta_model.light.scene_geometry import daylight_illuminance, is_in_room

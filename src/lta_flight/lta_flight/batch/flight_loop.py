@@ -25,7 +25,7 @@ from lta_flight.batch.flight import (
     update_tally,
 )
 from lta_flight.batch.targets import BatchSchedule
-from lta_model.electrical.charger import resting_flow
+from lta_model.electrical.mppt_charger import resting_flow
 from lta_sim.compiled_sensors import draw_errors, simulate_range_reading
 from lta_sim.termination import FLYING
 import numpy as np

@@ -7,7 +7,7 @@ One LiPo cell: open-circuit voltage by state of charge, a series resistance and 
 
 Signs as in sensor_msgs/BatteryState: positive current or power charges the cell. The states are
 the charge and the relaxation voltage U; temperature and age are constant. The functions take and
-return scalars and allocate nothing, so that numba compiles them. `electrical.charger` has the
+return scalars and allocate nothing, so that numba compiles them. `electrical.mppt_charger` has the
 limits of voltage and current.
 """
 

@@ -16,7 +16,7 @@ from lta_energy.harvest import (
     LAMPS,
     LOWEST_ILLUMINANCE,
 )
-from lta_model.electrical.charger import ChargerModel
+from lta_model.electrical.mppt_charger import ChargerModel
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_report.charts import ChartAxis, Curve, draw_curves, item_colour, Level
 from lta_report.formatting import Tile

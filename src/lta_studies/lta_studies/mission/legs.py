@@ -22,7 +22,7 @@ from lta_flight.batch.batch_flight import BatchFlight, build_schedule
 from lta_flight.batch.codegen import build_kernel, initial_effect_memory, write_flight_source
 from lta_flight.batch.control_period import begin_flight, WorkArrays
 from lta_flight.batch.targets import BatchSchedule, CPU, SCRATCH, SENSOR_STEP
-from lta_model.electrical.charger import PowerFlow, resting_flow
+from lta_model.electrical.mppt_charger import PowerFlow, resting_flow
 from lta_model.light.reflected_light import LAMP_ROWS, scratch_size
 from lta_model.state import pack_state, RIGID
 from lta_sim.compiled_sensors import draw_turbulence_memory

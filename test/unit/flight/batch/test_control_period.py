@@ -13,7 +13,7 @@ from lta_flight.batch.control_period import (
     FlightKernel,
 )
 from lta_flight.flight_spec import build_vehicle_scenario_stack, load_spec
-from lta_model.electrical.charger import resting_flow
+from lta_model.electrical.mppt_charger import resting_flow
 from lta_model.state import ACTUATORS, pack_state, RIGID
 from lta_sim.compiled_sensors import draw_errors
 import numpy as np

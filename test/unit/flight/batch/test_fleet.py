@@ -25,7 +25,7 @@ from lta_flight.loop_view import LoopView
 from lta_flight.report.results import compute_results
 from lta_flight.sweep.batch_workers import compute_figures
 from lta_model.effects import EFFECTS
-from lta_model.electrical.charger import resting_flow
+from lta_model.electrical.mppt_charger import resting_flow
 from lta_model.sensors import imu, pressure
 from lta_model.sensors import range as range_finder
 from lta_model.state import COMMAND, SURROUNDINGS

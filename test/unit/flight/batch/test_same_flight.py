@@ -27,7 +27,7 @@ from lta_flight.batch.targets import BatchSchedule, SCRATCH
 from lta_flight.flight_spec import build_loop, build_vehicle_scenario_stack, load_spec
 from lta_flight.loop_view import LoopView
 from lta_flight.report.results import compute_results
-from lta_model.electrical.charger import resting_flow
+from lta_model.electrical.mppt_charger import resting_flow
 from lta_model.state import NOISE
 from lta_sim import compiled_sensors
 from lta_sim.compiled_sensors import ImuAxes, SensorErrors

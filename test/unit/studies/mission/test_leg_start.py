@@ -7,7 +7,7 @@ from dataclasses import replace
 from lta_config.errors import BadInput
 from lta_config.schema.mission_file import load_mission
 from lta_flight.batch.targets import BatchSchedule
-from lta_model.electrical.charger import resting_flow
+from lta_model.electrical.mppt_charger import resting_flow
 from lta_model.scenario import load_scenario
 from lta_model.state import RIGID
 from lta_sim.compiled_sensors import draw_turbulence_memory

@@ -5,7 +5,7 @@
 from leg_validation import compare_leg_with_loop
 from lta_config.schema.mission_file import load_mission
 from lta_energy.irradiance import NO_IRRADIANCE
-from lta_model.electrical.charger import resting_flow, total_stored_energy
+from lta_model.electrical.mppt_charger import resting_flow, total_stored_energy
 from lta_model.light.reflected_light import LAMP_ROWS, scratch_size
 from lta_sim import light_link as heard
 from lta_studies.mission.leg_state import (

@@ -16,8 +16,8 @@ from lta_control.cascade import Setpoint
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec, load_spec
 from lta_model.electrical.battery import BatteryModel
-from lta_model.electrical.charger import advance_power_path, ChargerModel, resting_flow
 from lta_model.electrical.loads import LoadModel, power_demand
+from lta_model.electrical.mppt_charger import advance_power_path, ChargerModel, resting_flow
 from lta_report.json_value import ExactArray
 from lta_report.study_store import StoreFormat
 from lta_report.workers import report_progress

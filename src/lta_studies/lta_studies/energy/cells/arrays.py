@@ -25,8 +25,8 @@ from lta_config.schema.cell_file import (
 from lta_config.schema.spectrum_file import luminous_efficacy
 from lta_config.schema.vehicle_energy import EnergyBlock
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_model.electrical.charger import charger_output, ChargerModel
 from lta_model.electrical.loads import LoadModel, power_demand
+from lta_model.electrical.mppt_charger import charger_output, ChargerModel
 from lta_model.electrical.panel import cell_spectral_factor, find_max_power_point, SolarArrayModel
 from lta_report.report import Report
 from lta_report.request import argument, Mass, option, ReportRequest, StudyRun

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from lta_config.schema.spectrum_file import luminous_efficacy
 from lta_energy.harvest import WHITE_LED
-from lta_model.electrical.charger import charger_output
+from lta_model.electrical.mppt_charger import charger_output
 from lta_model.electrical.panel import array_spectral_factor, find_max_power_point
 from lta_model.vehicle import Vehicle
 from lta_report.charts import ChartAxis, Curve, DASHED, draw_curves

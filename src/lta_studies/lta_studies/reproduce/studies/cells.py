@@ -13,7 +13,7 @@ from lta_config.schema.spectrum_file import load_spectrum, luminous_efficacy
 from lta_config.schema.vehicle_energy import EnergyBlock
 from lta_config.schema.vehicle_file import load_vehicle_file, VehicleFile
 from lta_energy.harvest import break_even_illuminance, HarvestCurve, LAMPS
-from lta_model.electrical.charger import ChargerModel
+from lta_model.electrical.mppt_charger import ChargerModel
 from lta_studies.energy.cells.arrays import (
     build_all_arrays,
     CellReading,
