@@ -38,7 +38,8 @@ def test_the_command_of_the_wheels_never_asks_another_ros(lta, other_ros, tmp_pa
 
 @pytest.mark.long
 def test_a_second_graph_on_the_domain_is_refused_whoever_comes_first(lta, flying, tmp_path):
-    first = lta.start('launch', 'fly', f'bag:={tmp_path / "bag"}')
+    # Without a task, the first one does not end by itself
+    first = lta.start('launch', 'fly', 'commanded:=true', f'bag:={tmp_path / "bag"}')
     flying(0.1)
     for words in (
         ('fly', '--out', tmp_path / 'second'),

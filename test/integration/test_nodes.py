@@ -283,8 +283,8 @@ def test_a_flight_in_real_time_is_open_to_people(lta, peer, flying, hear, tmp_pa
         full = name if name.startswith('/') else f'/lta1/{name}'
         offered = [info.qos_profile for info in peer.node.get_publishers_info_by_topic(full)]
         expected = select_profile(topic, lockstep=False)
-        # A flight replays nothing, and nobody is at its sticks.
-        assert bool(offered) == (topic.source not in {'player', 'teleop'}), name
+        # A flight replays nothing, nobody is at its sticks, and no tracker sees it.
+        assert bool(offered) == (topic.source not in {'player', 'teleop', 'tracker'}), name
         for quality in offered:
             assert quality.reliability == expected.reliability, name
             assert quality.durability == expected.durability, name

@@ -138,19 +138,22 @@ def _build_estimate(
     method: str, fit: ParameterFit, other: ParameterFit | None, noise: NoiseModel
 ) -> _Estimate:
     """
-    Return a fit, with intervals that contain the other one where they contradict each other.
+    Return a fit, whose intervals contain the other one where they contradict each other.
 
-    Of two fits of a right model, the less precise one differs from the other by the difference of
-    their variances (Hausman, Econometrica 46, 1978). What they differ by beyond 95 % of that is an
-    error of the model, and its square is added to the variance.
+    Errors of a model make two fits differ by more than either interval says, so that the square of
+    the difference is added to the variance. Of the precise one, that is what its 95 % do not
+    explain: where the model is right, it differs from the other by the difference of their
+    variances (Hausman, Econometrica 46, 1978).
     """
     both = _join(fit)
-    for (values, spread), (values_of_other, spread_of_other) in zip(
+    for (values, spread), (others, spread_of_others) in zip(
         both, _join(other) if other else both, strict=True
     ):
-        expected = WIDE**2 * np.abs(np.diag(spread) - np.diag(spread_of_other))
-        excess = (values - values_of_other) ** 2 - expected
-        spread[np.diag_indices_from(spread)] += np.maximum(excess, 0.0)
+        excess = (values - others) ** 2
+        if method == 'likelihood':
+            less_precise = np.maximum(np.diag(spread_of_others) - np.diag(spread), 0.0)
+            excess = np.maximum(excess - WIDE**2 * less_precise, 0.0)
+        spread[np.diag_indices_from(spread)] += excess
     (shared, covariance), *members = both
     return _Estimate(method, shared, covariance, members, noise)
 

@@ -41,7 +41,6 @@ from lta_discovery.flights.outliers import (
 )
 from lta_discovery.flights.sentence_merger import merge_sentences
 from lta_discovery.flights.streams import build_streams, convert_to_duties
-from lta_discovery.flights.timestamp_repair import add_stamp_noise, repair_timestamps
 from lta_discovery.flights.transients import find_transients, format_cut
 from lta_discovery.model.nominal import NominalVehicle
 from lta_model.vehicle import Vehicle
@@ -296,10 +295,7 @@ def _clean_flight(
             f'{one.name}: {format_count(clipped, "command")} beyond what the actuators can do, '
             'for a single reading each: clipped.'
         )
-    # Repair stamps before resampling, which would spread their errors.
-    streams, rounding, remarks = repair_timestamps(one.name, streams)
-    flight, more = add_stamp_noise(one.name, resample_flight(streams), rounding)
-    warnings += [*whole, *remarks, *more]
+    flight, warnings = resample_flight(streams), [*warnings, *whole]
     flight = _mask_intervals(flight, cuts, pose)
     for part in find_transients(flight, streams):
         inside = (flight.time >= part.from_s) & (flight.time <= part.to_s)
