@@ -186,7 +186,8 @@ def _recognise_coasting(
 
 def _amplitude(tilt: Array) -> float:
     """Return half the range of a tilt about its slow drift [rad]."""
-    return 0.5 * float(np.ptp(np.percentile(tilt, (2.0, 98.0))))
+    # The first of 20 s, before a swing decays; outliers of the tracker are gone
+    return 0.5 * float(np.ptp(np.percentile(tilt, (0.5, 99.5))))
 
 
 def _yaw_rates(quaternion: Array) -> tuple[float, float]:
