@@ -1,6 +1,6 @@
 # Copyright 2026 The LTA maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""`lta doctor` proves DDS with two real processes, and gives up in time when nobody answers."""
+"""The doctor: whether processes of this machine talk."""
 
 import os
 import subprocess
