@@ -16,7 +16,6 @@ from lta_bridge.description.messages import (
 )
 from lta_bridge.description.scene import (
     draw_body,
-    draw_lamp,
     draw_static_scene,
     draw_walls,
     half_power_angle,
@@ -33,10 +32,8 @@ from lta_bridge.description.shapes import (
 )
 from lta_bridge.description.urdf import (
     build_urdf,
-    convert_to_rods,
     list_fixed_frames,
     list_sensor_frames,
-    slice_into_discs,
     to_rpy,
 )
 from lta_model.light.lamp import direct_illuminance
@@ -103,26 +100,6 @@ def test_joints_turn_as_the_frames_of_messages_do():
     for frame in list_sensor_frames(vehicle):
         own = Rotation.from_quat(frame.turn)
         assert (turns[frame.name].inv() * own).magnitude() < 1e-5
-
-
-@pytest.mark.parametrize(
-    ('size', 'axis'), [((1.0, 1.0, 0.6), 2), ((2.0, 0.8, 0.8), 0), ((0.8, 2.0, 0.8), 1)]
-)
-def test_the_discs_fill_the_hull_and_stand_along_its_axis(size, axis):
-    made = list(slice_into_discs(EllipsoidShape((0.0, 0.0, 0.0), size, (0, 0, 0, 1))))
-    volume = sum(math.pi * (0.5 * disc.size[0]) ** 2 * disc.size[2] for disc in made)
-    assert volume == pytest.approx(math.pi / 6.0 * math.prod(size), rel=1e-9)
-    assert sum(disc.size[2] for disc in made) == pytest.approx(size[axis])
-    up = Rotation.from_quat(made[0].turn).apply([0.0, 0.0, 1.0])
-    assert abs(up[axis]) == pytest.approx(1.0)
-
-
-def test_a_rod_joins_the_ends_of_its_stroke():
-    ends = ((0.1, 0.0, 0.2), (0.4, -0.4, 0.2))
-    (rod,) = convert_to_rods(PolylineShape(ends, 0.01, (0, 0, 0, 1), pairs=True))
-    half = Rotation.from_quat(rod.turn).apply([0.0, 0.0, 0.5 * rod.size[2]])
-    assert np.array(rod.place) - half == pytest.approx(ends[0])
-    assert np.array(rod.place) + half == pytest.approx(ends[1])
 
 
 def test_descriptions_are_urdf_scene_and_fixed_frames():
@@ -201,12 +178,6 @@ def test_a_turn_takes_one_direction_onto_the_other(start, end):
     assert got == pytest.approx(np.array(end) / math.hypot(*end), abs=1e-6)
 
 
-@pytest.mark.parametrize('start', [(1.0, 0.0, 0.0), (0.0, 0.0, 1.0)])
-def test_a_turn_right_back_is_half_a_turn(start):
-    back = tuple(-number for number in start)
-    assert applied(rotation_between(start, back), start) == pytest.approx(back)
-
-
 def test_the_envelope_and_parts_are_where_the_vehicle_file_puts_them():
     entity = draw_body(GTMAB)
     assert entity.frame == 'base_link'
@@ -215,16 +186,6 @@ def test_the_envelope_and_parts_are_where_the_vehicle_file_puts_them():
     boxes = {box.place: box.size for box in shapes(entity, BoxShape)}
     assert boxes[(0.0, 0.0, 0.302)] == pytest.approx((0.178, 0.078, 0.002))  # solar panels
     assert len(shapes(entity, BoxShape)) == len(GTMAB.file.parts) - 1  # all but the envelope
-
-
-def test_rotors_are_discs_across_their_thrust():
-    discs = shapes(draw_body(GTMAB), CylinderShape)
-    assert [disc.place for disc in discs] == [
-        pytest.approx(place)
-        for place in ((0, 0.19, -0.3435), (0, -0.19, -0.3435), (0, 0.1, -0.4), (0, -0.1, -0.4))
-    ]
-    axes = [applied(disc.turn, (0.0, 0.0, 1.0)) for disc in discs]
-    assert np.array(axes) == pytest.approx(np.array([[0, 0, 1], [0, 0, 1], [1, 0, 0], [1, 0, 0]]))
 
 
 def test_the_cone_is_where_the_lamp_shines_half_as_bright():
@@ -236,33 +197,6 @@ def test_the_cone_is_where_the_lamp_shines_half_as_bright():
     points = np.array(source.position) + far * np.stack([axis, edge])
     ahead, off = direct_illuminance(source, points, -np.stack([axis, edge]))
     assert off / ahead == pytest.approx(0.5, rel=1e-6)
-
-
-def test_the_cone_begins_at_the_lamp_and_opens_along_its_axis():
-    entity = draw_lamp('lamp', ROOM.lamps['lamp'])
-    (cone,) = shapes(entity, CylinderShape)
-    assert (cone.bottom, cone.top) == (0.0, 1.0)
-    assert math.hypot(cone.size[0] / 2, cone.size[2]) == pytest.approx(1.0)  # along its edge
-    tip = np.array(cone.place) + applied(cone.turn, (0.0, 0.0, -cone.size[2] / 2))
-    mouth = np.array(cone.place) + applied(cone.turn, (0.0, 0.0, cone.size[2] / 2))
-    assert tip == pytest.approx((3.5, 0.0, 1.0))
-    assert mouth - tip == pytest.approx((-0.5, 0.0, 0.0), abs=1e-9)
-    opening = 2.0 * math.atan2(cone.size[0] / 2, cone.size[2])
-    assert math.degrees(opening) == pytest.approx(120.0)
-    assert [label.text for label in shapes(entity, BillboardText)] == ['lamp, 150 Hz']
-
-
-def test_every_lamp_stands_and_every_stop_of_the_route_has_its_circle():
-    patrol = load_scenario('warehouse_patrol')
-    things = {each.name: each for each in draw_static_scene(patrol)}
-    assert list(things) == ['room', 'lamp/dock', 'lamp/aisle', 'lamp/gate', 'goal']
-    bulbs = [shapes(things[f'lamp/{name}'], EllipsoidShape)[0].place for name in patrol.lamps]
-    assert bulbs == [(-3.5, -2.0, 0.1), (3.5, -2.0, 0.1), (0.0, 4.0, 0.1)]
-    cones = [shapes(things[f'lamp/{name}'], CylinderShape)[0] for name in patrol.lamps]
-    assert max(cone.size[0] for cone in cones) < 2.0  # of lanterns that shine nearly sideways
-    aisle, gate = shapes(things['goal'], PolylineShape)  # dock is on no route
-    assert aisle.points[0] == pytest.approx((4.5, -2.0, 0.0))
-    assert gate.points[0] == pytest.approx((1.0, 4.0, 0.0))
 
 
 def test_the_room_has_a_floor_twelve_edges_and_walls_only_where_they_are_solid():

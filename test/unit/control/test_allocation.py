@@ -45,12 +45,6 @@ def test_what_can_be_given_is_given():
     assert given[5] == pytest.approx(0.001, rel=1e-6)
 
 
-def test_the_vertical_rotors_share_the_load():
-    thrusts, given = give(heave=0.1)
-    assert thrusts[0] == pytest.approx(thrusts[1], rel=1e-8)
-    assert given[3] == pytest.approx(0.0, abs=1e-9)
-
-
 def test_altitude_before_heading_before_speed():
     """All three beyond the rotors: heave is kept best, then yaw, and surge gives way."""
     thrusts, given = give(surge=0.35, heave=0.15, yaw=0.012)
@@ -72,12 +66,6 @@ def test_what_gives_way_by_hand():
     assert thrusts[2] == pytest.approx(t3, rel=1e-6)
 
 
-def test_braking_without_reverse_gives_nothing():
-    thrusts, given = give(surge=-0.1)
-    assert thrusts == pytest.approx(REST, abs=1e-12)
-    assert given == pytest.approx((0.0,) * 6, abs=1e-12)
-
-
 def test_a_reversible_rotor_brakes_and_pushes_down():
     both = ROTORS._replace(low=pad_to_slots((-FULL,) * 4))
     _, given = give(surge=-0.1, heave=-0.1, rotors=both)
@@ -94,12 +82,6 @@ def test_the_strongest_push_downwards():
     }
     both = Vehicle(vehicle.file.model_copy(update={'rotors': reversing}))
     assert build_rotors(both).lowest_heave == pytest.approx(-2 * 0.961 * FULL, rel=1e-12)
-
-
-def test_a_rotor_that_nothing_feels_stays_as_it_is():
-    columns = (*ROTORS.allocation[:3], (0.0, 1.0, 0.0, 0.0, 1.0, 0.0), *ROTORS.allocation[4:])
-    dumb = ROTORS._replace(allocation=columns)
-    assert give(heave=0.1, rotors=dumb, start=pad_to_slots((0.0, 0.0, 0.0, 0.07)))[0][3] == 0.07
 
 
 def duties(rotors, thrusts):
@@ -173,8 +155,3 @@ def test_reversed_thrust_is_a_ratio_of_each_rotor_and_one_in_unused_slots():
     )
     assert duties(rotors, half) == pytest.approx([-u for u in forward])
     assert pad_to_slots((0.1,) * 8) == (0.1,) * 8
-
-
-def test_zero_thrust_is_zero_duty_even_without_a_thrust_curve():
-    assert one_duty(0.0, 0.0, 0.0) == 0.0
-    assert duties(ROTORS, NO_ROTORS) == NO_ROTORS

@@ -5,7 +5,6 @@
 import math
 
 from lta_config.files import find_file, load_yaml
-from lta_control import estimator
 from lta_control.allocation import NO_ROTORS, pad_to_slots
 from lta_control.altitude import STUCK
 from lta_control.bias_calibration import is_tilted, is_turning, MOST_RATE, SensorBiases
@@ -191,17 +190,6 @@ def test_a_sensor_may_be_off_by_what_its_data_sheet_says():
     assert not is_tilted(biases, (0.0, 0.0, 0.0))
 
 
-def test_standing_still_stays_still():
-    state = run(rested(), STILL._replace(range=0.05, pressure=101_000.0), 1000)
-    assert state.attitude == pytest.approx((0.0, 0.0, 0.0, 1.0), abs=1e-12)
-    assert state.rates == pytest.approx((0.0, 0.0, 0.0), abs=1e-15)
-    assert state.airspeed == pytest.approx((0.0, 0.0, 0.0, 0.0), abs=1e-12)
-    assert state.position == pytest.approx((0.0, 0.0), abs=1e-12)
-    assert state.altitude.height == pytest.approx(0.42, abs=1e-6)
-    assert state.altitude.climb == pytest.approx(0.0, abs=1e-7)
-    assert state.flight_time == pytest.approx(10.0)
-
-
 @pytest.mark.parametrize('reading', [math.inf, -math.inf, math.nan])
 def test_a_range_without_a_return_is_left_out(reading):
     state = rested()
@@ -299,13 +287,6 @@ def test_position_is_dead_reckoned_along_the_heading():
         )
     )
     np.testing.assert_allclose(state.position, way, rtol=1e-2)
-
-
-def test_yaw_follows_the_gyroscope_less_its_bias():
-    rates = (0.01, -0.02, 0.03 + 0.4)
-    state = run(rested(), STILL._replace(rates=rates), 100)
-    assert state.rates == pytest.approx((0.0, 0.0, 0.4), abs=1e-12)
-    assert estimator.yaw_from_quaternion(state.attitude) == pytest.approx(0.4, abs=1e-5)
 
 
 def test_the_body_of_gtmab():

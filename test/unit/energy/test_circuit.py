@@ -10,8 +10,7 @@ from lta_energy.harvest import HarvestCurve
 from lta_energy.irradiance import NO_IRRADIANCE
 from lta_model.electrical.battery import BatteryModel
 from lta_model.electrical.charger import ChargerModel, resting_flow, total_stored_energy
-from lta_model.electrical.panel import find_max_power_point, SolarArrayModel
-import numpy as np
+from lta_model.electrical.panel import SolarArrayModel
 import pytest
 
 ENERGY = load_vehicle_file('gtmab').energy
@@ -44,12 +43,6 @@ def test_what_is_harvested_is_consumed_lost_or_stored(charge, available, asked, 
     assert 0.0 <= store.charge <= 1.0
 
 
-def test_a_table_gives_what_the_diode_gives():
-    for light in (0.3, 7.0, 55.5, 333.0, 981.0):
-        voltage, current = find_max_power_point(PANEL, light)
-        assert HARVEST.steady_light_power(light) == pytest.approx(voltage * current, rel=2e-4)
-
-
 def test_a_flickering_lamp_brings_its_duty_of_its_own_brightness():
     flickering = HARVEST(NO_IRRADIANCE._replace(beacon=200.0, duty=0.5))
     assert flickering == pytest.approx(0.5 * HARVEST.steady_light_power(220.0))
@@ -75,23 +68,3 @@ def test_the_books_add_up_entry_by_entry():
     again, twice = step_circuit(CELL, CHARGER, resting_flow(0.5), before, 1.0, 0.1, 10.0)
     assert again == store
     assert twice == pytest.approx(add_totals(before, once))
-
-
-def test_the_table_has_256_points_from_a_hundredth_to_two_thousand_watts():
-    """At a table point the value is that of the diode equation, without interpolation."""
-    for light in np.geomspace(0.01, 2000.0, 256)[[0, 1, 100, 255]]:
-        voltage, current = find_max_power_point(PANEL, float(light))
-        assert HARVEST.steady_light_power(float(light)) == pytest.approx(
-            voltage * current, rel=1e-9
-        )
-    assert HARVEST.steady_light_power(0.0) == 0.0
-    assert HARVEST.steady_light_power(0.005) == pytest.approx(
-        0.5 * HARVEST.steady_light_power(0.01)
-    )
-    assert HARVEST.steady_light_power(3000.0) == HARVEST.steady_light_power(2000.0)
-
-
-def test_without_a_beacon_light_is_sun_and_lamps():
-    both = HARVEST(NO_IRRADIANCE._replace(sun=100.0, lamps=20.0, duty=0.5))
-    assert both == pytest.approx(HARVEST.steady_light_power(122.0))
-    assert NO_IRRADIANCE == (0.0, 0.0, 0.0, 1.0)

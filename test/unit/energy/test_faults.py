@@ -194,14 +194,6 @@ def test_clean_flights_raise_no_alarm(seed, lit):
         assert names(estimate) == set(), seed
 
 
-def test_the_electronics_alone_raise_no_alarm():
-    """Ten minutes of rest at 28 mA: the meter repeats itself often, but not for 5 s."""
-    cell, estimate = Metered(3), EnergyEstimate()
-    for _ in range(6000):
-        estimate = update_estimate(SETTINGS, ABOARD, estimate, cell.reading(0.119))
-        assert names(estimate) == set()
-
-
 @given(st.lists(st.booleans(), max_size=60), st.floats(0.0, 1.0), st.floats(0.0, 1.0))
 def test_a_latch_changes_only_when_its_condition_has_lasted(conditions, rise, fall):
     latch, lasted = Latch(), 0.0

@@ -56,22 +56,6 @@ def test_of_sixteen_samples_a_lone_tone_is_read_exactly(off, phase):
     assert found.amplitude[0, 0] == pytest.approx(7.0, abs=1e-12)
 
 
-def test_all_diodes_share_a_frequency_and_keep_their_amplitudes():
-    shares = np.array([1.0, 0.5, 0.01, 0.0])
-    found = read(shares[:, None] * tone(153.7, 0.4, 100.0), [15])
-    assert found.frequency[0] == pytest.approx(15.37, abs=1e-5)
-    assert found.amplitude[0] == pytest.approx(100.0 * shares, rel=1e-5, abs=1e-12)
-    assert found.own[0, :3] == pytest.approx([15.37] * 3, abs=1e-5)
-    assert found.own[0, 3] == 15.0  # silence has the bin's
-
-
-def test_a_diode_without_a_say_is_read_and_does_not_pull():
-    waves = np.stack([tone(151.0), 50.0 * tone(158.0)])
-    spectrum = fourier_transform(waves - waves.mean(axis=1, keepdims=True))
-    found = estimate_tones(spectrum, np.array([15]), np.array([1.0, 0.0]), SAMPLES)
-    assert found.frequency[0] == pytest.approx(15.1, abs=1e-5)
-
-
 def test_own_harmonics_do_not_leak_into_a_square_wave():
     """A square wave between bins has its fundamental, to the harmonics above the ninth."""
     found = [
@@ -80,19 +64,6 @@ def test_own_harmonics_do_not_leak_into_a_square_wave():
     ]
     assert rms(np.array([each.frequency[0] - place for each, place in found])) < 3e-4
     assert rms(np.array([each.amplitude[0, 0] - 1.0 for each, _ in found])) < 2e-4
-
-
-def test_a_strong_lamp_between_bins_leaves_a_weak_one_alone():
-    """Ten times the light, 100 Hz away, would leak 4 % of the weak amplitude."""
-    off, alone = [], []
-    for step, place in enumerate(np.linspace(24.6, 25.4, 60).tolist()):
-        strong = square(153.0 + 0.05 * step, 1.1 * step, 10.0)
-        waves = square(10.0 * place, 0.7 * step) + strong
-        centres = [round(15.3 + 0.005 * step), 25]
-        off.append(read(waves, centres).amplitude[1, 0] - 1.0)
-        alone.append(read(waves, centres[1:]).amplitude[0, 0] - 1.0)
-    assert rms(np.array(alone)) > 0.03
-    assert rms(np.array(off)) < 0.006
 
 
 @pytest.mark.parametrize(('k', 'read_at'), [(17.6, 16.0), (13.2, 14.0), (15.9, 15.9)])
