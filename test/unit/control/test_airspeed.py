@@ -54,15 +54,6 @@ def test_a_damped_integral_alone_decays_and_this_does_not():
     assert state.surge == pytest.approx(0.5, abs=0.01)
 
 
-def test_turning_carries_surge_into_sway():
-    """Without forces the air-relative velocity stays in space while the nose turns left."""
-    rate, steps = 0.5, 1000
-    state = fly(steps, rate=rate, trust=1e9, start=AirspeedEstimate(surge=0.4), dt=0.001)
-    turned = rate * steps * 0.001
-    assert state.surge == pytest.approx(0.4 * math.cos(turned), abs=1e-4)
-    assert state.sway == pytest.approx(-0.4 * math.sin(turned), abs=1e-4)
-
-
 def test_the_model_is_that_of_a_body_with_added_mass():
     """Kirchhoff's equations in the plane, by an independent integrator."""
     rate, force = 0.4, (0.03, 0.005)

@@ -4,7 +4,6 @@
 
 from lta_control.altitude import AltitudeEstimate, correct_altitude, predict_altitude
 import numpy as np
-import pytest
 
 DT = 0.01
 UPPER = np.triu_indices(3)
@@ -66,17 +65,3 @@ def flight(generator, steps=150):
         if k % 5 == 0:
             state = correct_altitude(state, truth[0] + 0.01 * generator.normal(), 0.01, False)
     return state, truth
-
-
-def test_the_prior_is_1_m_for_height_and_offset_and_10_cm_a_second_for_climb():
-    """A measurement with the variance of the prior moves the estimate half of the way."""
-    state = AltitudeEstimate()
-    assert state[:3] == (0.0, 0.0, 0.0)
-    assert correct_altitude(state, 1.0, 1.0, False).height == pytest.approx(0.5)
-    half = correct_altitude(
-        state, 1.0, np.sqrt(2.0), True
-    )  # as unsure as their sum: a quarter each
-    assert (half.height, half.offset) == pytest.approx((0.25, 0.25))
-    # In one second the deviation of the climb rate adds 10 cm to that of the height.
-    later = predict_altitude(state, 0.0, 0.0, 0.0, 1.0)
-    assert later.p == pytest.approx((1.0 + 0.1**2, 0.1**2, 0.0, 0.1**2, 0.0, 1.0))

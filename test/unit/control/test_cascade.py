@@ -15,7 +15,6 @@ from lta_control.cascade import (
     wrap_angle,
     WrenchDemand,
 )
-from lta_control.pid import PidGains
 import numpy as np
 import pytest
 
@@ -80,14 +79,6 @@ def test_no_more_speed_is_asked_for_than_the_hull_bears():
     assert fast == steer_to_course(GAINS, AT_REST, HOLD._replace(speed=GAINS.speed_limit))
 
 
-def test_climb_rate_is_damped_and_limited():
-    assert ask(AT_REST._replace(climb=0.1))[0].heave == pytest.approx(-0.5 * 0.1)
-    far = ask(AT_REST._replace(altitude=0.0), HOLD._replace(altitude=90.0))
-    assert far[0].heave == pytest.approx(0.5 * GAINS.climb_limit)
-    down = ask(AT_REST._replace(altitude=90.0))
-    assert down[0].heave == pytest.approx(-0.5 * GAINS.climb_limit)
-
-
 def test_the_force_is_limited():
     demand, _ = ask(AT_REST._replace(climb=-5.0))
     assert demand.heave == GAINS.climb.limit
@@ -104,25 +95,9 @@ def test_a_lamp_to_the_left_turns_left():
     assert ask(setpoint=HOLD._replace(heading=-0.2))[0].yaw == pytest.approx(-0.04 * 0.6 * 0.2)
 
 
-def test_yaw_rate_is_damped_and_limited():
-    assert ask(AT_REST._replace(yaw_rate=0.1))[0].yaw == pytest.approx(-0.04 * 0.1)
-    wide = GAINS.model_copy(update={'yaw_rate': PidGains(kp=0.04, ki=0.0, kd=0.0, limit=1.0)})
-    turned = ask(setpoint=HOLD._replace(heading=3.0), gains=wide)[0].yaw
-    assert turned == pytest.approx(0.04 * GAINS.yaw_rate_limit)
-    assert ask(setpoint=HOLD._replace(heading=-3.0), gains=wide)[0].yaw == pytest.approx(-turned)
-
-
 def test_it_turns_the_short_way_round():
     measured, setpoint = AT_REST._replace(heading=3.1), HOLD._replace(heading=-3.1)
     assert ask(measured, setpoint)[0].yaw == pytest.approx(0.04 * 0.6 * (2 * math.pi - 6.2))
-
-
-def test_the_drag_at_the_wanted_speed_is_fed_forward():
-    flying = AT_REST._replace(speed=0.5)
-    demand, memory = ask(flying, HOLD._replace(speed=0.5), drag=(0.01, 0.092))
-    # At the wanted speed nothing but the drag is left: 0.01 * 0.5 + 0.092 * 0.25.
-    assert demand.surge == pytest.approx(0.028, rel=1e-12)
-    assert memory.speed == 0.0
 
 
 @pytest.mark.parametrize('off', [0.3, 1.2, 1.9, 2.8, -2.8])

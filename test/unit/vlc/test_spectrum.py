@@ -13,7 +13,6 @@ from lta_vlc.demodulation import (
 )
 from lta_vlc.spectral.spectrum import (
     amplitude_spectrum,
-    center_samples,
     SampleStatistics,
     scan_spectrum,
     SpectrumScan,
@@ -70,23 +69,6 @@ def test_block_is_left_as_it_was():
     assert np.array_equal(block, before)
 
 
-def test_look_returns_mean_span_and_part_at_full_scale_and_removes_the_mean():
-    waves = np.array([[1.0, 5.0, 5.0, 9.0], [-4.0, -2.0, -6.0, -4.0], [3.0, math.nan, 3.0, 3.0]])
-    looked = center_samples(waves, 5.0)
-    assert looked.level == pytest.approx([5.0, -4.0, math.nan], nan_ok=True)
-    assert looked.span[:2] == pytest.approx([8.0, 4.0])
-    assert looked.full == pytest.approx([0.75, 0.0, 0.0])
-    assert waves.tolist() == [[-4.0, 0.0, 0.0, 4.0], [0.0, 2.0, -2.0, 0.0], [0.0] * 4]
-
-
-@pytest.mark.parametrize('place', range(4))
-def test_the_extremes_of_a_wave_are_found_at_any_place(place):
-    high, low = np.zeros((1, 4)), np.zeros((1, 4))
-    high[0, place], low[0, place] = 8.0, -8.0
-    assert center_samples(high, 8.0)[1:] == ([8.0], [0.25])
-    assert center_samples(low, 1.0)[1:] == ([8.0], [0.0])
-
-
 def surveyed(weight=(1.0, 1.0)):
     """Return the survey of eight bins of two diodes, with beacons in bins 1 to 3 and 5 to 6."""
     size = np.array(
@@ -94,15 +76,6 @@ def surveyed(weight=(1.0, 1.0)):
     )
     ranges = np.array([[1, 3], [5, 6]])
     return scan_spectrum(size, ranges, np.array([4, 7]), np.array([7]), np.array(weight))
-
-
-def test_survey_finds_peaks_noise_and_the_loudest_unlit_bin():
-    found = surveyed()
-    assert found.noise == pytest.approx([0.6, 0.8])
-    assert found.loudest.tolist() == [0.7, 0.1]
-    assert found.peak.tolist() == [[4.0, 5.0], [3.0, 1.0]]
-    # Power over both diodes: 1 + 25 in bin 1 is more than 16 + 1 in bin 2.
-    assert found.highest.tolist() == [1, 6]
 
 
 def test_the_highest_bin_is_chosen_by_the_diodes_of_weight_one():
