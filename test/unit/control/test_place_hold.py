@@ -9,6 +9,8 @@ from lta_control.place_hold import (
     begin_hold,
     find_route_fault,
     Place,
+    PlaceHold,
+    REST_DISTANCE,
     Route,
     steer_to_place,
 )
@@ -31,6 +33,34 @@ def test_it_turns_to_the_place_and_flies_no_faster_than_it_can_stop():
     assert speed == pytest.approx(0.1403, abs=1e-4)
     speed, hold = steer(STILL, (100.0, 0.0))
     assert speed == pytest.approx(0.3)
+
+
+def test_against_a_wind_it_stands_with_its_nose_into_it():
+    wind = STILL._replace(wind=(0.0, -0.3), heading=0.5 * math.pi)
+    speed, hold = steer(wind, (0.0, 0.0))
+    assert hold.heading == pytest.approx(0.5 * math.pi)
+    assert speed == pytest.approx(0.3)
+
+
+def test_it_turns_against_a_motion_that_is_too_fast():
+    """At the place at 0.3 m/s in still air, only the change of velocity takes a force."""
+    fast = STILL._replace(velocity=(0.3, 0.0), heading=0.8 * math.pi)
+    speed, hold = steer(fast, (0.0, 0.0), PlaceHold((0.0, 0.0), True, math.pi))
+    assert abs(hold.heading) == pytest.approx(0.8 * math.pi + 0.5)  # slowly, in calm air
+    assert speed == pytest.approx(0.0, abs=1e-6)
+
+
+def test_in_calm_air_it_rests_until_it_has_drifted_away():
+    near = STILL._replace(position=(0.9 * REST_DISTANCE, 0.0), heading=1.0)
+    speed, hold = steer(near, (0.0, 0.0))
+    assert (speed, hold.heading, hold.resting) == (0.0, 1.0, True)
+    # It keeps the heading that it had, and the place
+    drifted = near._replace(position=(1.9 * REST_DISTANCE, 0.0), heading=1.1)
+    assert steer(drifted, hold.goal, hold) == (0.0, hold)
+    gone = near._replace(position=(2.1 * REST_DISTANCE, 0.0))
+    speed, hold = steer(gone, hold.goal, hold)
+    assert speed > 0.0
+    assert not hold.resting
 
 
 ROOM = (10.0, 8.0, 3.0)

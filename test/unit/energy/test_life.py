@@ -8,6 +8,7 @@ from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_energy.circuit import ChargeGauge, EnergyTotals, NO_ENERGY, step_circuit, update_gauge
 from lta_energy.irradiance import IrradianceSeries
 from lta_energy.mission import (
+    ALOFT,
     ASLEEP,
     AWAY,
     EMPTY,
@@ -132,6 +133,17 @@ def test_the_sky_is_compared_with_what_was_to_be_expected_over_an_hour(clear, lo
     for _ in range(2 * looks):
         expected += (0.5 / 0.8 - expected) * 30.0 / 3600.0
     assert seen[1].seen == pytest.approx(expected)
+
+
+def test_the_trace_of_a_rest_and_of_a_flight():
+    diary, _, _ = lived(
+        [rest(200.0), rest(60.0, asleep=False), fly], flights((1.0, 100.0, 'home'))
+    )
+    trace = list(zip(diary.time, diary.state, strict=True))
+    assert trace[:8] == [
+        (0.0, ASLEEP), (60.0, ASLEEP), (120.0, ASLEEP), (180.0, ASLEEP), (200.0, PERCHED),
+        (260.0, ALOFT), (360.0, ALOFT), (360.0, ASLEEP),
+    ]  # fmt: skip
 
 
 def test_one_that_did_not_come_home_lies_until_it_is_fetched_or_the_days_are_over():

@@ -81,6 +81,19 @@ def test_the_deviation_of_a_time_is_that_of_a_thousand_cells(charging):
     assert told.deviation == pytest.approx(np.std(times), rel=0.06)
 
 
+def test_a_young_load_is_the_plain_mean_and_an_old_one_forgets():
+    now = outlook.initial_load(9.0)
+    for watts in (1.0, 3.0, 5.0):
+        now = update_load(now, watts, 2.0, 0.0, 120.0)
+    assert now.mean == pytest.approx(3.0)
+    assert now.quick == 5.0
+    for _ in range(114):
+        now = update_load(now, 3.0, 1.0, 5.0, 120.0)
+    later = update_load(now, 4.0, 12.0, 5.0, 120.0)
+    assert later.quick == pytest.approx(4.0 - math.exp(-12.0 / 5.0) * (4.0 - now.quick))
+    assert later.mean - now.mean == pytest.approx(-math.expm1(-0.1) * (later.quick - now.mean))
+
+
 def test_the_deviation_of_a_mean_load_is_what_chance_gives():
     """Ornstein-Uhlenbeck power of 20 s through both filters, beside the spread of its means."""
     rng, quick, slow, dt = np.random.default_rng(2), 20.0, 400.0, 2.0
