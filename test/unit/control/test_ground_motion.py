@@ -14,8 +14,11 @@ from lta_control.odometry.ground_motion import (
     read_modelled_motion,
 )
 from lta_control.odometry.ground_state import (
+    BEARING,
+    BRIGHTNESS,
     GroundMotion,
     GroundSettings,
+    LOG_DISTANCE,
     rotate_covariance,
     start_ground_motion,
 )
@@ -149,6 +152,25 @@ def simulate_wind(wind, seconds=20.0, seed=0, gust=0.0):
     return state, place, speed
 
 
+def test_a_correction_by_a_lamp_comes_little_by_little():
+    """The drone ran into a jump of `odom` of 0.26 m near the lamp."""
+    state = simulate_wind(np.array([0.0, 0.4]), seconds=6.0)[0]
+    motion = ModelledMotion(True, 0.0, 0.0, 0.0, 0.0)
+    away = math.exp(state.mean[LOG_DISTANCE])
+    expected = math.exp(state.mean[BRIGHTNESS]) / away**2
+    aside = LampSighting(state.mean[BEARING] + 0.15, 0.02, 4.0, 0.75, expected, 150.0, 0.0)
+    after = ground_step(SETTINGS, HULL, state, motion, aside, DT)
+    unseen = ground_step(SETTINGS, HULL, state, motion, None, DT)
+    assert after.position == pytest.approx(unseen.position, abs=1e-12)
+    assert math.hypot(*after.pending) > 0.03
+    widened = after.rows[0, 0] + after.pending[0] ** 2
+    assert after.position_covariance[0] == pytest.approx(widened)
+    for _ in range(round(2.0 / DT)):
+        after = ground_step(SETTINGS, HULL, after, motion, None, DT)
+    # Exponential, with 0.7 s: after 2 s, 6 % are left
+    assert after.position == pytest.approx(after.mean[:2], abs=0.06 * 0.26)
+
+
 @pytest.mark.parametrize('wind', [(0.0, 0.0), (-0.4, 0.0), (0.0, 0.4), (0.2, -0.2)])
 def test_a_lamp_shows_the_wind_and_the_covariance_is_honest(wind):
     squares, widths = [], []
@@ -175,6 +197,16 @@ def test_innovations_show_a_gust_and_the_covariance_grows(monkeypatch):
         return float(np.mean(squares))
 
     assert square_of_sway(1.0) < 0.5 * square_of_sway(0.0)
+
+
+def test_another_lamp_is_another_lamp_and_the_wind_is_kept():
+    first, _, _ = simulate_wind(np.array([0.0, 0.4]))
+    other = LampSighting(-2.0, 0.02, 4.0, 0.75, 40.0, 230.0, 0.0)
+    after = ground_step(SETTINGS, HULL, first, resting(), other, DT)
+    assert after.frequency == 230.0
+    assert after.mean[6] == -2.0
+    assert after.mean[4:6] == pytest.approx(first.mean[4:6])
+    assert after.velocity_covariance == pytest.approx(first.velocity_covariance, rel=0.05)
 
 
 def test_an_outlier_changes_nothing_until_it_lasts():

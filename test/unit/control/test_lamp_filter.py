@@ -68,6 +68,15 @@ def test_it_is_the_textbook_s_filter():
         assert state_of(fix)[1] == pytest.approx(p, rel=1e-7, abs=1e-12)
 
 
+def test_a_first_sight_gives_the_range_by_the_inverse_square():
+    """2000 counts at 1 m are 20 at 10 m; the range is known to half of what the brightness is."""
+    fix = initialize_fix(OPTICS, math.pi / 2, 0.0, 20.0, STILL)
+    assert (fix.x, fix.y) == (pytest.approx(0.0, abs=1e-12), pytest.approx(10.0))
+    assert fix.rows[1][1] == pytest.approx((0.5 * 10.0) ** 2 * (0.5**2 + 0.15**2))
+    assert fix.rows[0][0] == pytest.approx((10.0 * 0.03) ** 2)
+    assert fix.rows[1][4] == pytest.approx(0.5 * 10.0 * 0.5**2)
+
+
 @pytest.mark.parametrize('bearing', [0.4, 2.5, -1.0])
 def test_the_covariance_of_a_first_sight_follows_from_that_of_its_inputs(bearing):
     """J diag(variances) J', with J of (x, y, brightness) by (brightness, strength, bearing)."""
@@ -120,3 +129,19 @@ def test_a_lamp_above_the_diodes_is_nearer_than_its_strength_alone_tells():
     optics, strength = OPTICS._replace(over=0.8), math.exp(7.0) / (2.0**2 + 0.8**2)
     assert update_fix(fix, optics, 0.0, 0.05, strength)[:5] == pytest.approx(fix[:5])
     assert update_fix(fix, OPTICS, 0.0, 0.05, strength).x > 2.001
+
+
+def test_nearer_than_40_cm_gradients_and_noise_are_those_at_40_cm():
+    """The expected fix is that of two updates in numpy, by bearing and then by strength."""
+    fix = LampFix(0.1, 0.2, 0.0, 0.0, 7.0, tuple(map(tuple, (0.01 * np.eye(5)).tolist())))
+    x, p = state_of(fix)
+    error = 0.9 - math.atan2(0.2, 0.1)
+    noise = 0.05**2 + 0.03**2 + 0.1**2 / 0.16
+    x, p = told(x, p, [-0.2 / 0.16, 0.1 / 0.16, 0.0, 0.0, 0.0], error, noise)
+    squared = max(x[0] ** 2 + x[1] ** 2, 0.16)
+    slopes = [-2.0 * x[0] / squared, -2.0 * x[1] / squared, 0.0, 0.0, 1.0]
+    error = math.log(9000.0) - x[4] + math.log(squared)
+    x, p = told(x, p, slopes, error, 0.15**2 + (0.64 / squared) ** 2)
+    found = state_of(update_fix(fix, OPTICS, 0.9, 0.05, 9000.0))
+    assert found[0] == pytest.approx(x)
+    assert found[1] == pytest.approx(p, abs=1e-12)

@@ -70,6 +70,26 @@ def air(estimate, ground=GROUND):
     return from_airspeed(Range().header.stamp, estimate, ground)
 
 
+def test_the_twist_is_in_the_body_frame():
+    """Nose down by 0.3: 0.4 m/s ahead sinks, so a climb of 0.1 m/s needs that much more heave."""
+    by_hand = (0.1 + 0.4 * math.sin(PITCH)) / math.cos(PITCH)
+    assert air_relative_velocity(FLYING)[2] == pytest.approx(by_hand)
+    message = air(FLYING).twist.twist
+    assert message.linear.z == pytest.approx(by_hand)
+    assert (message.linear.x, message.linear.y, message.angular.z) == (0.4, 0.05, 0.03)
+
+
+def test_odom_has_the_velocity_over_ground():
+    """0.2 m/s ahead and 0.15 m/s to the left at a climb of 0.1 m/s, seen with the nose down."""
+    twist = odometry(FLYING).twist
+    v = twist.twist.linear
+    cos, sin = math.cos(PITCH), math.sin(PITCH)
+    assert (v.x, v.y) == pytest.approx((0.2 * cos - 0.1 * sin, 0.15))
+    assert v.z == pytest.approx(0.2 * sin + 0.1 * cos)
+    assert twist.covariance[0] == pytest.approx(0.0025)
+    assert twist.covariance[7] == pytest.approx(0.01)
+
+
 @pytest.mark.parametrize(('seconds', 'deviation'), [(0.0, 1e-3), (60.0, 0.06)])
 def test_the_heading_is_never_certain(seconds, deviation):
     """It drifts by 0.06 rad a minute; a filter that fuses it cannot use a variance of 0."""
@@ -170,6 +190,15 @@ def test_distances_at_the_limits_of_a_sensor_are_valid():
     assert (mask_out_of_range(0.04, 0.04, 4.0), mask_out_of_range(4.0, 0.04, 4.0)) == (0.04, 4.0)
     assert math.isnan(mask_out_of_range(0.03, 0.04, 4.0))
     assert math.isnan(mask_out_of_range(4.1, 0.04, 4.0))
+
+
+@pytest.mark.parametrize(('upright', 'levelled'), [(0.11, True), (0.09, False)])
+def test_heave_is_the_climb_rate_where_body_z_is_nearly_level(upright, levelled):
+    """The vehicle is pitched nose down; the limit is a cosine of 0.1 between body z and up."""
+    pitch = math.acos(upright)
+    side = FLYING._replace(attitude=(0.0, math.sin(pitch / 2), 0.0, math.cos(pitch / 2)))
+    heave = (0.1 + 0.4 * math.sin(pitch)) / upright
+    assert air_relative_velocity(side) == (0.4, 0.05, pytest.approx(heave if levelled else 0.1))
 
 
 def test_the_climb_rate_of_a_rolled_vehicle_includes_its_sway():

@@ -47,6 +47,19 @@ def turned(own, before, after, heading):
     return dither.steer(settings, memory, light(after, heading))[1].estimate
 
 
+def test_des_scans_by_level_and_climbs_by_rate():
+    """Two halves of one gain: light that is there on the left, light that grows on the left."""
+    scan, climb = DitherSettings(scan=0.3, gradient=0.0), DitherSettings(scan=0.0, gradient=1.0)
+    assert turned(scan, 200.0, 200.0, 0.5) > 0.0 > turned(scan, 200.0, 200.0, -0.5)
+    assert turned(climb, 200.0, 200.0, 0.5) == 0.0
+    grown = math.log(205.0 / 105.0) * math.sin(0.5)
+    assert turned(climb, 100.0, 200.0, 0.5) == pytest.approx(grown)
+    assert turned(climb, 100.0, 200.0, -0.5) == pytest.approx(-grown)
+    mean = math.log(100.0) + 0.1 / 15.0 * (math.log(205.0) - math.log(100.0))
+    level = 0.3 * 0.1 * (math.log(205.0) - mean) * math.sin(0.5)
+    assert turned(scan, 200.0, 200.0, 0.5) == pytest.approx(level)
+
+
 def plane(a, b, c, places):
     pairs = [(float(x), float(y), float(a * x + b * y + c)) for x, y in places]
     return (NO_SAMPLE,) * (MAP_SAMPLES - len(pairs)) + tuple(pairs)
@@ -67,6 +80,18 @@ def test_places_on_a_line_give_the_slope_along_it():
     places = [(0.05 * k, 0.0) for k in range(20)]
     assert steepest_heading(own, plane(2.0, 5.0, 9.0, places), 20.0, 9.0) == pytest.approx(0.0)
     assert steepest_heading(own, plane(0.0, 0.0, 9.0, places), 20.0, 9.0) == 9.0
+
+
+def test_the_mean_of_des_does_not_pass_the_newest_light():
+    """20 s exceed the washout of 15 s: the mean is the level, and the estimate does not turn."""
+    settings = StrategySettings(des=DitherSettings(scan=0.3, gradient=0.0))
+    memory = DitherState(0.0, 0.0, 1.0, True, 0.0, math.log(50.0))
+    late = light(100.0, 0.5)._replace(interval=20.0)
+    course, memory = dither.steer(settings, memory, late)
+    assert memory == DitherState(
+        course.heading, 0.0, 21.0, True, math.log(105.0), pytest.approx(math.log(105.0))
+    )
+    assert (course.speed, course.arrived) == (settings.speed, False)
 
 
 def test_the_first_mean_of_des_is_the_first_level():
@@ -119,6 +144,15 @@ def ascending(**changes):
 
 def ascended(memory, heading=0.5):
     return gradient.steer(FLOWN, memory, light(1.0, heading)._replace(interval=0.25))
+
+
+def test_dga_reckons_its_place_along_the_commanded_heading():
+    _, memory = ascended(ascending())
+    assert memory.x == pytest.approx(1.0 + 0.1 * math.cos(0.5))
+    assert memory.y == pytest.approx(2.0 + 0.1 * math.sin(0.5))
+    assert memory.pairs[-1] == (memory.x, memory.y, 1.0)
+    assert (memory.filled, memory.speed) == (4.0, FLOWN.speed)
+    assert ascended(ascending(filled=float(MAP_SAMPLES)))[1].filled == MAP_SAMPLES
 
 
 def test_dga_takes_its_first_pairs_on_an_arc():

@@ -21,6 +21,25 @@ def test_counting_errs_by_two_parts_in_a_thousand_and_four_tenths_of_a_milliampe
         )  # it does not rest
 
 
+def corrected(deviation, dt, told=0.5, noise=0.02):
+    """
+    Return the expected gauge after a voltage that stands for charge `told`, with noise in charge.
+    """
+    counted = 0.52, deviation + 4e-4 * dt / 900.0
+    weight = counted[1] ** 2 / (counted[1] ** 2 + noise**2 * max(3600.0 / dt, 1.0))
+    return (
+        pytest.approx(counted[0] + weight * (told - counted[0])),
+        pytest.approx(counted[1] * math.sqrt(1.0 - weight)),
+    )
+
+
+@pytest.mark.parametrize('dt', [30.0, 3600.0, 7200.0])
+def test_a_resting_voltage_corrects_by_the_slope_of_the_chart(dt):
+    """3.84 V is 50 %; from 48 to 52 % the curve rises 12 mV, so 10 mV is 3.3 % of charge."""
+    found = update_gauge(CELL, ChargeGauge(0.52, 0.05), 3.84, 0.0, dt)
+    assert found == corrected(0.05, dt, noise=0.01 * 0.04 / 0.012)
+
+
 def test_a_cell_rests_up_to_a_tenth_of_an_ampere_and_its_drop_is_taken_off():
     """The drop is 0.1 A * 0.2 ohm = 20 mV."""
     for current, voltage in ((-0.1, 3.82), (0.1, 3.86)):

@@ -3,6 +3,7 @@
 """A mission over days with flights that cost what the test says: schedules, books, failures."""
 
 from dataclasses import replace
+from itertools import pairwise
 import math
 
 from lta_config.schema.mission_file import DAY, load_light_day
@@ -86,6 +87,16 @@ def test_the_books_balance(day, schedule):
     assert diary.spent.harvested > 3e3
 
 
+def test_the_logged_powers_integrate_to_the_books():
+    diary = lived(SPRING, schedule_by_light, days=2)
+    lasted = [b - a for a, b in pairwise(diary.time)]
+    for name in ('harvested', 'consumed', 'lost'):
+        powers = getattr(diary, name)
+        assert len(powers) == len(diary.time)
+        energy = sum(dt * watts for dt, watts in zip(lasted, powers[1:], strict=True))
+        assert energy == pytest.approx(getattr(diary.spent, name), rel=1e-9)
+
+
 def test_ours_flies_more_of_a_summer_day_and_wastes_less():
     ours, naive = lived(SUMMER, schedule_by_light), lived(SUMMER, build_fixed_schedule(4.0))
     assert len(ours.flights) > 1.2 * len(naive.flights)
@@ -120,6 +131,15 @@ def test_the_forecast_ends_with_work_however_short_the_break(work, hours):
     forecast_charge(shift._replace(income=income))
     assert len(looked) * 600.0 == pytest.approx(hours * HOUR, abs=600.0)
     schedule_by_light(shift)
+
+
+def test_work_round_the_clock_is_flown_by_day_and_by_night():
+    upkeep = replace(UPKEEP, work=(0.0, DAY))
+    starts = [
+        flight.start for flight in lived(DOCK, schedule_by_light, upkeep=upkeep, days=2).flights
+    ]
+    assert min(starts) < 2 * HOUR
+    assert max(starts) > 2 * DAY - 2 * HOUR
 
 
 def test_a_flight_in_light_that_makes_the_drone_too_light_stays_on_the_perch():
