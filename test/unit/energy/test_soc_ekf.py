@@ -83,6 +83,14 @@ def test_it_is_a_kalman_filter(series):
         np.testing.assert_allclose(spread(state), p - np.outer(p @ h, h @ p) / s, atol=1e-12)
 
 
+def test_what_is_not_known_at_first_by_hand():
+    """The prior: any charge, 0.2 A over 94 mohm, 30 % and 5 %, and 10 mV of curve error."""
+    state = initial_state(SETTINGS, CELL)
+    assert state.mean == (0.5, 0.0, 1.0, 1.0, 0.0)
+    variances = [1.0 / 12.0, 0.0188**2, 0.09, 0.0025, 1e-4]
+    np.testing.assert_allclose(spread(state), np.diag(variances), rtol=1e-12)
+
+
 @pytest.mark.parametrize('current', [-1.5, 0.4])
 def test_a_first_reading_under_load_is_looked_at_where_it_points_to(current):
     """The expected values follow from one Kalman update, linearised over +- 1 % of charge."""
@@ -118,3 +126,11 @@ def test_the_slope_is_that_of_a_chord_as_wide_as_the_belief_from_1_to_20_percent
 def test_a_chord_ends_where_the_cell_is_empty_or_full():
     assert soc_ekf.chord_slope(0.0, 0.05) == pytest.approx((3.61 - 3.27) / 0.05)
     assert soc_ekf.chord_slope(1.0, 0.05) == pytest.approx((4.20 - 4.15) / 0.05)
+
+
+def test_a_charge_ends_at_empty_and_full():
+    for current, end in ((-3.0, 0.0), (3.0, 1.0)):
+        after = predict_state(SETTINGS, CELL, sure(0.5, 0.1), current, 0.0, 600.0)
+        assert after.charge == end
+    for voltage, end in ((2.0, 0.0), (6.0, 1.0)):
+        assert correct_state(SETTINGS, CELL, sure(0.5, 0.2), voltage, 0.0)[0].charge == end
