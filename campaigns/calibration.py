@@ -10,7 +10,7 @@ Its intervals are compared with the truth, and its forecasts of the confirming f
 the oracle, the vehicle file with all true values.
 """
 
-from argparse import Namespace
+from argparse import ArgumentParser, Namespace
 from collections.abc import Iterator, Sequence
 import math
 from pathlib import Path
@@ -62,11 +62,11 @@ def is_driven(number: int) -> bool:
 
 
 def record_case(
-    seed: int, number: int, folder: Path
+    seed: int, number: int, folder: Path, seconds: tuple[float, float] = SECONDS
 ) -> tuple[CalibrationCase, Path, dict[Role, list[Path]]]:
-    """Generate a case; write its bags and its vehicle file."""
+    """Generate a case of flights of some length [s]; write its bags and its vehicle file."""
     vehicle, rotors = load_vehicle('gtmab'), is_driven(number)
-    case = generate_calibration_case(vehicle, seed, number, ROLES, SECONDS, rotors)
+    case = generate_calibration_case(vehicle, seed, number, ROLES, seconds, rotors)
     text = find_file('vehicle', 'gtmab').read_text(encoding='utf-8')
     if rotors:
         text = misstate_thrusts(text, vehicle, draw_calibration(vehicle, seed, number, rotors))
@@ -150,11 +150,11 @@ def encode_score(score: HorizonErrors) -> Row:
     return {kind: list(score.errors[name]) for kind, name in kinds.items()}
 
 
-def run_case(seed: int, number: int) -> Row:
+def run_case(seed: int, number: int, seconds: tuple[float, float]) -> Row:
     began = time.process_time()
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
-        case, path, bags = record_case(seed, number, folder)
+        case, path, bags = record_case(seed, number, folder, seconds)
         vehicle = load_vehicle(str(path))
         usable = select_usable_flights(read_bags(bags), vehicle)
         found = calibrate_flights(vehicle, str(path), usable.flights, lambda _what, _part: None)
@@ -212,7 +212,8 @@ def list_calibration_table(rows: Sequence[Row]) -> Iterator[str]:
 
 def run(case: Case, options: Namespace) -> Row:
     """Return the row of a case."""
-    return {**run_case(options.seed, case.number), 'driven': is_driven(case.number)}
+    row = run_case(options.seed, case.number, tuple(options.seconds))
+    return {**row, 'driven': is_driven(case.number)}
 
 
 def list_table(rows: Rows, options: Namespace) -> Iterator[str]:
@@ -227,6 +228,12 @@ def list_table(rows: Rows, options: Namespace) -> Iterator[str]:
             yield from (f'- {line}' for line in list_calibration_table(whole))
 
 
+def add_arguments(parser: ArgumentParser) -> None:
+    """Add the lengths of the flights."""
+    parser.add_argument('--seconds', nargs=2, type=float, default=SECONDS, help='least and most')
+
+
 CAMPAIGN: Final = Campaign(
-    lambda options: ['calibration'], run, list_table, each=20, alone=True
+    lambda options: ['calibration'], run, list_table, each=20, add_arguments=add_arguments,
+    alone=True, smoke='--each 1 --seconds 13 14',
 )  # fmt: skip

@@ -89,7 +89,7 @@ AREAS: Final = {
         ('lta_vlc/lta_vlc/[bdlrs]*.py', 'lta_vlc/lta_vlc/spectral/[!_]*.py',
          'lta_model/lta_model/light/lamp.py'),
         'test/unit/vlc',
-        ('test/unit/vlc/test_lamp.py',),
+        ('test/unit/vlc/test_diodes.py',),
         compiled=True,
     ),
     'control': Area(

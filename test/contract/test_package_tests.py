@@ -74,7 +74,8 @@ def test_the_tests_run_beside_the_plugins_of_jazzy(tmp_path):
         info.mkdir()
         (info / 'METADATA').write_text(f'Name: {name}\nVersion: 3.4.3\n', 'utf-8')
         (info / 'entry_points.txt').write_text(f'[pytest11]\n{name} = {name}\n', 'utf-8')
-    words = [sys.executable, '-m', 'pytest', '--collect-only', '-q', 'test/unit/graph/test_age.py']
+    file = 'test/unit/graph/test_launch_table.py'
+    words = [sys.executable, '-m', 'pytest', '--collect-only', '-q', file]
     path = f'{tmp_path}:{os.environ.get("PYTHONPATH", "")}'
     done = subprocess.run(
         words, cwd=ROOT, env={**os.environ, 'PYTHONPATH': path}, capture_output=True, text=True,

@@ -123,19 +123,6 @@ def flight(ros, bag) -> Started:
     return launch
 
 
-def test_pkg(ros):
-    assert ros.run('pkg', 'executables', 'lta_vlc') == 'lta_vlc demodulator\n'
-    listed = set(ros.run('pkg', 'list').split())
-    manifests = [ROOT / 'config/package.xml', *ROOT.glob('src/*/setup.py')]
-    assert {path.parent.name for path in manifests[1:]} | {'lta_config'} <= listed
-    assert ros.run('pkg', 'xml', 'lta_vlc', '-t', 'license').strip() == 'Apache-2.0'
-
-
-def test_run_with_arguments_of_the_program(ros):
-    assert 'usage' in ros.run('run', 'lta_cli', 'lta', '--help').lower()
-    assert 'reached' in ros.run('run', 'lta_cli', 'lta', 'simulate', '--seed', 3, '--no-bag')
-
-
 def test_launch_shows_the_arguments(ros):
     said = ros.run('launch', 'lta_bringup', 'fly.launch.py', '--show-args')
     names = {argument.name for argument in FLY.list_arguments()}
@@ -175,14 +162,6 @@ def test_topic_hz_echo_and_info(ros, flight):
     assert 'Reliability: RELIABLE' in said
 
 
-def test_topic_pub(ros):
-    """Published by hand, once a demodulator that runs alone has subscribed."""
-    with ros.running('run', 'lta_vlc', 'demodulator', '--ros-args', '-r', '__ns:=/by_hand'):
-        words = ('/by_hand/light/beacon', TABLE['light/beacon'].type, '{data: 450.0}')
-        said = ros.run('topic', 'pub', '--once', '-w', 1, *words)
-    assert 'publishing #1: std_msgs.msg.Float64(data=450.0)' in said
-
-
 def test_param(ros, flight):
     node = '/lta1/navigator'
     names = ros.run('param', 'list', node).split()
@@ -204,15 +183,6 @@ def test_service(ros, flight, bag):
     said = ros.run('service', 'call', '/lta1/arm', 'std_srvs/srv/SetBool', '{data: true}')
     assert 'success=True' in said
     assert 'armed' in said
-
-
-def test_interface(ros):
-    kinds = {topic.type for topic in TABLE.topics.values()}
-    for kind in sorted(kinds):
-        assert ros.run('interface', 'show', kind).strip(), kind
-    packages = {kind.split('/')[0] for kind in kinds}
-    for package in sorted(packages):
-        assert f'{package}/' in ros.run('interface', 'package', package)
 
 
 def test_action(ros, flight):

@@ -143,7 +143,7 @@ DRONE_NODES = (
         'energy_monitor',
         lambda a: a.energy_monitor,
         'use_sim_time time frame_prefix source vehicle',
-        # A Crazyflie measures no current: a model's, off by up to 0.3 A (test_consumption.py),
+        # A Crazyflie measures no current: a model's, off by up to 0.3 A (test_bridge.py),
         # shifts the voltage by 0.15 ohm of that [V]
         lambda a: {'belief.voltage_noise': 0.04 if a.source == 'crazyflie' else 0.01},
     ),

@@ -10,7 +10,7 @@ import subprocess
 import sys
 import tracemalloc
 
-from lta_bridge.bag import BagWriter, build_offered_qos, free_space, storage, StorageFault
+from lta_bridge.bag import BagWriter, build_offered_qos, storage, StorageFault
 from lta_bridge.bag.background_writer import FLUSH_PERIOD
 from lta_bridge.bag.schemas import generate_definition
 from lta_config.errors import BadInput
@@ -253,24 +253,6 @@ def test_reserve_covers_what_closing_writes(tmp_path):
     used = (tmp_path / 'bag' / 'bag_0.mcap').stat().st_size - before
     used += (tmp_path / 'bag' / 'metadata.yaml').stat().st_size
     assert used <= reserve < 2 * used
-
-
-def test_a_folder_that_is_gone_is_a_fault_of_the_disk_and_said(tmp_path):
-    with pytest.raises(StorageFault, match='is no longer available'):
-        free_space(tmp_path / 'gone')
-
-
-def test_bag_is_finished_when_its_user_fails(tmp_path):
-    def record_and_fail():
-        with BagWriter(tmp_path / 'bag', {}) as bag:
-            bag.add_topic('/b', 'std_msgs/msg/Bool', [])
-            bag.write('/b', FALSE, 1)
-            raise RuntimeError
-
-    with pytest.raises(RuntimeError):
-        record_and_fail()
-    with Reader(tmp_path / 'bag') as reader:
-        assert reader.message_count == 1
 
 
 def test_chunks_close_by_themselves_and_out_of_order_times_count(tmp_path):

@@ -1,32 +1,42 @@
 # Copyright 2026 The LTA maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""The URDF of every shipped vehicle: frames, mass and hull by what the vehicle file says."""
+"""What viewers are shown: one tree of frames, shapes and markers where the files say."""
 
 import itertools
 import math
 from pathlib import Path
 from xml.etree import ElementTree
 
+from hypothesis import given
+from hypothesis import strategies as st
 from lta_bridge.description.messages import (
     build_marker_array,
     iterate_descriptions,
     list_cone_triangles,
 )
-from lta_bridge.description.scene import draw_static_scene
+from lta_bridge.description.scene import (
+    draw_body,
+    draw_static_scene,
+    draw_walls,
+    half_power_angle,
+)
 from lta_bridge.description.shapes import (
     BillboardText,
+    BoxShape,
     CylinderShape,
     EllipsoidShape,
+    NO_SHIFT,
     PolylineShape,
+    rotation_between,
+    X,
 )
 from lta_bridge.description.urdf import (
     build_urdf,
-    convert_to_rods,
     list_fixed_frames,
     list_sensor_frames,
-    slice_into_discs,
     to_rpy,
 )
+from lta_model.light.lamp import direct_illuminance
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 import numpy as np
@@ -44,9 +54,9 @@ def numbers(text):
 def test_rpy_is_that_of_scipy():
     angles = np.linspace(-3.0, 3.0, 7)
     pitches = [-1.5, -0.4, 0.0, 1.2]
-    for given in itertools.product(angles, pitches, angles):
-        turn = Rotation.from_euler('xyz', given)
-        assert to_rpy(turn.as_quat()) == pytest.approx(given, abs=1e-12)
+    for wanted in itertools.product(angles, pitches, angles):
+        turn = Rotation.from_euler('xyz', wanted)
+        assert to_rpy(turn.as_quat()) == pytest.approx(wanted, abs=1e-12)
     for roll, pitch, yaw in itertools.product(angles, [-math.pi / 2, math.pi / 2], angles):
         turn = Rotation.from_euler('xyz', [roll, pitch, yaw])
         assert to_rpy(turn.as_quat())[2] == 0.0
@@ -90,26 +100,6 @@ def test_joints_turn_as_the_frames_of_messages_do():
     for frame in list_sensor_frames(vehicle):
         own = Rotation.from_quat(frame.turn)
         assert (turns[frame.name].inv() * own).magnitude() < 1e-5
-
-
-@pytest.mark.parametrize(
-    ('size', 'axis'), [((1.0, 1.0, 0.6), 2), ((2.0, 0.8, 0.8), 0), ((0.8, 2.0, 0.8), 1)]
-)
-def test_the_discs_fill_the_hull_and_stand_along_its_axis(size, axis):
-    made = list(slice_into_discs(EllipsoidShape((0.0, 0.0, 0.0), size, (0, 0, 0, 1))))
-    volume = sum(math.pi * (0.5 * disc.size[0]) ** 2 * disc.size[2] for disc in made)
-    assert volume == pytest.approx(math.pi / 6.0 * math.prod(size), rel=1e-9)
-    assert sum(disc.size[2] for disc in made) == pytest.approx(size[axis])
-    up = Rotation.from_quat(made[0].turn).apply([0.0, 0.0, 1.0])
-    assert abs(up[axis]) == pytest.approx(1.0)
-
-
-def test_a_rod_joins_the_ends_of_its_stroke():
-    ends = ((0.1, 0.0, 0.2), (0.4, -0.4, 0.2))
-    (rod,) = convert_to_rods(PolylineShape(ends, 0.01, (0, 0, 0, 1), pairs=True))
-    half = Rotation.from_quat(rod.turn).apply([0.0, 0.0, 0.5 * rod.size[2]])
-    assert np.array(rod.place) - half == pytest.approx(ends[0])
-    assert np.array(rod.place) + half == pytest.approx(ends[1])
 
 
 def test_descriptions_are_urdf_scene_and_fixed_frames():
@@ -165,3 +155,79 @@ def test_the_mantle_of_a_cone():
     area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()
     # Radius times slant height times pi; 24 flat sides have 1 % less
     assert area == pytest.approx(math.pi * 0.5 * math.hypot(0.5, 2.0), rel=0.015)
+
+
+GTMAB, ROOM = load_vehicle('gtmab'), load_scenario('lamp_room')
+
+
+def shapes(entity, kind):
+    return [shape for shape in entity.shapes if isinstance(shape, kind)]
+
+
+def applied(turn, vector):
+    return Rotation.from_quat(turn).apply(vector)
+
+
+unit = st.tuples(*[st.floats(-1.0, 1.0)] * 3).filter(lambda v: math.hypot(*v) > 1e-3)
+
+
+@given(unit, unit)
+def test_a_turn_takes_one_direction_onto_the_other(start, end):
+    start = tuple(number / math.hypot(*start) for number in start)
+    got = applied(rotation_between(start, end), start)
+    assert got == pytest.approx(np.array(end) / math.hypot(*end), abs=1e-6)
+
+
+def test_the_envelope_and_parts_are_where_the_vehicle_file_puts_them():
+    entity = draw_body(GTMAB)
+    assert entity.frame == 'base_link'
+    (hull,) = shapes(entity, EllipsoidShape)
+    assert (hull.place, hull.size) == (NO_SHIFT, pytest.approx((1.0, 1.0, 0.599)))
+    boxes = {box.place: box.size for box in shapes(entity, BoxShape)}
+    assert boxes[(0.0, 0.0, 0.302)] == pytest.approx((0.178, 0.078, 0.002))  # solar panels
+    assert len(shapes(entity, BoxShape)) == len(GTMAB.file.parts) - 1  # all but the envelope
+
+
+def test_the_cone_is_where_the_lamp_shines_half_as_bright():
+    source = ROOM.light_field.first_lamp
+    angle = half_power_angle(source)
+    assert math.degrees(angle) == pytest.approx(60.0)
+    far, axis = 5.0, np.array([-1.0, 0.0, 0.0])
+    edge = np.array([-math.cos(angle), math.sin(angle), 0.0])
+    points = np.array(source.position) + far * np.stack([axis, edge])
+    ahead, off = direct_illuminance(source, points, -np.stack([axis, edge]))
+    assert off / ahead == pytest.approx(0.5, rel=1e-6)
+
+
+def test_the_room_has_a_floor_twelve_edges_and_walls_only_where_they_are_solid():
+    entity = draw_walls(ROOM)
+    (floor,) = shapes(entity, BoxShape)
+    assert floor.size[:2] == (10.0, 8.0)
+    assert floor.place[2] + floor.size[2] / 2 == 0.0
+    (edges,) = shapes(entity, PolylineShape)
+    pairs = list(zip(edges.points[::2], edges.points[1::2], strict=True))
+    assert len({frozenset(pair) for pair in pairs}) == 12
+    lengths = sorted(math.dist(*pair) for pair in pairs)
+    assert lengths == [3.0] * 4 + [8.0] * 4 + [10.0] * 4
+    solid = ROOM.model_copy(update={'room': ROOM.room.model_copy(update={'walls': 'solid'})})
+    assert len(shapes(draw_walls(solid), BoxShape)) == 5
+    (ring,) = shapes(draw_static_scene(ROOM)[2], PolylineShape)
+    assert {round(math.dist(point, (3.5, 0.0, 0.0)), 9) for point in ring.points} == {1.0}
+
+
+def test_frames_are_where_the_sensors_are_and_point_as_their_messages_want():
+    found = {frame.name: frame for frame in list_sensor_frames(GTMAB)}
+    assert {frame.parent for frame in found.values()} == {'base_link'}
+    assert found['imu_link'].place == pytest.approx((0.0, 0.0, -0.36))
+    assert found['range_link'].place == pytest.approx((0.0, 0.0, -0.37))
+    assert found['panel_link'].place == pytest.approx((0.0, 0.0, 0.302))
+    x = {name: applied(frame.turn, (1.0, 0.0, 0.0)) for name, frame in found.items()}
+    assert x['imu_link'] == pytest.approx((1.0, 0.0, 0.0))
+    assert x['range_link'] == pytest.approx((0.0, 0.0, -1.0))
+    assert x['panel_link'] == pytest.approx((0.0, 0.0, 1.0))
+
+
+@pytest.mark.parametrize('axis', [(0, 0, 1), (0, -1, 0), (1, 0, 0), (-1, 0, 0), (0.6, 0, -0.8)])
+def test_a_panel_looks_where_its_normal_points(axis):
+    turned = Rotation.from_quat(rotation_between(X, axis)).apply((1.0, 0.0, 0.0))
+    assert turned == pytest.approx(axis, abs=1e-12)

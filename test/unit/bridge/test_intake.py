@@ -1,14 +1,24 @@
 # Copyright 2026 The LTA maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""Whose a message is, when it was, and what is told of those that are missing."""
+"""What a recorder takes in: names, times, losses and qualities of service."""
 
 from collections import Counter
 import struct
 
+from lta_bridge.bag import build_offered_qos
 from lta_bridge.intake import MessageIntake
+from lta_bridge.messages import to_offered_qos
 from lta_config.topics import load_topic_table
 from lta_graph.health import HealthLevel
 import pytest
+from rclpy.duration import Duration, Infinite
+from rclpy.qos import (
+    DurabilityPolicy,
+    HistoryPolicy,
+    LivelinessPolicy,
+    QoSProfile,
+    ReliabilityPolicy,
+)
 
 TABLE = load_topic_table()
 START, MS = TABLE.start_ns, 10**6
@@ -139,3 +149,52 @@ def test_a_tick_of_the_clock_that_the_next_one_replaced_is_not_a_loss():
         taking.summarize_recording({'/clock': 2, '/lta1/odom': 1})[1]
         == '1 messages lost by the middleware'
     )
+
+
+FOREVER = {'sec': 9223372036, 'nsec': 854775807}
+
+
+def discovered(**changes):
+    """Return a profile as Fast DDS tells it of a publisher: without history and depth."""
+    return QoSProfile(
+        **{
+            'history': HistoryPolicy.UNKNOWN,
+            'depth': 0,
+            'reliability': ReliabilityPolicy.RELIABLE,
+            'durability': DurabilityPolicy.VOLATILE,
+            'liveliness': LivelinessPolicy.AUTOMATIC,
+            'deadline': Infinite,
+            'lifespan': Infinite,
+            'liveliness_lease_duration': Infinite,
+            **changes,
+        }
+    )
+
+
+def test_a_publisher_that_keeps_to_the_table_has_its_history_and_depth():
+    assert to_offered_qos([discovered()], QoSProfile(depth=7)) == [
+        build_offered_qos('reliable', 'volatile', 7)
+    ]
+
+
+def test_one_that_does_not_is_told_as_it_was_found():
+    weak = discovered(reliability=ReliabilityPolicy.BEST_EFFORT)
+    (found,) = to_offered_qos([weak], QoSProfile(depth=7))
+    assert found == {
+        **build_offered_qos('best_effort', 'volatile', 0),
+        'history': 'unknown',
+    }
+    assert to_offered_qos([weak], None) == [found]
+
+
+def test_each_profile_is_told_once_and_limits_are_kept():
+    short = discovered(lifespan=Duration(seconds=10, nanoseconds=5))
+    found = to_offered_qos([discovered(), short, discovered()], QoSProfile(depth=7))
+    assert [each['lifespan'] for each in found] == [FOREVER, {'sec': 10, 'nsec': 5}]
+    assert {each['depth'] for each in found} == {7}
+
+
+def test_where_nobody_is_there_the_table_speaks():
+    expected = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    assert to_offered_qos([], expected) == [build_offered_qos('reliable', 'transient_local', 1)]
+    assert to_offered_qos([]) == []

@@ -16,7 +16,6 @@ from lta_bridge.tracking.pose import (
     angle_between,
     build_level_pose,
     compose_poses,
-    invert_pose,
     MapCorrection,
     TrackerPose,
 )
@@ -259,13 +258,6 @@ def test_frames_are_placed_where_the_settings_say():
     x = 0.004 * ((motion.stamp_ns - S) / TEN)
     assert motion.pose.place == pytest.approx((1.0, x, 1.3))
     assert motion.velocity == pytest.approx((0.4, 0, 0), abs=1e-9)
-
-
-@given(poses)
-def test_an_inverse_pose_undoes_its_pose(pose):
-    back = compose_poses(pose, invert_pose(pose))
-    assert back.place == pytest.approx((0.0, 0.0, 0.0), abs=1e-9)
-    assert angle_between(back.turn, NOWHERE.turn) == pytest.approx(0.0, abs=1e-6)
 
 
 def test_odom_is_where_the_estimate_of_the_same_time_meets_the_truth():

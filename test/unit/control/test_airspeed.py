@@ -54,27 +54,6 @@ def test_a_damped_integral_alone_decays_and_this_does_not():
     assert state.surge == pytest.approx(0.5, abs=0.01)
 
 
-def test_a_gust_of_acceleration_is_believed_for_the_time_of_trust():
-    kicked = fly(100, start=AirspeedEstimate(surge=0.2), trust=2.0, dt=0.001)
-    assert kicked.surge == pytest.approx(0.2 * math.exp(-0.1 / 2.0), rel=1e-4)
-    biased = fly(5000, acceleration=(0.05, 0.0), trust=0.5)
-    assert biased.surge == pytest.approx(0.05 * 0.5, rel=1e-6)  # a bias leaks by no more
-
-
-def test_acceleration_counts_at_once():
-    state = airspeed_step(HULL, AirspeedEstimate(), NONE, (1.0, -2.0), 0.0, 1.0, DT)
-    assert state == AirspeedEstimate(0.01, -0.02, 0.0, 0.0)
-
-
-def test_turning_carries_surge_into_sway():
-    """Without forces the air-relative velocity stays in space while the nose turns left."""
-    rate, steps = 0.5, 1000
-    state = fly(steps, rate=rate, trust=1e9, start=AirspeedEstimate(surge=0.4), dt=0.001)
-    turned = rate * steps * 0.001
-    assert state.surge == pytest.approx(0.4 * math.cos(turned), abs=1e-4)
-    assert state.sway == pytest.approx(-0.4 * math.sin(turned), abs=1e-4)
-
-
 def test_the_model_is_that_of_a_body_with_added_mass():
     """Kirchhoff's equations in the plane, by an independent integrator."""
     rate, force = 0.4, (0.03, 0.005)

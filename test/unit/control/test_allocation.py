@@ -45,22 +45,6 @@ def test_what_can_be_given_is_given():
     assert given[5] == pytest.approx(0.001, rel=1e-6)
 
 
-def test_the_vertical_rotors_share_the_load():
-    thrusts, given = give(heave=0.1)
-    assert thrusts[0] == pytest.approx(thrusts[1], rel=1e-8)
-    assert given[3] == pytest.approx(0.0, abs=1e-9)
-
-
-def test_altitude_before_heading_before_speed():
-    """All three beyond the rotors: heave is kept best, then yaw, and surge gives way."""
-    thrusts, given = give(surge=0.35, heave=0.15, yaw=0.012)
-    assert thrusts[3] == FULL
-    lost = 1 - given[2] / 0.15, 1 - given[5] / 0.012, 1 - given[0] / 0.35
-    assert abs(lost[0]) < 0.002
-    assert 0.002 < lost[1] < 0.15
-    assert lost[2] > 0.4
-
-
 def test_what_gives_way_by_hand():
     """With one rotor at full, the other forward rotor weighs surge (1) against yaw (1000)."""
     thrusts, _ = give(surge=0.35, yaw=0.012)
@@ -72,19 +56,6 @@ def test_what_gives_way_by_hand():
     assert thrusts[2] == pytest.approx(t3, rel=1e-6)
 
 
-def test_braking_without_reverse_gives_nothing():
-    thrusts, given = give(surge=-0.1)
-    assert thrusts == pytest.approx(REST, abs=1e-12)
-    assert given == pytest.approx((0.0,) * 6, abs=1e-12)
-
-
-def test_a_reversible_rotor_brakes_and_pushes_down():
-    both = ROTORS._replace(low=pad_to_slots((-FULL,) * 4))
-    _, given = give(surge=-0.1, heave=-0.1, rotors=both)
-    assert given[0] == pytest.approx(-0.1, rel=1e-7)
-    assert given[2] == pytest.approx(-0.1, rel=1e-7)
-
-
 def test_the_strongest_push_downwards():
     vehicle = load_vehicle('gtmab')
     assert build_rotors(vehicle).lowest_heave == 0.0
@@ -94,12 +65,6 @@ def test_the_strongest_push_downwards():
     }
     both = Vehicle(vehicle.file.model_copy(update={'rotors': reversing}))
     assert build_rotors(both).lowest_heave == pytest.approx(-2 * 0.961 * FULL, rel=1e-12)
-
-
-def test_a_rotor_that_nothing_feels_stays_as_it_is():
-    columns = (*ROTORS.allocation[:3], (0.0, 1.0, 0.0, 0.0, 1.0, 0.0), *ROTORS.allocation[4:])
-    dumb = ROTORS._replace(allocation=columns)
-    assert give(heave=0.1, rotors=dumb, start=pad_to_slots((0.0, 0.0, 0.0, 0.07)))[0][3] == 0.07
 
 
 def duties(rotors, thrusts):
@@ -118,31 +83,6 @@ def test_duty_is_the_inverse_of_the_thrust_curve(u):
     assert one_duty(thrust, 0.0915, 0.0677) == pytest.approx(u, rel=1e-12)
 
 
-def test_each_rotor_has_its_own_curve():
-    rotors = ROTORS._replace(a=pad_to_slots((0.1, 0.0, 0.1)), b=pad_to_slots((0.1, 0.06, 0.1)))
-    # 0.1 u^2 + 0.1 u = 0.075 at u = 0.5; 0.06 u = 0.03 at 0.5; and odd.
-    assert thrusts_to_duties(
-        rotors, pad_to_slots((0.075, 0.03, -0.075)), create_working_array()
-    ) == pytest.approx(pad_to_slots((0.5, 0.5, -0.5)))
-
-
-def test_one_rotor_alone():
-    """By hand: 100 (0.9 t - 0.1)^2 is least at t = 1 / 9; a limit of 0.05 holds it back."""
-    alone = Rotors(
-        1,
-        ((0.0, 0.0, 0.9, 0.0, 0.0, 0.0), *((0.0,) * 6,) * 7),
-        NO_ROTORS,
-        pad_to_slots((0.2,)),
-        0.0,
-        NO_ROTORS,
-        NO_ROTORS,
-    )
-    assert give(heave=0.1, rotors=alone)[0] == pytest.approx(pad_to_slots((1.0 / 9.0,)), rel=1e-7)
-    assert give(heave=0.1, rotors=alone._replace(high=pad_to_slots((0.05,))))[0] == pad_to_slots(
-        (0.05,)
-    )
-
-
 def test_eight_rotors_share_what_they_are_asked():
     """Four that point up at the corners and four forward: heave, surge and yaw by symmetry."""
     corners = ((0.2, 0.2), (0.2, -0.2), (-0.2, -0.2), (-0.2, 0.2))
@@ -156,12 +96,6 @@ def test_eight_rotors_share_what_they_are_asked():
     assert given == pytest.approx((0.2, 0.0, 0.4, 0.0, 0.0, 0.008), rel=1e-6, abs=1e-9)
 
 
-def test_the_heave_that_comes_with_surge_is_that_of_the_forward_rotors():
-    """Those of GT-MAB push by 0.981 along x and -0.061 along z; a multirotor has none."""
-    assert ROTORS.sink == pytest.approx(-0.061 / 0.981)
-    assert build_rotors(load_vehicle('multirotor')).sink == 0.0
-
-
 def test_reversed_thrust_is_a_ratio_of_each_rotor_and_one_in_unused_slots():
     """For Blimp2b its authors give 45 mN reversed for 40 forward, 25 for 30, and 25 for 45."""
     rotors = build_rotors(load_vehicle('blimp2b'))
@@ -173,8 +107,3 @@ def test_reversed_thrust_is_a_ratio_of_each_rotor_and_one_in_unused_slots():
     )
     assert duties(rotors, half) == pytest.approx([-u for u in forward])
     assert pad_to_slots((0.1,) * 8) == (0.1,) * 8
-
-
-def test_zero_thrust_is_zero_duty_even_without_a_thrust_curve():
-    assert one_duty(0.0, 0.0, 0.0) == 0.0
-    assert duties(ROTORS, NO_ROTORS) == NO_ROTORS

@@ -1,11 +1,18 @@
 # Copyright 2026 The LTA maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""The attitude filter against exact rotations, and what gravity may correct."""
+"""Attitude against scipy, and the biases at rest."""
 
 import math
 import warnings
 
 from lta_control.attitude import attitude_step, up_in_body, yaw_from_quaternion
+from lta_control.bias_calibration import (
+    is_tilted,
+    is_turning,
+    rest_step,
+    RestSums,
+    SensorBiases,
+)
 from lta_model.attitude import to_euler_angles
 import numpy as np
 import pytest
@@ -48,13 +55,6 @@ def test_euler_angles_are_those_of_scipy():
     assert np.isnan(to_euler_angles([[0.0, 0.0, 0.0, 0.0], [np.nan, 0.0, 0.0, 1.0]])).all()
 
 
-def test_a_turn_to_the_left_grows_the_heading():
-    q = LEVEL
-    for _ in range(100):
-        q = attitude_step(q, (0.0, 0.0, 0.5), (0.0, 0.0, G), 0.1, DT)
-    assert yaw_from_quaternion(q) == pytest.approx(0.5, abs=1e-5)
-
-
 @pytest.mark.parametrize('turn', [(0.4, -0.2, 1.1), (-0.3, 0.5, -2.9)])
 def test_up_and_heading_are_those_of_the_rotation(turn):
     rotation = Rotation.from_euler('ZYX', turn[::-1])
@@ -88,25 +88,42 @@ def test_the_correction_turns_about_the_axis_between_force_and_up(seed):
     np.testing.assert_allclose(turned, rates + pull, atol=1e-6)
 
 
-def test_the_size_of_the_force_does_not_matter():
-    tilted = tuple(Rotation.from_rotvec((0.1, 0.0, 0.0)).as_quat())
-    weak = attitude_step(tilted, (0.0, 0.0, 0.0), (0.0, 0.0, 0.5 * G), 0.5, DT)
-    strong = attitude_step(tilted, (0.0, 0.0, 0.0), (0.0, 0.0, 2.0 * G), 0.5, DT)
-    np.testing.assert_allclose(weak, strong, atol=1e-15)
+RATES, FORCE = (0.1, -0.2, 0.3), (0.4, -0.5, 9.7)
+AXES = [0, 1, 2]
 
 
-def test_no_force_corrects_nothing():
-    tilted = tuple(Rotation.from_rotvec((0.1, 0.0, 0.0)).as_quat())
-    free = attitude_step(tilted, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.5, DT)
-    np.testing.assert_allclose(free, tilted, atol=1e-15)
+def at(vector, axis, change):
+    """Return a vector with a change added on one axis."""
+    return tuple(x + change * (k == axis) for k, x in enumerate(vector))
 
 
-@pytest.mark.parametrize('tilt', [(0.3, 0.0, 0.0), (0.0, -0.3, 0.0)])
-@pytest.mark.parametrize('turned', [0.0, 1.0, -2.5])
-def test_gravity_leaves_the_heading(tilt, turned):
-    rotation = Rotation.from_rotvec((0.0, 0.0, turned)) * Rotation.from_rotvec(tilt)
-    q = tuple(rotation.as_quat())
-    for _ in range(2000):
-        q = attitude_step(q, (0.0, 0.0, 0.0), (0.0, 0.0, G), 0.5, DT)
-        assert yaw_from_quaternion(q) == pytest.approx(turned, abs=1e-12)
-    assert up_in_body(q)[2] > 1.0 - 1e-6
+def rested(samples=4, pressure=101_000.0):
+    rest = RestSums()
+    for _ in range(samples):
+        rest = rest_step(rest, RATES, FORCE, pressure)
+    return rest
+
+
+@pytest.mark.parametrize('axis', AXES)
+@pytest.mark.parametrize('sign', [1.0, -1.0])
+def test_sums_restart_beyond_10_degrees_a_second_or_a_tenth_of_g_off_the_mean(axis, sign):
+    """0.1 % less makes a fifth sample; 0.1 % more leaves a sum of this sample alone."""
+    rest = rested()
+    for share, samples in ((0.999, 5), (1.001, 1)):
+        turn, push = share * sign * math.radians(10.0), share * sign * 0.1 * G
+        turned, pushed = at(RATES, axis, turn), at(FORCE, axis, push)
+        assert rest_step(rest, turned, FORCE, 1.0).samples == samples
+        assert rest_step(rest, RATES, pushed, 1.0).samples == samples
+    anew = rest_step(rest, at(RATES, axis, sign), FORCE, 1.0)
+    assert anew == RestSums(1, at(RATES, axis, sign), FORCE, 1.0, 1)
+
+
+@pytest.mark.parametrize('axis', AXES)
+@pytest.mark.parametrize('sign', [1.0, -1.0])
+def test_a_bias_above_3_degrees_a_second_is_a_turn_and_above_0_06_g_a_tilt(axis, sign):
+    told = (0.2, -0.1, 0.3)
+    for share, beyond in ((0.999, False), (1.001, True)):
+        rates = at(told, axis, share * sign * math.radians(3.0))
+        force = at(told, axis, share * sign * 0.06 * G)
+        assert is_turning(SensorBiases(rates=rates), told) is beyond
+        assert is_tilted(SensorBiases(force=force), told) is beyond

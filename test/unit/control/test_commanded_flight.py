@@ -390,16 +390,6 @@ def test_time_limits_count_on_after_a_clock_that_jumps_back(holds, kind):
     assert outcome(task) is TaskOutcome.TIMEOUT
 
 
-def test_the_lowest_take_off_ends_in_the_air(rests):
-    task = rests.flight.request(TaskKind.TAKE_OFF, 0.48)
-    rests.step()
-    rests.altitude = 0.45
-    rests.step()
-    assert outcome(task) is TaskOutcome.SUCCEEDED
-    assert rests.step(10.0) == Setpoint(0.48, 1.0, 0.0)
-    assert rests.phase is Phase.HOLD
-
-
 def test_a_landing_ends_on_a_floor_that_reads_too_high(holds):
     """Otherwise it would never end, and no take-off would be accepted again."""
     holds.flight.limits = LIMITS.model_copy(update={'land': 60.0})

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """One step of control: cascade, allocation and duty in a chain, and the shortfall back."""
 
-from lta_control.allocation import create_working_array, NO_ROTORS
+from lta_control.allocation import create_working_array
 from lta_control.cascade import CascadeMeasurement, Setpoint
 from lta_control.flight_step import has_landed
 from lta_control.laws.cascade import CascadeLawConstants, CascadeLawMemory, control_step
@@ -28,27 +28,6 @@ def control(measured=AT_REST, setpoint=HOLD, memory=None, gains=None):
         constants, memory or CascadeLawMemory(), measured, setpoint, 0.01, create_working_array()
     )
     return memory.command.duties, memory
-
-
-def thrust(duty):
-    return 0.0915 * duty**2 + 0.0677 * duty
-
-
-def test_a_turn_to_the_left_is_by_the_right_rotor():
-    duties, _ = control(setpoint=HOLD._replace(heading=0.3))
-    assert duties[2] == 0.0
-    # Asked are 0.006 N m, the limit; the surge that comes with it is unwanted:
-    # minimise (0.981 t)^2 + 1000 (0.1 t - 0.006)^2.
-    assert thrust(duties[3]) == pytest.approx(0.6 / (0.981**2 + 10.0), rel=1e-4)
-
-
-def test_the_shortfall_acts_at_the_next_step():
-    once, memory = control(AT_REST._replace(speed=0.3))
-    assert memory.cascade.speed == pytest.approx(-0.01 * 0.03 * 0.3)
-    _, later = control(AT_REST._replace(speed=0.3), memory=memory)
-    # ki e and ki / kp times the shortfall cancel: nothing winds up.
-    assert later.cascade.speed == pytest.approx(memory.cascade.speed, abs=1e-6)
-    assert once == NO_ROTORS
 
 
 def test_every_axis_is_told_its_own_shortfall():

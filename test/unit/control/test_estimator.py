@@ -5,10 +5,9 @@
 import math
 
 from lta_config.files import find_file, load_yaml
-from lta_control import estimator
 from lta_control.allocation import NO_ROTORS, pad_to_slots
 from lta_control.altitude import STUCK
-from lta_control.bias_calibration import is_tilted, is_turning, MOST_RATE, SensorBiases
+from lta_control.bias_calibration import is_tilted, is_turning, SensorBiases
 from lta_control.estimator import (
     estimator_step,
     EstimatorInputs,
@@ -18,7 +17,7 @@ from lta_control.estimator import (
     MotionEstimate,
 )
 from lta_control.flight_report import describe_calibration
-from lta_control.odometry.airspeed import AirspeedEstimate, HullDragModel
+from lta_control.odometry.airspeed import HullDragModel
 from lta_control.vehicle_parameters import build_estimator_model
 from lta_graph.health import HealthLevel
 from lta_model.sensors.imu import error_bounds, ImuSettings
@@ -121,17 +120,6 @@ def test_a_jolt_begins_the_rest_anew():
         assert run(knocked, still, 199).ready
 
 
-def test_who_sways_in_a_draught_learns_in_one_rest():
-    """5 deg/s and 0.03 g about its mean, one and a half times in two seconds."""
-    state = MotionEstimate()
-    for k in range(200):
-        wave = math.sin(2.0 * math.pi * 0.75 * k * DT)
-        rates, force = (0.01, -0.02 + 0.087 * wave, 0.03), (0.1 + 0.3 * wave, -0.2, G + 0.3)
-        state = run(state, EstimatorInputs(rates, force, 0.05, 101_000.0, OFF), 1)
-    assert describe_calibration(state, BODY).level is HealthLevel.OK
-    assert state.biases.rates == pytest.approx(STILL.rates, abs=MOST_RATE)
-
-
 def test_a_tilt_is_waited_with_and_told():
     tilt = STILL._replace(pressure=101_000.0, force=(1.2, -0.2, G))
     state = run(MotionEstimate(), tilt, 999)
@@ -191,17 +179,6 @@ def test_a_sensor_may_be_off_by_what_its_data_sheet_says():
     assert not is_tilted(biases, (0.0, 0.0, 0.0))
 
 
-def test_standing_still_stays_still():
-    state = run(rested(), STILL._replace(range=0.05, pressure=101_000.0), 1000)
-    assert state.attitude == pytest.approx((0.0, 0.0, 0.0, 1.0), abs=1e-12)
-    assert state.rates == pytest.approx((0.0, 0.0, 0.0), abs=1e-15)
-    assert state.airspeed == pytest.approx((0.0, 0.0, 0.0, 0.0), abs=1e-12)
-    assert state.position == pytest.approx((0.0, 0.0), abs=1e-12)
-    assert state.altitude.height == pytest.approx(0.42, abs=1e-6)
-    assert state.altitude.climb == pytest.approx(0.0, abs=1e-7)
-    assert state.flight_time == pytest.approx(10.0)
-
-
 @pytest.mark.parametrize('reading', [math.inf, -math.inf, math.nan])
 def test_a_range_without_a_return_is_left_out(reading):
     state = rested()
@@ -209,16 +186,6 @@ def test_a_range_without_a_return_is_left_out(reading):
     assert with_it == run(state, STILL, 10)
     early = run(MotionEstimate(), STILL._replace(range=reading), 10)
     assert early == run(MotionEstimate(), STILL, 10)
-
-
-def test_pressure_falls_as_it_climbs():
-    """Half a metre up is 0.5 * 1.204 * 9.80665 Pa less; without range it is the only word."""
-    state = rested()
-    state = run(state, STILL._replace(pressure=101_000.0 - 0.5 * 1.204 * G), 1)
-    error = state.altitude.height + state.altitude.offset - 0.42
-    assert 0.0 < error < 0.5
-    state = run(state, STILL._replace(pressure=101_000.0 - 0.5 * 1.204 * G), 2000)
-    assert state.altitude.height + state.altitude.offset == pytest.approx(0.92, abs=1e-3)
 
 
 def test_a_tilted_range_is_the_height():
@@ -236,13 +203,6 @@ def test_a_tilted_range_is_the_height():
 def test_lying_on_its_side_the_range_is_left_out():
     side = rested()._replace(attitude=(math.sin(0.55), 0.0, 0.0, math.cos(0.55)))  # 63 degrees
     assert run(side, STILL._replace(range=0.9), 1) == run(side, STILL, 1)
-
-
-def test_a_tilted_vehicle_climbs_by_the_vertical_part():
-    roll = 0.3
-    tilted = rested()._replace(attitude=(math.sin(roll / 2), 0.0, 0.0, math.cos(roll / 2)))
-    force = (0.1, -0.2 + (G + 0.2) * math.sin(roll), 0.3 + (G + 0.2) * math.cos(roll))
-    assert run(tilted, STILL._replace(force=force), 100).altitude.climb == pytest.approx(0.2)
 
 
 def test_motors_reach_a_commanded_duty_with_their_lag():
@@ -270,56 +230,6 @@ def test_the_drag_model_is_driven_by_the_rotors():
     assert state.airspeed.model_surge == pytest.approx(math.sqrt(thrust / 0.1), rel=1e-4)
     assert state.airspeed.surge == pytest.approx(math.sqrt(thrust / 0.1), rel=1e-4)
     assert state.airspeed.sway == pytest.approx(math.sqrt(0.2 * thrust / 0.1), rel=1e-4)
-
-
-def test_every_rotor_has_its_own_curve():
-    """Two rotors along x and y, u = 0.5: (0.05 * 0.25 + 0.04 * 0.5, 0.09 * 0.25 + 0.07 * 0.5)."""
-    columns = ((1.0, *(0.0,) * 5), (0.0, 1.0, *(0.0,) * 4), *BODY.allocation[2:])
-    state = run(
-        rested(),
-        STILL._replace(duties=pad_to_slots((0.5, 0.5))),
-        8000,
-        body=BODY._replace(allocation=columns),
-    )
-    assert state.airspeed.model_surge == pytest.approx(math.sqrt(0.0325 / 0.1), rel=1e-4)
-    assert state.airspeed.model_sway == pytest.approx(math.sqrt(0.0575 / 0.1), rel=1e-4)
-
-
-def test_position_is_dead_reckoned_along_the_heading():
-    heading = 2.0
-    turned = rested()._replace(
-        attitude=(0.0, 0.0, math.sin(heading / 2), math.cos(heading / 2)),
-        airspeed=AirspeedEstimate(0.3, 0.1, 0.3, 0.1),
-    )
-    state = run(turned, STILL, 1)
-    way = 0.01 * np.array(
-        (
-            0.3 * math.cos(heading) - 0.1 * math.sin(heading),
-            0.3 * math.sin(heading) + 0.1 * math.cos(heading),
-        )
-    )
-    np.testing.assert_allclose(state.position, way, rtol=1e-2)
-
-
-def test_yaw_follows_the_gyroscope_less_its_bias():
-    rates = (0.01, -0.02, 0.03 + 0.4)
-    state = run(rested(), STILL._replace(rates=rates), 100)
-    assert state.rates == pytest.approx((0.0, 0.0, 0.4), abs=1e-12)
-    assert estimator.yaw_from_quaternion(state.attitude) == pytest.approx(0.4, abs=1e-5)
-
-
-def test_the_body_of_gtmab():
-    body = build_estimator_model(load_vehicle('gtmab', 1.2))
-    assert body.imu_position == pytest.approx((0.0, 0.0, -0.36))
-    assert body.range_position == (0.0, 0.0, -0.37)
-    assert body.number == 4
-    assert (body.a, body.b) == (pad_to_slots((0.0915,) * 4), pad_to_slots((0.0677,) * 4))
-    assert (body.lag_up, body.lag_down) == pytest.approx((0.072, 0.072))
-    assert body.hull.quadratic == (0.092, 0.092)
-    assert body.hull.linear == (0.0, 0.0)
-    # 331 g + 2 g + 82 g of gas in air of 1.2041; added mass 0.355 of a spheroid's 0.378 kg.
-    parts = (0.3432 * 1.2 + 0.002, 0.355 * 1.2 * 4 / 3 * math.pi * 0.25 * 0.2995)
-    assert body.hull.mass == pytest.approx((sum(parts),) * 2, rel=2e-3)
 
 
 FLYING = STILL._replace(duties=pad_to_slots((0.2, 0.2)))

@@ -4,7 +4,6 @@
 
 import math
 
-from lta_control import flight_step as rules
 from lta_control.allocation import create_working_array, NO_ROTORS
 from lta_control.autopilot import Autopilot, build_drone_constants, ESTIMATE_LAYOUT, MEMORY_LAYOUT
 from lta_control.cascade import FLOOR_SETPOINT, Setpoint
@@ -121,22 +120,6 @@ def test_turned_over_they_stay_off():
     leaning = math.sin(0.49), 0.0, 0.0, math.cos(0.49)
     almost = flying._replace(estimate=flying.estimate._replace(attitude=leaning))
     assert not stopped(run(almost, 1))
-
-
-def test_the_estimator_sees_the_duties_of_the_step_before(monkeypatch):
-    told, step = [], rules.estimator_step
-
-    def spy(settings, body, state, inputs, dt):
-        told.append(inputs.duties)
-        return step(settings, body, state, inputs, dt)
-
-    monkeypatch.setattr(rules, 'estimator_step', spy)
-    memory, given = guided(), []
-    for _ in range(40):
-        memory = run(memory, 1)
-        given.append(duties(memory))
-    assert told == [NO_ROTORS, *given[:-1]]
-    assert any(map(any, given))
 
 
 def test_the_autopilot_is_the_same_step_compiled():

@@ -65,32 +65,10 @@ def test_a_tracker_shows_the_wind_that_no_sensor_on_board_does():
     assert still.velocity == (0.0, 0.0)
 
 
-def test_a_calm_air_that_is_certain_gives_dead_reckoning():
-    settings = GroundSettings(wind=0.0, gusts=0.0, thrust_noise=0.0)
-    state = fly(10.0, ModelledMotion(True, math.pi / 2, 0.0, 0.5, 0.1), settings=settings)
-    # Nose to the left: surge is along y, sway along -x
-    assert state.velocity == pytest.approx((-0.1, 0.5))
-    assert state.position == pytest.approx((-1.0, 5.0))
-    assert max(state.velocity_covariance) == pytest.approx(0.0, abs=1e-12)
-    # The origin by 1 cm, and 3 cm in a second
-    assert state.position_covariance[0] == pytest.approx(0.01**2 + 10 * 0.03**2)
-
-
 def test_position_and_frame_begin_when_the_biases_are_known():
     state = fly(3.0, resting(ready=False))
     assert state.position == (0.0, 0.0)
     assert state.mean[2:4] == (0.0, 0.0)
-
-
-def test_without_a_lamp_the_velocity_is_as_uncertain_as_the_wind():
-    """At rest it is known; later drag has made the drift the wind."""
-    airborne = ModelledMotion(True, 0.0, 0.0, 0.5, 0.0)
-    soon, late = fly(0.5, airborne), fly(100.0, airborne)
-    wind = SETTINGS.wind**2 + 100.0 * SETTINGS.gusts**2
-    assert soon.velocity_covariance[0] < 0.1 * SETTINGS.wind**2
-    assert late.velocity_covariance[0] == pytest.approx(wind, rel=0.1)
-    # Then the airspeed no longer depends on the wind
-    assert late.airspeed_covariance[0] < 0.05 * SETTINGS.wind**2
 
 
 def test_a_drone_that_stands_tells_little_of_the_wind():

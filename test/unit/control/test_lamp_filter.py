@@ -77,39 +77,6 @@ def test_a_first_sight_gives_the_range_by_the_inverse_square():
     assert fix.rows[1][4] == pytest.approx(0.5 * 10.0 * 0.5**2)
 
 
-def drifted(wind, seconds, air=(0.3, 0.0), lamp=(7.0, 1.0), brightness=2000.0):
-    """Return the fix of a drone that flies by dead reckoning in a wind that it does not know."""
-    x, y = lamp
-    fix = initialize_fix(OPTICS, math.atan2(y, x), 0.02, brightness / (x * x + y * y), STILL)
-    for _ in range(round(10 * seconds)):
-        x, y = x - 0.1 * (air[0] + wind[0]), y - 0.1 * (air[1] + wind[1])
-        fix = predict_fix(OPTICS, fix, 0.1 * air[0], 0.1 * air[1], 0.1)
-        fix = update_fix(fix, OPTICS, math.atan2(y, x), 0.02, brightness / (x * x + y * y))
-    return fix, x, y
-
-
-@pytest.mark.parametrize('wind', [(0.0, 0.2), (0.0, -0.4), (-0.3, 0.1)])
-def test_it_learns_the_drift(wind):
-    """Of noiseless sights over 8 s: across within a tenth of it, the lamp within 10 % of range."""
-    fix, x, y = drifted(wind, 8.0)
-    assert fix.wind_y == pytest.approx(wind[1], rel=0.1, abs=0.01)
-    assert math.dist((fix.x, fix.y), (x, y)) < 0.1 * math.hypot(x, y)
-
-
-def test_a_lamp_that_is_brighter_than_it_knows_still_gives_the_time_to_go():
-    """Range and speed over ground are off by one factor; their ratio is not."""
-    fix, x, _ = drifted((0.0, 0.0), 12.0, lamp=(8.0, 0.0), brightness=3000.0)
-    assert fix.x / (0.3 + fix.wind_x) == pytest.approx(x / 0.3, rel=0.15)
-
-
-def test_the_covariance_stays_one():
-    fix, _, _ = drifted((0.1, 0.3), 15.0)
-    rows = np.array(fix.rows)
-    assert rows == pytest.approx(rows.T, abs=1e-12)
-    assert np.linalg.eigvalsh(rows).min() > 0.0
-    assert isinstance(fix, LampFix)
-
-
 @pytest.mark.parametrize('bearing', [0.4, 2.5, -1.0])
 def test_the_covariance_of_a_first_sight_follows_from_that_of_its_inputs(bearing):
     """J diag(variances) J', with J of (x, y, brightness) by (brightness, strength, bearing)."""

@@ -15,7 +15,6 @@ from lta_control.attitude import (
     to_body,
     to_world,
 )
-from lta_control.autopilot import motion_from_tracker
 from lta_control.cascade import (
     Setpoint,
 )
@@ -95,35 +94,6 @@ def test_without_error_the_rotors_carry_the_weight_and_nothing_else(name):
     assert total[[0, 1, 5]] == pytest.approx(0.0, abs=1e-6)
 
 
-def test_the_glider_without_error_leaves_its_mass_and_propellers_at_rest():
-    vehicle, made, constants = ready('rgblimp')
-    motion = ControlMotion(position=(0.0, 0.0, 2.0), velocity=(0.8, 0.0, 0.0))
-    after = once(made, constants, motion, Setpoint(2.0, 0.0, 0.8))
-    assert after.command.mass_place == vehicle.file.moving_mass.position.vector
-    assert after.command.duties == (0.0,) * 8
-
-
-def test_the_glider_moves_its_mass_back_to_climb_and_pushes_right_to_turn_left():
-    vehicle, made, constants = ready('rgblimp')
-    rest = vehicle.file.moving_mass.position.vector[0]
-    motion = ControlMotion(position=(0.0, 0.0, 2.0), velocity=(0.5, 0.0, 0.0))
-    up = once(made, constants, motion, Setpoint(3.0, 0.0, 0.8)).command
-    left = once(made, constants, motion, Setpoint(2.0, 0.5, 0.8)).command
-    assert vehicle.file.moving_mass.low.vector[0] <= up.mass_place[0] < rest
-    assert left.duties[1] > left.duties[0]
-
-
-def test_jets_that_collide_give_what_is_asked_for():
-    """Lift, surge, sway and yaw at once, by the vehicle's own columns and coupling."""
-    vehicle, _, constants = ready('beavis')
-    newtons, share, lift = mix_thrusts(constants, 0.03, 0.01, -0.005, 0.0004)
-    assert share == 1.0
-    assert lift == 0.03
-    total = np.array(vehicle.allocation).T @ np.array(newtons[:4])
-    total[2] += vehicle.file.aero.coupling.force.vector[2] * min(newtons[:4])
-    assert total[[0, 1, 2, 5]] == pytest.approx([0.01, -0.005, 0.03, 0.0004], rel=1e-9)
-
-
 def test_height_comes_before_speed_where_four_jets_cannot_do_both():
     vehicle, _, constants = ready('beavis')
     newtons, share, _ = mix_thrusts(constants, 0.1, 0.3, 0.0, 0.0)
@@ -132,21 +102,6 @@ def test_height_comes_before_speed_where_four_jets_cannot_do_both():
     total = np.array(vehicle.allocation).T @ np.array(newtons[:4])
     total[2] += vehicle.file.aero.coupling.force.vector[2] * min(newtons[:4])
     assert total[2] == pytest.approx(0.1)
-
-
-def test_a_mixer_that_ignores_the_collision_loses_lift_by_its_share_of_the_offsets():
-    """By hand: without giving back, the lift falls short by c times the least offset."""
-    vehicle, _, constants = ready('beavis')
-    blunt = constants._replace(gains=constants.gains.model_copy(update={'compensation': 0.0}))
-    newtons, _, _ = mix_thrusts(blunt, 0.03, 0.0, 0.0, 0.0008)
-    collective = 0.03 / (constants.alone + constants.collision)
-    least = min(newtons[:4]) - collective
-    assert least < -1e-3
-    total = sum(
-        column[2] * each for column, each in zip(vehicle.allocation, newtons, strict=False)
-    )
-    total += constants.collision * min(newtons[:4])
-    assert total == pytest.approx(0.03 + constants.collision * least)
 
 
 @pytest.mark.parametrize(
@@ -222,18 +177,6 @@ def test_frames_agree_with_scipy():
     other_sign = tuple(-part for part in there)  # the same attitude
     assert rotation_between(q, other_sign) == pytest.approx((0.002, -0.001, 0.003), rel=1e-5)
     assert rotate_level_to_world(math.pi / 2, 2.0, 1.0) == pytest.approx((-1.0, 2.0))
-
-
-def test_a_tracker_s_frame_begins_with_the_vehicle():
-    """It starts at (1, 2) facing north, and has flown 3 m ahead and turned left by 0.4."""
-    start = (1.0, 2.0, 0.5, *Rotation.from_euler('z', math.pi / 2).as_quat(), *(0.0,) * 6)
-    turn = Rotation.from_euler('z', math.pi / 2 + 0.4).as_quat()
-    now = (1.0, 5.0, 0.9, *turn, 0.3, 0.1, 0.0, 9.0, 9.0, 9.0)
-    motion = motion_from_tracker(now, start, (0.0, 0.0, 0.2))
-    assert motion.position == pytest.approx((3.0, 0.0, 0.9))
-    assert motion.attitude == pytest.approx(quaternion_from_angles(0.0, 0.0, 0.4))
-    assert motion.velocity == (0.3, 0.1, 0.0)
-    assert motion.rates == (0.0, 0.0, 0.2)
 
 
 def test_each_law_weights_the_axes_of_its_allocation():

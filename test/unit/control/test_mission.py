@@ -7,7 +7,7 @@ import math
 
 from lta_config.course import Course
 from lta_control.cascade import Setpoint
-from lta_control.mission import course_step, mission_step, MissionSettings, remove_light
+from lta_control.mission import course_step, mission_step, MissionSettings
 from lta_control.phases import Mission, Phase
 from lta_control.reserve import FlightPermission, ReserveResponseSettings
 from lta_control.strategies import find_navigation_strategy
@@ -23,28 +23,6 @@ BLIND = SEEN._replace(seen=False, bearing=0.0)
 
 def go(mission=Mission(), sight=SEEN, altitude=0.42, order=FlightPermission.FLY):  # noqa: B008 - immutable
     return mission_step(SETTINGS, BAG, mission, sight, altitude, order, 1, LAND)
-
-
-def test_at_rest_it_asks_for_nothing():
-    setpoint, mission = go(altitude=math.nan)
-    assert setpoint == Setpoint(0.0, 1.0, 0.0)
-    assert mission == Mission(Phase.REST, ())
-    assert go(altitude=math.nan, order=FlightPermission.RESERVE)[1] == mission
-
-
-def test_it_climbs_on_the_heading_it_stood_on():
-    setpoint, mission = go()
-    assert setpoint == Setpoint(0.5, 1.0, 0.0)
-    assert mission == Mission(Phase.CLIMB, (1.0,), heading=1.0)
-    setpoint, mission = go(mission, SEEN._replace(heading=1.3))
-    assert setpoint == Setpoint(0.5, 1.0, 0.0)
-
-
-@pytest.mark.parametrize(
-    ('altitude', 'phase'), [(0.459, Phase.CLIMB), (0.5 - 0.04, Phase.CLIMB), (0.461, Phase.SEEK)]
-)
-def test_the_climb_ends_near_the_altitude(altitude, phase):
-    assert go(Mission(Phase.CLIMB, (1.0,), heading=1.0), altitude=altitude)[1].phase is phase
 
 
 def test_it_seeks_where_the_strategy_says():
@@ -80,14 +58,6 @@ def test_phases_only_go_forward():
         memory = () if phase is Phase.REST else (0.7,)
         _, after = go(Mission(phase, memory), sight, altitude, order)
         assert phases.index(after.phase) >= phases.index(phase)
-
-
-def test_blind_removes_only_the_light_from_a_sight():
-    told = LightMeasurement(
-        True, 0.4, 1.0, (5.0, 6.0), 0.1, 0.2, 800.0, 0.3, (1.0, 2.0), (0.5, 0.1)
-    )
-    without = (False, 0.0, 1.0, (5.0, 6.0), 0.1, 0.0, 0.0, 0.0, (1.0, 2.0), (0.5, 0.1))
-    assert remove_light(told) == without
 
 
 def test_a_course_is_flown_by_its_rows_until_the_energy_reserve():

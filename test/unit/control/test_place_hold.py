@@ -1,6 +1,6 @@
 # Copyright 2026 The LTA maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""The hold of a place: where the nose turns, how fast, and which places are refused."""
+"""Places that are held and flown to, also in a wind."""
 
 import math
 
@@ -14,6 +14,7 @@ from lta_control.place_hold import (
     Route,
     steer_to_place,
 )
+from lta_control.strategies.homing import solve_wind_triangle
 from lta_control.strategies.settings import StrategySettings
 import pytest
 
@@ -92,3 +93,50 @@ def test_a_route_without_places_or_with_a_tolerance_that_is_none_is_refused():
     assert 'a tolerance of nan m cannot be flown' in find_route_fault(nan, None, 0.47, 100.0)
     far = Route((Place(500.0, 0.0, 50.0),))
     assert find_route_fault(far, None, 0.47, 100.0) == ''
+
+
+EAST = (7.0, 0.0)
+
+
+def flown(line, wind, over_ground=0.5, top=1.0, least=0.0):
+    return solve_wind_triangle(line, wind, over_ground, top, least)
+
+
+def test_in_still_air_it_flies_along_the_line():
+    assert flown((3.0, 3.0), (0.0, 0.0)) == (pytest.approx(math.pi / 4), pytest.approx(0.5))
+
+
+def test_a_head_wind_is_flown_against_as_fast_as_it_can():
+    assert flown(EAST, (-0.3, 0.0)) == (pytest.approx(0.0), pytest.approx(0.8))
+    assert flown(EAST, (-0.9, 0.0)) == (pytest.approx(0.0), pytest.approx(1.0))
+
+
+def test_what_is_across_is_held_before_what_is_along():
+    heading, speed = flown(EAST, (-0.9, 0.6))
+    assert speed == pytest.approx(1.0)
+    assert math.sin(heading) == pytest.approx(-0.6)
+
+
+def test_without_speed_it_looks_along_the_line():
+    assert flown((0.0, 2.0), (0.0, 0.5)) == (pytest.approx(math.pi / 2), 0.0)
+
+
+def test_a_wind_that_is_too_strong_leaves_some_way_along():
+    heading, speed = flown(EAST, (0.0, 3.0))
+    assert speed == pytest.approx(1.0)
+    assert -math.pi / 2 < heading < -1.0
+
+
+@pytest.mark.parametrize('side', [1.0, -1.0])
+def test_at_most_95_per_cent_of_the_airspeed_is_directed_across_the_line(side):
+    """The cross wind is stronger than the airspeed; sqrt(1 - 0.95^2) is left along the line."""
+    heading, speed = flown(EAST, (0.0, 3.0 * side), over_ground=9.0, top=2.0)
+    left = math.sqrt(1.0 - 0.95**2)
+    assert (heading, speed) == (pytest.approx(-side * math.atan2(0.95, left)), pytest.approx(2.0))
+
+
+@pytest.mark.parametrize(('speed', 'flies'), [(0.1, True), (0.0999, False)])
+def test_an_airspeed_below_10_cm_a_second_is_not_flown(speed, flies):
+    """In a cross wind alone it faces the wind, or along the line if the wind is weaker."""
+    heading, asked = flown(EAST, (0.0, speed), over_ground=0.0)
+    assert (heading, asked) == ((-math.pi / 2, speed) if flies else (0.0, 0.0))

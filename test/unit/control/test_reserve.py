@@ -73,14 +73,6 @@ def test_what_the_energy_allows(word, order, why):
 
 
 @pytest.mark.parametrize('reserve', [LAND, RETURN, PERCH])
-@pytest.mark.parametrize('order', [FlightPermission.RESERVE, FlightPermission.DOWN])
-def test_it_never_takes_off_on_it(reserve, order):
-    setpoint, mission = go(Mission(), order, reserve)
-    assert mission.phase is Phase.REST
-    assert setpoint == Setpoint(0.0, 0.2, 0.0)
-
-
-@pytest.mark.parametrize('reserve', [LAND, RETURN, PERCH])
 def test_what_is_urgent_lands_it_at_once(reserve):
     assert go(airborne(), FlightPermission.DOWN, reserve)[1].phase is Phase.LAND
     mission = airborne()._replace(phase=Phase.HOME, left=60.0)
@@ -119,12 +111,6 @@ def test_who_perches_goes_on_to_the_lamp_and_comes_down_there():
         phases.append(mission.phase)
     assert phases == [Phase.SEEK, Phase.SEEK, Phase.ARRIVED, Phase.LAND, Phase.LAND]
     assert setpoint.altitude == SETTINGS.landing
-
-
-def test_a_climb_is_broken_off():
-    mission = Mission(Phase.CLIMB, (0.2, 0))
-    for reserve in (LAND, RETURN, PERCH):
-        assert go(mission, FlightPermission.RESERVE, reserve, altitude=0.3)[1].phase is Phase.LAND
 
 
 def test_only_who_arrives_can_perch():

@@ -8,7 +8,6 @@ from lta_control.sighting import (
     bearing_deviation,
     build_sight,
     DeadReckonedMotion,
-    facing_strength,
     LampPosition,
 )
 import pytest
@@ -32,24 +31,6 @@ def test_bearing_and_deviation_come_back_out_of_the_estimate(angle):
     assert seen.deviation == pytest.approx(0.05)
     assert seen.elevation == pytest.approx(math.atan2(1.0, 4.0))
     assert (seen.heading, seen.position, seen.drift) == (0.3, (1.0, 2.0), (0.4, -0.1))
-
-
-@pytest.mark.parametrize('count', [4, 8, 16])
-def test_strength_is_that_of_a_diode_that_faces_the_lamp(count):
-    """Cosine diodes and a pedestal of 30 counts, at bearings between the diodes."""
-    axes = [(math.cos(k * math.tau / count), math.sin(k * math.tau / count)) for k in range(count)]
-    for bearing in (0.0, 0.2, 1.9):
-        x, y = math.cos(bearing), math.sin(bearing)
-        read = tuple(30.0 + 200.0 * max(a * x + b * y, 0.0) for a, b in axes)
-        assert facing_strength(tuple(axes), read) == pytest.approx(200.0)
-
-
-def test_strength_is_told_by_the_largest_resistor():
-    """A diode that reads 2 % of what it could by another resistor."""
-    axes, read = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)), (4.0, 0.0, 0.0, 0.0)
-    seen = build_sight(lamp_at(0.0, 4.0, 3.0, 0.05), axes, read, STILL, 0.1, 0.02)
-    assert seen.strength == pytest.approx(200.0)
-    assert seen.amplitudes == read
 
 
 def test_without_a_lamp_nothing_is_seen():

@@ -1,8 +1,9 @@
 # Copyright 2026 The LTA maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""A strategy from the user's own file: the example flies, and what is no strategy is refused."""
+"""Strategies by name and by file."""
 
 from dataclasses import replace
+import math
 from pathlib import Path
 
 from lta_config.errors import BadInput
@@ -14,8 +15,12 @@ from lta_control.mission import MissionSettings
 from lta_control.phases import Mission, Phase
 from lta_control.reserve import ReserveReport, ReserveResponseSettings
 from lta_control.strategies import find_navigation_strategy, STRATEGIES
-from lta_control.strategies.protocol import LightMeasurement
-from lta_control.strategies.settings import StrategySettings
+from lta_control.strategies.bearing_angle import (
+    BEARING_ANGLE_STRATEGY,
+    mean_bearing,
+)
+from lta_control.strategies.protocol import LightMeasurement, SteeringCommand
+from lta_control.strategies.settings import BearingAngleSettings, StrategySettings
 import pytest
 
 EXAMPLE = Path(__file__).resolve().parents[3] / 'examples' / 'own_strategy.py'
@@ -116,3 +121,28 @@ def test_a_failure_in_flight_is_one_sentence(answer, commanded, said, tmp_path):
     guidance.mission = guidance.mission._replace(phase=Phase.SEEK)
     with pytest.raises(BadInput, match=rf"'{path}' fails in flight: {said}.*; correct it\.$"):
         guidance.choose_setpoint(inputs._replace(sight=inputs.sight._replace(bearing=1.5)))
+
+
+SETTINGS = StrategySettings(speed=0.4, search_rate=0.2)
+SEEN = LightMeasurement(seen=True, bearing=-0.5, heading=2.0, amplitudes=(1.0,) * 8, interval=0.1)
+
+
+def test_bag_is_known():
+    assert find_navigation_strategy('bag') is BEARING_ANGLE_STRATEGY
+    assert (BEARING_ANGLE_STRATEGY.arrives, BEARING_ANGLE_STRATEGY.ranges) == (False, False)
+
+
+def test_bag_heads_for_the_lamp():
+    course, memory = BEARING_ANGLE_STRATEGY.steer(SETTINGS, (9.0,), SEEN)
+    assert course == SteeringCommand(1.5, 0.4)
+    assert memory == (1.5,)
+
+
+def test_bag_heads_along_the_mean_of_the_paper_on_request():
+    """Cosine diodes of an even ring: their weighted mean is exact, `lta_vlc.bearing`."""
+    lamp = 0.7
+    seen = tuple(max(math.cos(lamp - math.tau * k / 8), 0.0) for k in range(8))
+    settings = StrategySettings(bag=BearingAngleSettings(mean=True))
+    course, _ = BEARING_ANGLE_STRATEGY.steer(settings, (9.0,), SEEN._replace(amplitudes=seen))
+    assert course.heading == pytest.approx(2.0 + lamp)
+    assert mean_bearing(seen) == pytest.approx(lamp)

@@ -2,16 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """The texts of energy alarms, and the initial values."""
 
-from dataclasses import astuple, replace
+from dataclasses import replace
 import math
 
 from lta_energy.monitoring.faults import Latch, MeterObservation, update_detectors
 from lta_energy.monitoring.meters import (
-    EnergyBalance,
     MeterReading,
     PowerSystem,
     TravelState,
-    update_energy_balance,
 )
 from lta_energy.monitoring.monitor import EnergyEstimate, MonitorSettings
 from lta_energy.monitoring.outlook import LoadEstimate, ReserveMargin
@@ -109,15 +107,6 @@ def test_the_charger_takes_its_own_and_gives_nothing_in_the_dark():
     aboard = PowerSystem(CELL, ChargerModel(tracking=0.95, conversion=0.85, idle=0.022))
     given = [aboard.charger_output(watts) for watts in (1.0, 0.02, -1.0, math.nan, math.inf)]
     assert given == [pytest.approx(0.8313), 0.0, 0.0, 0.0, 0.0]
-
-
-def test_the_books_entry_by_entry():
-    """Ten seconds of 0.5 W of the panel; the cell of 0.15 ohm and 3.84 V gives 4 W at 1 A."""
-    aboard = PowerSystem(CELL, ChargerModel(tracking=1.0, conversion=1.0, idle=0.0))
-    last, now = (MeterReading(stamp, 4.0, -1.0, 5.0, 0.1) for stamp in (0, 10_000_000_000))
-    books = update_energy_balance(EnergyBalance(1.0, 2.0, 3.0, 4.0), aboard, HALF, last, now)
-    assert astuple(books) == pytest.approx((6.0, 47.0, 4.5, -34.4))
-    assert books.imbalance == pytest.approx(6.0 - 47.0 - 4.5 + 34.4)
 
 
 def test_what_a_meter_can_read_ends_at_a_hundred():

@@ -46,18 +46,6 @@ def test_stored_energy_is_the_integral_of_voltage(charge):
     assert battery.stored_energy(charge, 900.0) == pytest.approx(900.0 * expected, rel=1e-9)
 
 
-def test_a_full_cell_holds_about_a_watt_hour():
-    # The mean of the chart by trapezoids: (73.43 + (3.27 + 4.20) / 2) V / 20 = 3.85825 V.
-    assert battery.stored_energy(1.0, CELL.capacity) == pytest.approx(900.0 * 3.85825, rel=1e-9)
-
-
-def test_drawing_one_watt_by_hand():
-    # 0.2 I^2 + 4 I = -1: I = -0.25320 A, V = 3.94936 V.
-    current = battery.current_for_power(4.0, -1.0, 0.2)
-    assert current == pytest.approx((-4.0 + (16.0 - 0.8) ** 0.5) / 0.4, rel=1e-13)
-    assert battery.terminal_voltage(4.0, current, 0.2) == pytest.approx(3.949359, abs=1e-6)
-
-
 @given(st.floats(3.2, 4.2), st.floats(-15.0, 15.0), st.floats(0.0, 0.2))
 def test_the_current_takes_up_the_power(open_circuit, power, resistance):
     current = battery.current_for_power(open_circuit, power, resistance)
@@ -72,33 +60,6 @@ def test_the_current_takes_up_the_power(open_circuit, power, resistance):
 def test_a_brown_out_halves_the_voltage():
     # 4 V behind 0.2 ohm gives at most 16 / 0.8 = 20 W, at 10 A.
     assert battery.current_for_power(4.0, -25.0, 0.2) == pytest.approx(-10.0)
-
-
-def test_counting_by_hand():
-    # 0.9 A for 100 s is a tenth of 900 C.
-    assert battery.integrate_charge(0.5, -0.9, 900.0, 100.0) == pytest.approx(0.4, rel=1e-14)
-    assert battery.integrate_charge(0.05, -0.9, 900.0, 100.0) == 0.0
-    assert battery.integrate_charge(0.95, 0.9, 900.0, 100.0) == 1.0
-
-
-def test_a_step_of_current_relaxes_by_hand():
-    # -0.5 A through 0.09 ohm: -45 mV in the end, 63.2 % of it after one time constant.
-    after, mean = battery.relax_voltage(PAIR, 0.0, -0.5, 33.0)
-    assert after == pytest.approx(-0.045 * 0.6321206, rel=1e-6)
-    assert mean == pytest.approx(-0.045 * 0.3678794, rel=1e-6)
-    # And back, without a current.
-    assert battery.relax_voltage(PAIR, after, 0.0, 66.0)[0] == pytest.approx(
-        after * 0.1353353, rel=1e-6
-    )
-
-
-@given(st.floats(-0.2, 0.2), st.floats(-3.0, 3.0), st.floats(0.01, 600.0))
-def test_the_heat_is_what_the_pair_does_not_keep(relaxation, current, dt):
-    after, mean = battery.relax_voltage(PAIR, relaxation, current, dt)
-    kept = battery.relaxation_energy(PAIR, after) - battery.relaxation_energy(PAIR, relaxation)
-    given_ = (mean * current + PAIR.resistance * current**2) * dt
-    found = battery.resistive_heat(PAIR, relaxation, current, dt) * dt
-    assert found == pytest.approx(given_ - kept, rel=1e-6, abs=1e-9)
 
 
 @pytest.mark.parametrize(('celsius', 'ratio'), [(25.0, 1.0), (0.0, 2.0), (45.0, 0.62)])

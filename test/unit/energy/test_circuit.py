@@ -5,14 +5,10 @@
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_energy.circuit import add_totals, EnergyTotals, NO_ENERGY, step_circuit
-from lta_energy.harvest import HarvestCurve
-from lta_energy.irradiance import NO_IRRADIANCE
+from lta_energy.circuit import NO_ENERGY, step_circuit
 from lta_model.electrical.battery import BatteryModel
 from lta_model.electrical.mppt_charger import ChargerModel, resting_flow, total_stored_energy
-from lta_model.electrical.panel import find_max_power_point, SolarArrayModel
-import numpy as np
-import pytest
+from lta_model.electrical.panel import SolarArrayModel
 
 ENERGY = load_vehicle_file('gtmab').energy
 CELL, CHARGER, PANEL = (
@@ -20,7 +16,6 @@ CELL, CHARGER, PANEL = (
     ChargerModel.from_energy(ENERGY),
     SolarArrayModel.from_energy(ENERGY),
 )
-HARVEST = HarvestCurve(PANEL, 1.1)  # 1.1 W/m2 of sunlight for 1 of a lamp
 
 
 @given(
@@ -42,56 +37,3 @@ def test_what_is_harvested_is_consumed_lost_or_stored(charge, available, asked, 
     assert spent.harvested + spent.curtailed <= most + 1e-9
     assert spent.curtailed >= -1e-9
     assert 0.0 <= store.charge <= 1.0
-
-
-def test_a_table_gives_what_the_diode_gives():
-    for light in (0.3, 7.0, 55.5, 333.0, 981.0):
-        voltage, current = find_max_power_point(PANEL, light)
-        assert HARVEST.steady_light_power(light) == pytest.approx(voltage * current, rel=2e-4)
-
-
-def test_a_flickering_lamp_brings_its_duty_of_its_own_brightness():
-    flickering = HARVEST(NO_IRRADIANCE._replace(beacon=200.0, duty=0.5))
-    assert flickering == pytest.approx(0.5 * HARVEST.steady_light_power(220.0))
-    assert flickering > HARVEST.steady_light_power(
-        110.0
-    )  # a diode gives more than twice in twice the light
-    both = HARVEST(NO_IRRADIANCE._replace(sun=100.0, beacon=200.0, duty=0.25))
-    assert both == pytest.approx(
-        0.75 * HARVEST.steady_light_power(100.0) + 0.25 * HARVEST.steady_light_power(320.0)
-    )
-
-
-def test_the_books_add_up_entry_by_entry():
-    assert NO_ENERGY == (0.0, 0.0, 0.0, 0.0)
-    assert add_totals(EnergyTotals(1.0, 2.0, 3.0, 4.0), EnergyTotals(10.0, 20.0, 30.0, 40.0)) == (
-        11,
-        22,
-        33,
-        44,
-    )
-    before = EnergyTotals(1.0, 2.0, 3.0, 4.0)
-    store, once = step_circuit(CELL, CHARGER, resting_flow(0.5), NO_ENERGY, 1.0, 0.1, 10.0)
-    again, twice = step_circuit(CELL, CHARGER, resting_flow(0.5), before, 1.0, 0.1, 10.0)
-    assert again == store
-    assert twice == pytest.approx(add_totals(before, once))
-
-
-def test_the_table_has_256_points_from_a_hundredth_to_two_thousand_watts():
-    """At a table point the value is that of the diode equation, without interpolation."""
-    for light in np.geomspace(0.01, 2000.0, 256)[[0, 1, 100, 255]]:
-        voltage, current = find_max_power_point(PANEL, float(light))
-        assert HARVEST.steady_light_power(float(light)) == pytest.approx(
-            voltage * current, rel=1e-9
-        )
-    assert HARVEST.steady_light_power(0.0) == 0.0
-    assert HARVEST.steady_light_power(0.005) == pytest.approx(
-        0.5 * HARVEST.steady_light_power(0.01)
-    )
-    assert HARVEST.steady_light_power(3000.0) == HARVEST.steady_light_power(2000.0)
-
-
-def test_without_a_beacon_light_is_sun_and_lamps():
-    both = HARVEST(NO_IRRADIANCE._replace(sun=100.0, lamps=20.0, duty=0.5))
-    assert both == pytest.approx(HARVEST.steady_light_power(122.0))
-    assert NO_IRRADIANCE == (0.0, 0.0, 0.0, 1.0)

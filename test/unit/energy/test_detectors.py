@@ -156,24 +156,6 @@ def test_a_slope_below_half_of_the_resistance_is_wrong_where_enough_has_changed(
     assert sees('reversed current', WELL, before=None, memory=memory) == (wrong, memory)
 
 
-@pytest.mark.parametrize('dt', [0.0, 1.0, 2.0])
-def test_changes_over_no_time_or_a_second_tell_nothing(dt):
-    now = reading(current=-0.7, voltage=3.77)
-    assert sees('reversed current', now, dt=dt, memory=(0.1, 0.01))[1] == (0.1, 0.01)
-
-
-def test_a_voltage_that_changes_by_more_than_the_resistance_has_another_cause():
-    """2 * 0.15 ohm * 0.2 A + 0.02 V = 0.08 V is still heeded."""
-    kept = math.exp(-0.01)
-    for step, heeded in ((0.079, True), (0.081, False)):
-        now = reading(current=-0.7, voltage=3.8 - step)
-        squares, _ = sees('reversed current', now, memory=(0.1, 0.01))[1]
-        assert squares == pytest.approx(kept * 0.1 + (0.04 if heeded else 0.0))
-    unusable = reading(voltage=math.nan)
-    assert sees('reversed current', WELL, unusable, memory=(0.1, 0.01))[1] == (0.1, 0.01)
-    assert sees('reversed current', unusable, memory=(0.1, 0.01)) == (False, (0.1, 0.01))
-
-
 def test_a_reading_in_which_a_grave_fault_is_found_is_no_other_cell():
     jump = MeterObservation(reading(voltage=5.0, current=-0.6), WELL, 0.1, CELL, surprise=20.0)
     watch = update_detectors(DetectorStates(), jump)
@@ -185,16 +167,3 @@ def test_a_reading_in_which_a_grave_fault_is_found_is_no_other_cell():
         DetectorStates(), jump._replace(reading=reading(voltage=4.0, current=-0.6))
     )
     assert dict(zip(BY_NAME, other.seen, strict=True))['swapped']
-
-
-def test_a_doubt_is_of_faults_that_bring_it_down_alone():
-    gap = update_detectors(DetectorStates(), MeterObservation(WELL, WELL, 2.0, CELL))
-    assert [fault.name for fault in gap.faults] == ['gap']
-    assert not gap.is_doubtful
-    assert not gap.is_unusable
-    lost = update_detectors(
-        DetectorStates(), MeterObservation(reading(voltage=0.0), WELL, 0.1, CELL)
-    )
-    assert [fault.name for fault in lost.faults] == ['dropout']
-    assert lost.is_doubtful
-    assert lost.is_unusable

@@ -114,31 +114,6 @@ def test_a_reversed_current_is_seen_in_bright_light_by_the_resistance():
     )
 
 
-def test_another_cell_is_noticed_and_its_charge_estimated_anew():
-    cell, clean = series(charge=(0.85, 0.9))
-    estimate = follow(clean(BEFORE))
-    cell.charge, cell.relaxation = 0.35, 0.0
-    estimate = follow(clean(3), estimate=estimate)
-    assert 'swapped' in names(estimate)
-    assert estimate.is_landing_urgent
-    estimate = follow(clean(600), estimate=estimate)
-    assert names(estimate) == set()
-    assert estimate.charge == pytest.approx(cell.charge, abs=0.05)
-
-
-def test_a_gap_makes_the_charge_less_certain():
-    cell, clean = series()
-    before = follow(clean(BEFORE))
-    for _ in range(600):
-        cell.step()
-    estimate = follow(clean(1), estimate=before)
-    assert names(estimate) == {'gap'}
-    assert estimate.gap == pytest.approx(60.1)
-    assert estimate.charge == pytest.approx(cell.charge, abs=0.03)
-    blind = follow([replace(clean(1)[0], stamp_ns=cell.stamp, voltage=math.nan)], estimate=before)
-    assert blind.deviation > before.deviation
-
-
 @pytest.mark.parametrize('back', [0.5, 60.0, 3600.0])
 def test_a_clock_that_is_set_back_is_told_and_the_energy_stays_known(back):
     cell, clean = series()
@@ -192,14 +167,6 @@ def test_clean_flights_raise_no_alarm(seed, lit):
         reading = cell.reading(panel_current=light, illuminance=5e4 * lit)
         estimate = update_estimate(SETTINGS, ABOARD, estimate, reading)
         assert names(estimate) == set(), seed
-
-
-def test_the_electronics_alone_raise_no_alarm():
-    """Ten minutes of rest at 28 mA: the meter repeats itself often, but not for 5 s."""
-    cell, estimate = Metered(3), EnergyEstimate()
-    for _ in range(6000):
-        estimate = update_estimate(SETTINGS, ABOARD, estimate, cell.reading(0.119))
-        assert names(estimate) == set()
 
 
 @given(st.lists(st.booleans(), max_size=60), st.floats(0.0, 1.0), st.floats(0.0, 1.0))

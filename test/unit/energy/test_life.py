@@ -104,30 +104,9 @@ def test_a_flight_is_taken_to_need_what_the_last_twenty_that_came_home_did():
     assert told.landed == told.time == sum(row[1] for row in rows) + 3600.0
 
 
-def test_a_flight_begins_with_what_there_is():
-    """A flight gets the time, the power path, the gauge, the light and the number of flights."""
-    begun, pilot = [], flights((1.0, 100.0, 'home'), (1.0, 50.0, 'home'))
-    _, seen, _ = lived(
-        [rest(120.0), fly, fly], lambda one: begun.append(one) or pilot(one), sun=7.0
-    )
-    assert [one.time for one in begun] == [120.0, 220.0]
-    assert [one.told for one in begun] == [seen[1].gauge.charge, 0.7]
-    assert [one.light for one in begun] == [(7.0, 0.0, 0.0, 0.5)] * 2
-    assert [one.number for one in begun] == [0, 1]
-    assert begun[0].store is begun[1].store
-    assert begun[0].store.charge == pytest.approx(0.6, abs=1e-3)
-
-
 def test_a_flight_makes_the_charge_less_sure_by_its_meter():
     _, seen, _ = lived([fly], flights((100.0, 100.0, 'home')))
     assert seen[1].gauge == (0.7, pytest.approx(0.05 + 0.04 * 0.003))
-
-
-def test_rest_lasts_a_minute_at_least_and_never_beyond_the_last_day():
-    _, seen, ends = lived([rest(10.0), rest(60.0), rest(100.0)])
-    assert ends == [60.0, 120.0, 220.0, 12000.0]
-    assert [known.time for known in seen] == [0.0, 60.0, 120.0, 220.0]
-    assert lived([rest(60.5)])[2][0] == 60.5
 
 
 @pytest.mark.parametrize(('asleep', 'watts'), [(True, 0.006), (False, 0.097)])
@@ -176,16 +155,6 @@ def test_one_that_did_not_come_home_lies_until_it_is_fetched_or_the_days_are_ove
     away = [time for time, state in trace if state == AWAY]
     assert away == [100.0, 3700.0, 3800.0, 6000.0]
     assert len(seen) == 2
-
-
-@pytest.mark.parametrize(
-    ('lit', 'dark'),
-    [({}, 1), ({'beacon': 5.0}, 0), ({'clear': 5.0}, 0)],
-)
-def test_a_flight_that_ends_without_any_light_is_counted(lit, dark):
-    diary, _, _ = lived([fly], flights((1.0, 100.0, 'home')), **lit)
-    assert (diary.dark, len(diary.flights)) == (dark, 1)
-    assert diary.spent.consumed >= 1.0
 
 
 def test_a_cell_that_goes_out_is_counted_once_and_draws_nothing_until_light_has_charged_it():

@@ -8,7 +8,6 @@ import math
 from lta_config.schema.mission_file import load_light_day
 from lta_config.schema.spectrum_file import luminous_efficacy
 from lta_energy.irradiance import (
-    clear_sky_irradiance,
     lamp_irradiance,
     MINUTES,
     simulate_cloud_transmittance,
@@ -42,15 +41,6 @@ def test_the_sun_stands_where_the_almanac_has_it():
     assert solar_elevation_sine(latitude, 172, early)[0] == pytest.approx(0.0, abs=1e-4)
 
 
-def test_a_clear_noon_is_haurwitz_behind_glass():
-    light = simulate_irradiance(SPRING, 1, 1)
-    sine = math.sin(math.radians(38.0)) - 0.0055  # 21 March by Cooper: declination -0.4 degrees
-    outside = 1098.0 * sine * math.exp(-0.057 / sine)
-    assert light.clear[MINUTES // 2] == pytest.approx(0.65 * outside, rel=2e-3)
-    assert not light.sun[: MINUTES // 6].any()
-    assert np.all(light.sun <= light.clear)
-
-
 def test_clouds_cover_what_the_file_says_and_let_through_what_it_says():
     chance = np.random.default_rng(4)
     days = np.array([simulate_cloud_transmittance(SPRING.sun.clouds, chance) for _ in range(400)])
@@ -59,16 +49,6 @@ def test_clouds_cover_what_the_file_says_and_let_through_what_it_says():
     assert days[clouded].min() >= 0.2
     assert days[clouded].max() <= 0.5
     assert days.mean() == pytest.approx(simulate_irradiance(SPRING, 1, 1).mean, abs=0.02)
-
-
-def test_a_seed_is_a_sky():
-    first, again, other = (simulate_irradiance(SPRING, 2, seed) for seed in (1, 1, 2))
-    np.testing.assert_array_equal(first.sun, again.sun)
-    assert np.abs(first.sun - other.sun).max() > 50.0
-    np.testing.assert_array_equal(first.clear, other.clear)
-    assert first.forecast_irradiance(12 * HOUR).sun == pytest.approx(
-        first.mean * first.clear[MINUTES // 2]
-    )
 
 
 def test_lamps_burn_by_their_timers_over_midnight_too():
@@ -98,20 +78,6 @@ def test_a_timer_switches_at_the_second(hours, lit):
     assert (lamp_irradiance(lamp, times + 24.0 * HOUR) > 0.0).tolist() == lit
 
 
-def test_before_and_after_the_days_the_first_and_the_last_minute_stand():
-    light = simulate_irradiance(SPRING, 2, 1)
-    assert light.end == 2 * 24 * HOUR
-    assert (len(light.sun), MINUTES) == (2880, 1440)
-    ramp = dataclasses.replace(light, sun=np.arange(2880.0), clear=np.arange(2880.0), mean=0.5)
-    told = [ramp.at(time).sun for time in (-90.0, 0.0, 59.9, 60.0, light.end - 1.0, light.end)]
-    assert told == [0.0, 0.0, 0.0, 1.0, 2879.0, 2879.0]
-    days = [
-        ramp.forecast_irradiance(time).sun
-        for time in (0.0, 61.0, 24 * HOUR - 1.0, 24 * HOUR + 61.0)
-    ]
-    assert days == [0.0, 0.5, 719.5, 0.5]
-
-
 def test_lux_are_watts_by_the_efficacy_of_each_and_a_beacon_counts_by_its_duty():
     light = simulate_irradiance(DOCK, 1, 1)
     ones = np.ones(1440)
@@ -136,19 +102,6 @@ def test_a_day_without_clouds_is_clear_and_an_overcast_one_has_no_gap():
         assert len(share) == MINUTES
         assert (share == 1.0).all() == clear
         assert clear or share.max() <= 0.5
-
-
-def test_the_sun_gives_nothing_below_the_horizon():
-    """
-    Glass passes 65 % of the Haurwitz model, which at sin h = 0.5 is 1098 * 0.5 * exp(-0.114).
-    """
-    sun = SPRING.sun
-    equator = sun.latitude.model_copy(update={'value': 0.0})
-    times = np.array([0.0, 8.0 * HOUR, 12.0 * HOUR])
-    told = clear_sky_irradiance(sun.model_copy(update={'latitude': equator, 'day': 81}), times)
-    assert told == pytest.approx(
-        [0.0, 0.65 * 549.0 * math.exp(-0.114), 0.65 * 1098.0 * math.exp(-0.057)], rel=1e-4
-    )
 
 
 def test_clouds_are_as_long_as_the_file_says_and_may_be_there_at_midnight():

@@ -22,9 +22,7 @@ from lta_energy.schedule import (
     build_fixed_schedule,
     forecast_charge,
     is_within_working_hours,
-    night_energy,
     schedule_by_light,
-    ScheduleDecision,
     ScheduleInputs,
 )
 from lta_model.electrical.battery import BatteryModel
@@ -115,30 +113,6 @@ def test_all_are_home_before_work_ends_and_the_night_leaves_something():
             assert begin >= 7 * HOUR
             assert begin + flight.duration <= 18 * HOUR
         assert diary.dark == diary.outages == 0
-
-
-def test_a_charge_that_is_not_sure_is_not_flown_on():
-    assert schedule_by_light(known()) == ScheduleDecision(True)
-    assert build_fixed_schedule(4.0)(known()) == ScheduleDecision(True)
-    unsure = known(gauge=ChargeGauge(0.35, 0.03))
-    assert not schedule_by_light(unsure).fly
-    assert not build_fixed_schedule(4.0)(unsure).fly
-    assert schedule_by_light(unsure).asleep
-
-
-def test_the_night_is_provided_for():
-    """Asleep from dusk to dawn, some 13 hours at 6 mW less what twilight brings: 270 J."""
-    need = night_energy(known()) - night_energy(known(asleep=0.0))
-    assert need == pytest.approx(1.3 * 13.0 * HOUR * 0.006, rel=0.08)
-    hungry = known(asleep=0.04, time=17.5 * HOUR, gauge=ChargeGauge(0.7, 0.0))
-    assert not schedule_by_light(hungry).fly
-
-
-def test_a_cell_that_would_be_full_is_flown_empty():
-    noon = known(gauge=ChargeGauge(0.97, 0.0), time=9 * HOUR)
-    full, _ = forecast_charge(noon)
-    assert full
-    assert schedule_by_light(noon).fly
 
 
 @pytest.mark.parametrize(

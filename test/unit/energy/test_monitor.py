@@ -19,7 +19,7 @@ from lta_model.electrical import battery
 from lta_model.electrical.mppt_charger import ChargerModel
 import pytest
 
-from .metered import ABOARD, CELL, Metered
+from .metered import ABOARD, CELL
 
 SETTINGS = MonitorSettings()
 TENTH = 100_000_000
@@ -46,19 +46,6 @@ def follow(series, settings=SETTINGS):
 def resting(charge, current=-0.03):
     """Return voltage and current of a cell that has given a small current for long."""
     return battery.open_circuit_voltage(charge) + (0.15 + 0.094) * current, current
-
-
-@pytest.mark.parametrize('charge', [0.15, 0.5, 0.92])
-def test_a_resting_cell_is_known_within_its_deviation(charge):
-    estimate = follow(readings(*[resting(charge)] * 50))
-    assert estimate.charge == pytest.approx(charge, abs=1.5 * estimate.deviation)
-    assert estimate.deviation < 0.07
-
-
-def test_the_books_of_a_cell_like_its_file_balance_to_a_thousandth():
-    cell = Metered(3, (0.6, 0.9))
-    books = follow(cell.reading() for _ in range(600)).books
-    assert abs(books.imbalance) < 2e-3 * books.consumed
 
 
 def test_the_times_follow_the_power():

@@ -11,7 +11,6 @@ from lta_energy.monitoring.meters import TravelState
 from lta_energy.monitoring.outlook import (
     EnergyReserveSettings,
     LoadEstimate,
-    ReserveMargin,
     TravelEstimate,
     update_load,
     WayHomeSettings,
@@ -159,15 +158,6 @@ def test_where_the_power_is_smoothed_by_no_time_the_newest_counts():
     assert outlook.reachable_distance(settings, TravelEstimate(0.0, 0.5), 60.0) == math.inf
 
 
-def test_a_reserve_is_reached_at_its_very_edge():
-    settings = EnergyReserveSettings(reserve=0.25, hysteresis=0.0625)
-    for before, edge in ((False, 0.375), (True, 0.4375)):
-        assert outlook.is_reserve_reached(settings, before, ReserveMargin(edge, 0.125, 0.0))
-        assert not outlook.is_reserve_reached(
-            settings, before, ReserveMargin(edge + 1e-9, 0.125, 0.0)
-        )
-
-
 def test_a_charge_that_is_not_sure_at_all_is_none():
     """
     At 10 +- 20 % the whole reserve is missing; the cell holds 720 C, not the 900 C of its file.
@@ -179,19 +169,6 @@ def test_a_charge_that_is_not_sure_at_all_is_none():
     assert told.sure == pytest.approx(-0.1)
     assert told.home == pytest.approx(10.0 / (3.69 * 720.0))
     assert told.spare == pytest.approx(-stored_energy(0.25, 720.0) - 10.0)
-
-
-def test_no_power_neither_empties_nor_fills():
-    assert (
-        outlook.estimate_discharge_time(CELL, known(), 0.0, 0.1)
-        == outlook.NEVER_REACHED
-        == (math.inf, math.inf)
-    )
-    assert outlook.estimate_charging_time(CELL, known(), 0.0, 0.1) == outlook.NEVER_REACHED
-    # Below nothing a power pulls no cell down: 3.0 V is below the chart.
-    assert outlook.empty_charge(CELL, known(), -9.0) == 0.0
-    stiff = CELL.model_copy(update={'discharge_cutoff': 3.69})
-    assert outlook.empty_charge(stiff, known(), -9.0) == pytest.approx(0.1)
 
 
 def test_a_load_by_hand():

@@ -67,47 +67,6 @@ def test_the_books_balance(minutes, charge, dt):
     assert abs(came - went - stored) <= 1e-9 * (came + went) + 1e-9
 
 
-def test_an_empty_cell_is_charged_at_one_c_and_then_at_constant_voltage():
-    flow, peak = resting_flow(0.1), 0.0
-    for _ in range(8 * 360):
-        flow = advance_power_path(CELL, CHARGER, flow, 4.0, 0.0, 10.0)
-        peak = max(peak, flow.voltage)
-        assert flow.current <= 0.25 * (1 + 1e-9)
-    assert peak == pytest.approx(4.2, abs=0.01)
-    assert flow.charge == pytest.approx(1.0, abs=1e-3)
-    assert flow.current < 0.25 / 20.0
-    # Light that nobody takes is not harvested: what still comes in runs the charger.
-    assert flow.harvested == pytest.approx(0.022, abs=0.02)
-
-
-def test_the_phase_of_constant_current_lasts_as_long_as_by_hand():
-    # 0.25 A until E + 0.25 A * 0.244 ohm = 4.2 V: at E = 4.139 V, charge 0.936; 0.336 of 1 h.
-    flow, time = resting_flow(0.6), 0.0
-    while flow.current > 0.2499 or time == 0.0:
-        flow = advance_power_path(CELL, CHARGER, flow, 4.0, 0.0, 1.0)
-        time += 1.0
-    assert time / 3600.0 == pytest.approx(0.336, abs=0.005)
-
-
-def test_a_brown_out_cuts_the_loads_off_until_light_has_charged_the_cell():
-    # 3.4 V behind 0.15 ohm falls below 3 V at 2.7 A, 8 W.
-    sag = advance_power_path(CELL, CHARGER, resting_flow(0.02), 0.0, 9.0, 0.01)
-    assert not sag.fed
-    dark, _, consumed, *_ = follow(sag, 1000, 1.0, available=0.0, asked=0.1)
-    assert (dark.fed, consumed) == (False, 0.0)
-    light, _, consumed, *_ = follow(dark, 600, 1.0, available=0.5, asked=0.1)
-    assert light.charge > 0.05
-    assert light.fed
-    assert consumed > 0.0
-
-
-def test_an_empty_cell_fails():
-    flow, _, consumed, *_ = follow(resting_flow(0.01), 1000, 1.0, asked=0.12)
-    assert not flow.fed
-    # 9 C from 3.27 to 3.34 V.
-    assert consumed == pytest.approx(9.0 * 3.304, rel=0.01)
-
-
 def test_without_an_array_nothing_is_harvested():
     none = ChargerModel.from_energy(load_vehicle_file('sblimp').energy)
     _, harvested, consumed, lost, stored = follow(

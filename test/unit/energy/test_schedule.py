@@ -10,7 +10,6 @@ from lta_energy.schedule import (
     build_fixed_schedule,
     estimate_cell_energy,
     forecast_charge,
-    forecast_harvest,
     is_flight_safe,
     next_work_end,
     next_work_start,
@@ -104,16 +103,6 @@ def test_the_forecast_goes_on_until_the_last_flight_of_the_day(flight, steps):
     assert energy == pytest.approx(estimate_cell_energy(known()) + steps * 150.0)
 
 
-def test_a_forecast_of_a_full_cell_says_so_and_goes_on_from_there():
-    small = known(cell=CELL.model_copy(update={'capacity': 900.0}), light=Lit(1.0, end=17 * HOUR))
-    full, energy = forecast_charge(small)
-    assert full
-    # From five until ten to six, when the last flight must begin: six steps of sleep.
-    assert energy == pytest.approx(stored_energy(1.0, 900.0) - 6 * 150.0)
-    even = known(gauge=ChargeGauge(1.0, 0.0), light=Lit(0.25))
-    assert forecast_charge(even) == (True, stored_energy(1.0, 9000.0))
-
-
 def test_the_night_ends_with_the_light_that_feeds_the_sleep():
     """Dark from six to midnight: 36 steps of 150 J, and three tenths more."""
     dusk = known(light=Lit(0.25, begin=24 * HOUR))
@@ -121,9 +110,3 @@ def test_the_night_ends_with_the_light_that_feeds_the_sleep():
     dim = known(light=Lit(0.24))
     assert night_energy(dim) == pytest.approx(reserve_energy(dim) + 1.3 * 144 * 6.0)
     assert night_energy(known(light=Lit(0.25))) == reserve_energy(known())
-
-
-def test_clouds_of_now_are_forgotten_in_two_hours():
-    cloudy = known(seen=0.5, light=Lit(2.0))
-    for later, share in ((0.0, 0.5), (7200.0, 1.0 - 0.5 / math.e)):
-        assert forecast_harvest(cloudy, cloudy.time + later) == pytest.approx(2.0 * share)

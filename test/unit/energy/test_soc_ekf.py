@@ -83,17 +83,6 @@ def test_it_is_a_kalman_filter(series):
         np.testing.assert_allclose(spread(state), p - np.outer(p @ h, h @ p) / s, atol=1e-12)
 
 
-@given(readings)
-def test_a_covariance_stays_one(series):
-    state = initialize_from_reading(SETTINGS, CELL, 3.8, -0.1)
-    for current, voltage, dt in series:
-        state = predict_state(SETTINGS, CELL, state, current, 0.01, dt)
-        state, _ = correct_state(SETTINGS, CELL, state, voltage, current)
-        np.testing.assert_allclose(spread(state), spread(state).T, atol=1e-12)
-        assert np.linalg.eigvalsh(spread(state)).min() > -1e-12
-        assert 0.0 <= state.charge <= 1.0
-
-
 def test_what_is_not_known_at_first_by_hand():
     """The prior: any charge, 0.2 A over 94 mohm, 30 % and 5 %, and 10 mV of curve error."""
     state = initial_state(SETTINGS, CELL)
@@ -137,22 +126,6 @@ def test_the_slope_is_that_of_a_chord_as_wide_as_the_belief_from_1_to_20_percent
 def test_a_chord_ends_where_the_cell_is_empty_or_full():
     assert soc_ekf.chord_slope(0.0, 0.05) == pytest.approx((3.61 - 3.27) / 0.05)
     assert soc_ekf.chord_slope(1.0, 0.05) == pytest.approx((4.20 - 4.15) / 0.05)
-
-
-def test_an_error_of_the_chart_fades_with_a_fifth_of_the_charge():
-    """
-    After 180 C, 20 % of 900 C, the old curve error has decayed by e and new variance has come.
-    """
-    after = predict_state(SETTINGS, CELL, sure(0.5, 0.0, chart=0.02), -6.0, 0.0, 30.0)
-    assert after.charge == pytest.approx(0.3)
-    assert after.mean[soc_ekf.CHART] == pytest.approx(0.02 / math.e)
-    assert after.spread[4][4] == pytest.approx(1e-4 * (1.0 - math.exp(-2.0)))
-
-
-def test_at_rest_the_charge_becomes_less_sure_by_the_offset_of_the_meter_alone():
-    after = predict_state(SETTINGS, CELL, sure(0.5, 0.0), 0.0, 0.0, 400.0)
-    assert after.deviation == pytest.approx(1e-5 * 20.0)
-    assert after.mean == (0.5, 0.0, 1.0, 1.0, 0.0)
 
 
 def test_a_charge_ends_at_empty_and_full():

@@ -1,6 +1,6 @@
 # Copyright 2026 The LTA maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""A launcher in a process of its own: Ctrl-C ends all in order, and its death takes all along."""
+"""Processes from outside: what Ctrl-C, signals and their own arguments do to them."""
 
 import os
 import re
@@ -9,6 +9,8 @@ import subprocess
 import sys
 import threading
 
+from lta_graph.child_process import spawn_process
+from lta_graph.launch_plan import LaunchProcess
 import pytest
 from waiting import PATIENCE
 
@@ -140,3 +142,72 @@ def test_ctrl_c_is_heard_even_where_a_shell_has_it_ignored(fleet):
     assert re.fullmatch(
         r'node (was killed by SIGINT|ended with status 1)', launcher.ended[0].sentence
     )
+
+
+@pytest.mark.parametrize(('package', 'blocked'), [('lta_control', True), ('their_nodes', False)])
+def test_only_our_nodes_start_with_sigint_blocked(package, blocked):
+    """Others never unblock it, and would have to be killed."""
+    process = LaunchProcess(package, 'node', 'node')
+    child = spawn_process(process, 'node', ['grep', 'SigBlk', '/proc/self/status'], os.environ)
+    out, _ = child.popen.communicate()
+    mask = int(out.split()[1], 16)
+    assert bool(mask & 1 << (signal.SIGINT - 1)) == blocked
+
+
+CODE = """
+import atexit, sys, time
+from lta_graph.terminal_streams import exit_process
+
+class Slow:
+    def __del__(self):
+        time.sleep({sleep})
+
+slow = Slow()
+atexit.register(sys.stdout.write, ', tidied')
+sys.stdout.write('worked')
+exit_process(3)
+"""
+
+
+@pytest.fixture
+def run(tmp_path):
+    """Return a function that runs the code, by another program where one is named."""
+    path = tmp_path / 'code.py'
+
+    def start(*by, sleep=0):
+        path.write_text(CODE.format(sleep=sleep))
+        return subprocess.run(
+            [sys.executable, *by, path], capture_output=True, text=True, timeout=PATIENCE
+        )
+
+    return start
+
+
+def test_nothing_is_taken_apart(run):
+    left = run(sleep=10 * PATIENCE)
+    assert (left.returncode, left.stdout, left.stderr) == (3, 'worked, tidied', '')
+
+
+def test_a_profiler_comes_to_its_result(run, tmp_path):
+    left = run('-m', 'cProfile', '-o', tmp_path / 'profile')
+    assert left.stdout == 'worked, tidied'
+    assert (tmp_path / 'profile').stat().st_size > 0
+
+
+command_line = pytest.importorskip('lta_graph.ros.command_line', exc_type=ImportError)
+
+
+@pytest.mark.parametrize(
+    ('words', 'names'),
+    [
+        ([], []),
+        (['-p', 'frequency:=175.0'], ['frequency']),
+        (['--param', 'prior.distance:=1.0', '-r', '__ns:=/a'], ['prior.distance']),
+        (['-p', 'demodulator:window:=x', '-p', 'other:seed:=1'], ['window']),
+        (['-p', '/**:window:=x'], ['window']),
+        (['-p', "strategy:='a:=b'"], ['strategy']),
+    ],
+)
+def test_the_parameters_given_to_a_node(words, names):
+    line = ['program', '--ros-args', *words]
+    assert command_line.list_parameter_names(line, 'demodulator') == names

@@ -124,22 +124,6 @@ def test_cheeseman_and_bennett_by_hand():
     assert near_floor(RADIUS + 0.05, (0.12, 0.0), 0.5)[2] == pytest.approx(0.004)
 
 
-def test_only_what_blows_at_the_floor_gains():
-    assert not near_floor(0.08, (0.0, 0.12)).any()
-    assert not near_floor(0.08, (-0.12, 0.0)).any()
-    # Upside down a reversed rotor blows down, and lifts: along its axis it is a pull.
-    over = (1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0)
-    assert near_floor(RADIUS - 0.05, (-0.12, 0.0), rotation=over)[2] == pytest.approx(-0.008)
-
-
-def test_a_tilted_rotor_gains_by_its_upward_part():
-    c, s = 0.8, 0.6
-    tilted = (c, 0.0, s, 0.0, 1.0, 0.0, -s, 0.0, c)
-    place = -s * 0.1 + c * -0.05
-    both = near_floor(RADIUS - place, (0.12, 0.0), rotation=tilted)
-    assert both[2] == pytest.approx(0.8 * 0.12 / 15.0, rel=1e-12)
-
-
 def near_ceiling(distance, thrust, gain=1.0):
     motion = standing((0.0, 0.0, 3.0 - distance + 0.05), rotors=(UP, AHEAD))
     p = (gain, RADIUS, 3.0)

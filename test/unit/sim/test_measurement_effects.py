@@ -5,7 +5,6 @@
 import math
 
 from lta_model.effects.commands import find_command, WRENCH_GAIN
-from lta_model.effects.protocol import CHANNEL_SIZES
 from lta_model.effects.sensors import (
     CLOCK_OFFSET,
     CLOCK_SKEW,
@@ -33,8 +32,6 @@ DECLARED = (
     CLOCK_SKEW,
 )
 EFFECTS = {effect.name: effect for effect in DECLARED}
-DEGREE = math.pi / 180.0
-LEVEL = (0.0, 0.0, 0.0, 1.0)
 
 
 def told(given, channel, values, time=0.0):
@@ -46,12 +43,6 @@ def rotated(quaternion):
     v, w = np.array(quaternion[:3]), quaternion[3]
     skew = np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
     return (w * w - v @ v) * np.eye(3) + 2 * np.outer(v, v) + 2 * w * skew
-
-
-def test_each_channel_is_left_to_its_own_effects():
-    found = build_chains({'range_offset': {'offset': 0.1}}, EFFECTS)
-    assert set(found) == set(CHANNEL_SIZES)
-    assert [name for name, chain in found.items() if chain] == ['range']
 
 
 def test_biases_and_drift_by_hand():
@@ -68,23 +59,6 @@ def test_the_gyroscope_is_scaled_before_its_bias():
     given = {'gyro_bias': {'z': 0.02}, 'gyro_scale': {'z': 1.1}}
     assert told(given, 'rates', (0.0, 0.0, 0.0)) == (0.0, 0.0, 0.02)
     assert told(given, 'rates', (0.0, 0.0, 1.0)) == pytest.approx((0.0, 0.0, 1.12))
-
-
-def test_a_tracker_laid_askew_sees_the_map_turned_the_other_way():
-    """Its x axis lies 90 degrees left of the map's: a point ahead is on its right."""
-    given = {'tracker_misalignment': {'yaw': math.pi / 2}}
-    seen = told(given, 'pose', (2.0, 0.0, 1.0, *LEVEL))
-    assert seen[:3] == pytest.approx((0.0, -2.0, 1.0), abs=1e-15)
-    half = math.sqrt(0.5)
-    assert seen[3:] == pytest.approx((0.0, 0.0, -half, half), abs=1e-15)
-
-
-def test_a_tilted_tracker_sees_a_level_flight_climb():
-    """Nose of its frame down by 1 degree (positive about y): 3 m ahead seem sin(1 deg) higher."""
-    seen = told({'tracker_misalignment': {'pitch': DEGREE}}, 'pose', (3.0, 0.0, 0.0, *LEVEL))
-    assert seen[2] == pytest.approx(3.0 * math.sin(DEGREE))
-    seen = told({'tracker_misalignment': {'roll': DEGREE}}, 'pose', (0.0, 3.0, 0.0, *LEVEL))
-    assert seen[2] == pytest.approx(-3.0 * math.sin(DEGREE))
 
 
 def test_misalignment_against_matrices():

@@ -7,7 +7,7 @@ import math
 from lta_config.errors import BadInput
 from lta_model.effects import initial_memory
 from lta_model.electrical.panel import find_max_power_point
-from lta_model.state import DISPLACED, MASS, MASS_MOMENT, pack_state, RIGID
+from lta_model.state import pack_state, RIGID
 from lta_model.vehicle import load_vehicle
 from lta_sim.kernels import kernel
 from lta_sim.simulated_vehicle import SIM_LAYOUT
@@ -162,23 +162,6 @@ def test_what_the_controllers_get(gtmab):
     ring = gtmab.diodes
     assert (ring.count, ring.depth, ring.radius) == (8, pytest.approx(0.33), pytest.approx(0.07))
     assert ring.feedback_resistance == pytest.approx(1e5)
-
-
-def test_drag_and_thrust_reach_the_effects(gtmab):
-    effects = gtmab.collect_effects()
-    assert effects['quadratic_drag']['heave'] == 0.359
-    assert effects['rotational_drag']['pitch'] == 6.2e-4
-    assert effects['rotational_drag']['yaw_2'] == 6.4e-4
-    assert effects['weight_and_buoyancy'] == {'gravity': G}
-    model = gtmab.build_model()
-    assert model.body[MASS] == gtmab.mass
-    assert model.body[DISPLACED] == pytest.approx(VOLUME * RHO)
-    assert model.body[MASS_MOMENT + 2] == gtmab.mass * gtmab.cg[2]
-    assert effects['thrust_curve']['a_4'] == 0.0915
-    assert effects['thrust_curve']['b_1'] == 0.0677
-    assert effects['rotor_thrust']['yaw_3'] == -0.1
-    assert effects['rotor_thrust']['roll_2'] == -0.188
-    assert effects['added_mass']['heave'] == gtmab.added_mass[2]
 
 
 def test_centre_of_gravity_above_the_hull_centre():

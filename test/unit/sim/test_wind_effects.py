@@ -50,14 +50,6 @@ def test_profile_is_the_mean_over_the_hull(z, half):
     assert wind[0] == pytest.approx(quadrature(z, half), rel=1e-9, abs=1e-12)
 
 
-def test_profile_has_its_direction_and_ends_at_the_ground():
-    p = (3.0, -4.0, 10.0, 0.03, 0.3)
-    wind = WIND_PROFILE.air(p, (), at(z=2.0))
-    assert wind[1] / wind[0] == pytest.approx(-4.0 / 3.0, rel=1e-14)
-    for z in (-0.28, -1.0, -100.0):
-        assert WIND_PROFILE.air(p, (), at(z=z)) == NO_AIR
-
-
 @pytest.mark.parametrize(('height', 'roughness'), [(10.0, 0.0), (0.3, 0.3), (0.2, 0.3)])
 def test_profile_without_ground_or_reference_above_it_is_no_wind(height, roughness):
     """Its logarithm would be of nothing, or turn the wind round."""
@@ -224,42 +216,7 @@ def test_filters_have_the_intensity_at_any_speed(speed):
     np.testing.assert_allclose(np.diag(variance), np.square(SIGMA), rtol=1e-12)
 
 
-def test_an_eddy_that_goes_along_turns_over():
-    a, _, _ = filters(0.0)
-    assert a[0, 0] == -SIGMA[0] / LENGTH[0]
-    a, _, _ = filters(0.31)
-    assert a[0, 0] == -0.31 / LENGTH[0]
-
-
 PERIOD = 0.05  # s
-
-
-def runge_kutta(memory, noise, speed):
-    """Return the memory after one control period with the noise held."""
-
-    def slope(state):
-        return np.array(TURBULENCE.rate(P, tuple(state.tolist()), where))
-
-    where = place(speed, noise)
-    one = slope(memory)
-    two = slope(memory + 0.5 * PERIOD * one)
-    three = slope(memory + 0.5 * PERIOD * two)
-    four = slope(memory + PERIOD * three)
-    return memory + PERIOD / 6.0 * (one + 2.0 * two + 2.0 * three + four)
-
-
-def test_along_is_the_way_of_the_mean_wind():
-    memory = (1.0, 0.0, 0.0, 0.0, 0.0)
-    air = TURBULENCE.air(P, memory, place(0.0, wind=(0.0, -2.0, 0.1)))
-    np.testing.assert_allclose(air, (0.0, -0.3, 0.0, 0.0, 0.0, 0.0), atol=1e-16)
-    side = TURBULENCE.air(P, (0.0, 0.0, 1.0, 0.0, 0.0), place(0.0, wind=(0.0, -2.0, 0.1)))
-    np.testing.assert_allclose(side[:2], (0.25 * (1.0 - math.sqrt(3.0)), 0.0), atol=1e-16)
-    # In still air, along is x. Frozen turbulence: the acceleration of the air is zero.
-    assert TURBULENCE.air(P, memory, place(1.0)) == (0.3, 0.0, 0.0, 0.0, 0.0, 0.0)
-    # Below 1 mm/s the mean wind counts as still.
-    for north, turned in ((0.9e-3, False), (1.1e-3, True)):
-        head = TURBULENCE.air(P, memory, place(0.0, wind=(0.0, north, 0.0)))
-        assert head[:2] == pytest.approx((0.0, 0.3) if turned else (0.3, 0.0))
 
 
 @pytest.mark.parametrize(
@@ -276,17 +233,6 @@ def test_near_the_ground_rms_follows_the_mean_wind_and_length_the_height(
     # Rate of the filter along: V / L, or sigma / L if that is faster
     rate = TURBULENCE.rate(p, memory, here)[0]
     assert -rate == pytest.approx(max(1.0, strong * SIGMA[0]) / (long * LENGTH[0]))
-
-
-def test_held_noise_keeps_the_variance_that_is_stated():
-    """The docstring's tanh: the stationary variance of the first order, exactly discretised."""
-    ratio = PERIOD * SPEEDS[0] / LENGTH[0]
-    decay = math.exp(-ratio)
-    exact = 2.0 / ratio * (1.0 - decay) ** 2 / (1.0 - decay**2)
-    assert exact == pytest.approx(2.0 / ratio * math.tanh(0.5 * ratio), rel=1e-12)
-    move, _ = runge_kutta(np.eye(STATES)[0], CALM, SPEEDS[0])[0], None
-    drive = runge_kutta(np.zeros(STATES), unit(3, 0), SPEEDS[0])[0]
-    assert drive**2 / PERIOD / (1.0 - move**2) == pytest.approx(exact, rel=1e-5)
 
 
 def test_turbulence_without_a_length_is_refused():

@@ -4,7 +4,6 @@
 
 from lta_config.errors import BadInput
 from lta_vlc.demodulation import plan_bins
-from lta_vlc.receiver import BeaconReceiver
 from lta_vlc.settings import DemodulationSettings
 from lta_vlc.spectral.bins import (
     alias_frequency,
@@ -41,25 +40,6 @@ def test_sixteen_quiet_bins_are_enough():
     )
     with pytest.raises(BadInput, match=sentence):
         planned(36, frequency=10.0, window=1)
-
-
-def test_unlit_bins_are_more_than_one_and_a_half_bins_from_mains_flicker():
-    """Mains of 10 Hz make lamps flicker at multiples of 20 Hz; bins are 0.5 Hz wide."""
-    bins = planned(200, 100.0, frequency=5.0, window=0, mains=10.0)
-    quiet, unlit = bins.quiet.tolist(), bins.unlit.tolist()
-    assert quiet == [k for k in range(1, 101) if k != 10]
-    flicker = [40, 80]  # bins; 60 Hz and above are aliased to 40, 20 or 0 Hz
-    beside = {k + side for k in (0, *flicker) for side in (-1, 0, 1)}
-    assert unlit == [k for k in quiet if k not in beside]
-
-
-def test_flicker_between_two_bins_excludes_two_bins_on_either_side():
-    """21 Hz is bin 10.5 of 2 Hz; 189 and 210 Hz are aliased to 11 and 10 Hz, bins 5.5 and 5."""
-    bins = planned(100, 200.0, frequency=60.0, window=0, mains=10.5)
-    spoilt = set(bins.quiet.tolist()) - set(bins.unlit.tolist())
-    assert {k for k in spoilt if k < 15} == {4, 5, 6, 7, 9, 10, 11, 12}
-    without = planned(100, 200.0, frequency=60.0, window=0)
-    assert without.unlit.tolist() == without.quiet.tolist()
 
 
 def test_quiet_bins_by_hand():
@@ -107,21 +87,3 @@ def test_lamps_on_the_mains_flicker_at_twice_its_frequency():
     assert mains_flicker_frequencies(60.0, 10_000.0) == [120.0 * k for k in range(1, 11)]
     assert mains_flicker_frequencies(0.0, 10_000.0) == []
     assert mains_flicker_frequencies(50.0, 250.0)[:4] == [100.0, 50.0, 50.0, 100.0]
-
-
-@pytest.mark.parametrize(
-    'settings',
-    [
-        {'others': (250.0, 350.0)},
-        {'others': (200.0,), 'mains': 0.0},
-        {'frequency': 310.0, 'mains': 60.0},
-        {'frequency': 150.0, 'others': (180.0,), 'window': 1},
-        {'others': (420.0,), 'mains': 0.0},
-        {'others': (480.0,), 'mains': 0.0},
-        {'others': (720.0,), 'mains': 0.0},
-        {'frequency': 330.0},
-        {'frequency': 1100.0},  # harmonics of 100 Hz above the tenth are ignored
-    ],
-)
-def test_what_can_be_told_apart_is_taken(settings):
-    BeaconReceiver(DemodulationSettings(**settings), 10_000.0, 1000)

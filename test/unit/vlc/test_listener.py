@@ -178,17 +178,6 @@ def test_a_clock_that_trembles_loses_nothing():
     assert taken(0, 1.3, 2.2, 2.8, 4.2) == [0, 0, 0, 0, 0]
 
 
-def test_missing_blocks_are_counted():
-    sequence = BlockSequence(PERIOD)
-    assert [sequence.count_missing_blocks(START + k * PERIOD) for k in (0, 3, 4, 9)] == [
-        0,
-        2,
-        0,
-        4,
-    ]
-    assert sequence.missing == 6
-
-
 @pytest.mark.parametrize('late', [1, 0, 1.4, 1.4999, -8.9999])
 def test_a_block_out_of_order_is_refused_and_the_newest_kept(late):
     sequence = BlockSequence(PERIOD)
@@ -200,30 +189,6 @@ def test_a_block_out_of_order_is_refused_and_the_newest_kept(late):
 
 def test_a_recording_may_begin_again():
     assert taken(50, 51, 0, 1) == [0, 0, 0, 0]
-
-
-def test_presence_takes_blocks_that_are_missing_for_silent():
-    assert BeaconPresence(True).update_presence(False, 4) == (True, 4)
-    assert BeaconPresence(True).update_presence(False, 5) == (False, 0)
-    assert BeaconPresence(True, 4).update_presence(True) == (True, 0)
-    assert BeaconPresence().update_presence(True).update_presence(True) == (True, 0)
-
-
-def test_gaps_between_stamps_are_rounded_to_whole_blocks():
-    assert taken(0, 0.5) == [0, 0]
-    assert taken(0, 1.49) == [0, 0]
-    assert taken(0, 1.5) == [0, 1]
-    assert taken(0, 2.49, 3.49) == [0, 1, 0]
-    assert taken(10, 0, 1) == [0, 0, 0]  # ten blocks back, a new sequence begins
-
-
-def test_the_error_moves_a_quarter_of_the_way_and_stays_within_reach():
-    tracker = FrequencyTracker(150.0).update_frequency(154.0, 20.0)
-    assert tracker == FrequencyTracker(150.0, 1.0, 0)
-    tracker = tracker.update_frequency(154.0, 20.0)
-    assert tracker.error == pytest.approx(1.75)
-    assert tracker.update_frequency(154.0, 2.0).error == 2.0
-    assert FrequencyTracker(150.0).update_frequency(130.0, 2.0).error == -2.0
 
 
 def test_after_twenty_silent_blocks_the_nominal_frequency_is_expected():

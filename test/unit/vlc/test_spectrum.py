@@ -13,7 +13,6 @@ from lta_vlc.demodulation import (
 )
 from lta_vlc.spectral.spectrum import (
     amplitude_spectrum,
-    center_samples,
     SampleStatistics,
     scan_spectrum,
     SpectrumScan,
@@ -46,30 +45,6 @@ def test_target_bin_is_the_papers(frequency, sample_rate, samples, k):
     assert target_bin(frequency, sample_rate, samples) == k
 
 
-@pytest.mark.parametrize('samples', [100, 101])
-@pytest.mark.parametrize('k', [1, 15, 49])
-def test_sine_in_a_bin_reads_its_amplitude(samples, k):
-    time = np.arange(samples)
-    sine = 3.0 * np.sin(2.0 * math.pi * k * time / samples + 0.7) + 40.0
-    spectrum = amplitude_spectrum(sine[:, None])[:, 0]
-    assert spectrum.shape == (samples // 2 + 1,)
-    assert spectrum[k] == pytest.approx(3.0, rel=1e-12)
-    assert np.delete(spectrum, k).max() < 1e-12
-
-
-def test_highest_bin_of_an_odd_block_is_a_bin_like_others():
-    sine = 2.5 * np.sin(2.0 * math.pi * 50.0 * np.arange(101) / 101.0)
-    assert amplitude_spectrum(sine[:, None])[50, 0] == pytest.approx(2.5, rel=1e-12)
-
-
-def test_sine_between_bins_reads_two_over_pi():
-    time = np.arange(1000)
-    sine = np.sin(2.0 * math.pi * 100.5 * time / 1000.0)
-    spectrum = amplitude_spectrum(sine[:, None])[:, 0]
-    # 1/(n sin(pi/2n)) = 0.6366; the mirror image adds up to its own leak, 1/(200 pi).
-    assert spectrum[100:102] == pytest.approx([2.0 / math.pi] * 2, abs=0.0017)
-
-
 def test_every_bin_is_a_sum_over_the_samples():
     generator = np.random.default_rng(3)
     block = generator.integers(0, 4096, size=(200, 3), dtype=np.uint16)
@@ -87,36 +62,11 @@ def test_flat_line_reads_exactly_zero(level, samples):
     assert not amplitude_spectrum(block).any()
 
 
-def test_power_is_that_of_the_samples():
-    block = np.random.default_rng(5).normal(size=(500, 1))
-    spectrum = amplitude_spectrum(block)[:, 0]
-    # Parseval: half the square of each amplitude, the whole square of the highest.
-    power = 0.5 * (spectrum[1:-1] ** 2).sum() + spectrum[-1] ** 2
-    assert power == pytest.approx(block.var(), rel=1e-12)
-
-
 def test_block_is_left_as_it_was():
     block = np.random.default_rng(6).normal(size=(50, 2))
     before = block.copy()
     amplitude_spectrum(block)
     assert np.array_equal(block, before)
-
-
-def test_look_returns_mean_span_and_part_at_full_scale_and_removes_the_mean():
-    waves = np.array([[1.0, 5.0, 5.0, 9.0], [-4.0, -2.0, -6.0, -4.0], [3.0, math.nan, 3.0, 3.0]])
-    looked = center_samples(waves, 5.0)
-    assert looked.level == pytest.approx([5.0, -4.0, math.nan], nan_ok=True)
-    assert looked.span[:2] == pytest.approx([8.0, 4.0])
-    assert looked.full == pytest.approx([0.75, 0.0, 0.0])
-    assert waves.tolist() == [[-4.0, 0.0, 0.0, 4.0], [0.0, 2.0, -2.0, 0.0], [0.0] * 4]
-
-
-@pytest.mark.parametrize('place', range(4))
-def test_the_extremes_of_a_wave_are_found_at_any_place(place):
-    high, low = np.zeros((1, 4)), np.zeros((1, 4))
-    high[0, place], low[0, place] = 8.0, -8.0
-    assert center_samples(high, 8.0)[1:] == ([8.0], [0.25])
-    assert center_samples(low, 1.0)[1:] == ([8.0], [0.0])
 
 
 def surveyed(weight=(1.0, 1.0)):
@@ -126,15 +76,6 @@ def surveyed(weight=(1.0, 1.0)):
     )
     ranges = np.array([[1, 3], [5, 6]])
     return scan_spectrum(size, ranges, np.array([4, 7]), np.array([7]), np.array(weight))
-
-
-def test_survey_finds_peaks_noise_and_the_loudest_unlit_bin():
-    found = surveyed()
-    assert found.noise == pytest.approx([0.6, 0.8])
-    assert found.loudest.tolist() == [0.7, 0.1]
-    assert found.peak.tolist() == [[4.0, 5.0], [3.0, 1.0]]
-    # Power over both diodes: 1 + 25 in bin 1 is more than 16 + 1 in bin 2.
-    assert found.highest.tolist() == [1, 6]
 
 
 def test_the_highest_bin_is_chosen_by_the_diodes_of_weight_one():

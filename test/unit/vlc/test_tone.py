@@ -46,32 +46,6 @@ def test_a_lone_tone_reads_itself_anywhere_between_bins(k, off, phase):
     assert found.amplitude[0, 0] == pytest.approx(7.0, rel=2.0 * near)
 
 
-@pytest.mark.parametrize('phase', [0.0, 0.4, 1.9])
-@pytest.mark.parametrize('off', [-0.2, -0.1, 0.1, 0.2, 0.3])
-def test_of_sixteen_samples_a_lone_tone_is_read_exactly(off, phase):
-    """Three bins of a tone lie in the span of three known vectors; nothing else is in them."""
-    wave = 7.0 * np.cos(2.0 * math.pi * (4.0 + off) * np.arange(16) / 16 + phase)
-    found = read(wave, [4], 16)
-    assert found.frequency[0] == pytest.approx(4.0 + off, abs=1e-12)
-    assert found.amplitude[0, 0] == pytest.approx(7.0, abs=1e-12)
-
-
-def test_all_diodes_share_a_frequency_and_keep_their_amplitudes():
-    shares = np.array([1.0, 0.5, 0.01, 0.0])
-    found = read(shares[:, None] * tone(153.7, 0.4, 100.0), [15])
-    assert found.frequency[0] == pytest.approx(15.37, abs=1e-5)
-    assert found.amplitude[0] == pytest.approx(100.0 * shares, rel=1e-5, abs=1e-12)
-    assert found.own[0, :3] == pytest.approx([15.37] * 3, abs=1e-5)
-    assert found.own[0, 3] == 15.0  # silence has the bin's
-
-
-def test_a_diode_without_a_say_is_read_and_does_not_pull():
-    waves = np.stack([tone(151.0), 50.0 * tone(158.0)])
-    spectrum = fourier_transform(waves - waves.mean(axis=1, keepdims=True))
-    found = estimate_tones(spectrum, np.array([15]), np.array([1.0, 0.0]), SAMPLES)
-    assert found.frequency[0] == pytest.approx(15.1, abs=1e-5)
-
-
 def test_own_harmonics_do_not_leak_into_a_square_wave():
     """A square wave between bins has its fundamental, to the harmonics above the ninth."""
     found = [
@@ -82,42 +56,9 @@ def test_own_harmonics_do_not_leak_into_a_square_wave():
     assert rms(np.array([each.amplitude[0, 0] - 1.0 for each, _ in found])) < 2e-4
 
 
-def test_a_strong_lamp_between_bins_leaves_a_weak_one_alone():
-    """Ten times the light, 100 Hz away, would leak 4 % of the weak amplitude."""
-    off, alone = [], []
-    for step, place in enumerate(np.linspace(24.6, 25.4, 60).tolist()):
-        strong = square(153.0 + 0.05 * step, 1.1 * step, 10.0)
-        waves = square(10.0 * place, 0.7 * step) + strong
-        centres = [round(15.3 + 0.005 * step), 25]
-        off.append(read(waves, centres).amplitude[1, 0] - 1.0)
-        alone.append(read(waves, centres[1:]).amplitude[0, 0] - 1.0)
-    assert rms(np.array(alone)) > 0.03
-    assert rms(np.array(off)) < 0.006
-
-
 @pytest.mark.parametrize(('k', 'read_at'), [(17.6, 16.0), (13.2, 14.0), (15.9, 15.9)])
 def test_a_tone_is_sought_within_one_bin_of_the_highest(k, read_at):
     assert read(tone(10.0 * k), [15]).frequency[0] == pytest.approx(read_at, abs=1e-4)
-
-
-@pytest.mark.parametrize(
-    ('k', 'highest', 'near'), [(1.6, 1, 0.02), (2.3, 0, 0.02), (6.7, 8, 1e-9), (7.3, 8, 1e-9)]
-)
-def test_at_the_ends_of_a_spectrum_the_bins_beside_are_used(k, highest, near):
-    """Bin 0 and the last are left out; near 0 the mirror image passes for a second harmonic."""
-    wave = 3.0 * np.cos(2.0 * math.pi * k * np.arange(16) / 16 + 0.4)
-    spectrum = fourier_transform(wave[None, :])
-    found = estimate_tones(spectrum, np.array([highest]), np.ones(1), 16)
-    assert found.frequency[0] == pytest.approx(k, abs=near)
-    assert found.amplitude[0, 0] == pytest.approx(3.0, abs=5.0 * near)
-
-
-@pytest.mark.parametrize(('order', 'leaks'), [(8, False), (9, False), (10, True)])
-def test_leaks_are_taken_off_up_to_the_ninth_harmonic(order, leaks):
-    """The harmonic is half as strong as the tone and leaks some 3e-5 of it into its bins."""
-    wave = tone(153.7, 0.4) + tone(order * 153.7, 1.1, 0.5)
-    off = abs(read(wave, [15]).amplitude[0, 0] - 1.0)
-    assert bool(off > 1e-5) is leaks
 
 
 def test_a_harmonic_beyond_the_last_bin_is_not_subtracted():

@@ -1,16 +1,24 @@
 # Copyright 2026 The LTA maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""What the bridge makes of the drone's battery and of a setpoint, and how it feeds a watchdog."""
+"""What the bridge makes of battery and setpoints, tells of its state, and feeds a watchdog."""
 
 from itertools import pairwise
 import math
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lta_bridge.crazyflie.bridge_core import CrazyflieCommand, PositionEstimate
-from lta_bridge.crazyflie.safety import LOW_VOLTAGE_TIME, SafetyStage
+from lta_bridge.crazyflie import readings
+from lta_bridge.crazyflie.bridge_core import BridgeCore, CrazyflieCommand, PositionEstimate
+from lta_bridge.crazyflie.drone_operation import describe_health
+from lta_bridge.crazyflie.messages import CrazyfliePowerModel
+from lta_bridge.crazyflie.safety import LOW_VOLTAGE_TIME, SafetyInputs, SafetyStage, SafetyState
 from lta_bridge.crazyflie.safety import SafetyRequest as AskedBy
+from lta_bridge.crazyflie.supervisor_word import SupervisorBit
+from lta_config.schema.crazyflie_file import load_crazyflie
 from lta_control.altitude import STUCK
+from lta_graph.health import HealthLevel
+from lta_model.electrical.loads import BENCH
+from lta_model.vehicle import load_vehicle
 import pytest
 
 from .bridged import Bridged, FILE, NOTHING, TICK
@@ -182,3 +190,85 @@ def test_the_watchdog_is_fed_from_the_first_arming_on_until_a_stop():
 
 def test_no_watchdog_is_started_that_nobody_asked_for():
     assert ticks_fed(Bridged().fly(), 100) == []
+
+
+ARMED = SafetyInputs(True, True, 2, 0.0, 0.0, 4.0, 1.0, 1.0, 0.0)
+
+
+def fact(task, bridge, why='', attempts=1, **changed):
+    """Return a diagnostic of a bridge in normal operation, with these fields changed."""
+    told = describe_health(bridge, why, attempts, 12, ARMED._replace(**changed))
+    return {one.task: one for one in told}[task]
+
+
+def test_what_is_said_of_the_link():
+    """Half a second without a packet is silence; without a link the message gives the reason."""
+    bridge = BridgeCore(None, load_crazyflie('gtmab'), load_vehicle('gtmab'))
+    for silence, said in (
+        (0.499, (HealthLevel.OK, 'connected')),
+        (0.5, (HealthLevel.ERROR, 'no packets for 0.5 s')),
+    ):
+        told = fact('link', bridge, silence=silence)
+        assert (told.level, told.message) == said
+    gone = fact('link', bridge, 'nobody answers', 7, linked=False)
+    assert (gone.level, gone.message) == (HealthLevel.ERROR, 'nobody answers')
+    assert fact('link', bridge, 'connecting', 0, linked=False).level == HealthLevel.WARN
+    bridge.add_round_trip(0.004)
+    values = fact('link', bridge, attempts=7, silence=0.25).values
+    assert values == {
+        'protocol': '12', 'silence_s': '0.250', 'latency_s': '0.0040', 'one_way_s': '0.0020',
+        'drift_ppm': '-0.0', 'clock_restarts': '0', 'packets': '0', 'attempts': '7',
+    }  # fmt: skip
+
+
+def test_what_is_said_of_the_motors():
+    bridge = BridgeCore(None, load_crazyflie('gtmab'), load_vehicle('gtmab'))
+    told = fact('safety', bridge)
+    assert (told.level, told.message) == (HealthLevel.OK, 'disarmed: not armed yet')
+    assert told.values == {'word': '2', 'command': 'motors', 'voltage': '4.00', 'motors': ''}
+    bridge.motors = readings.MotorsReading((0.5, 0.25, 0.0, 1.0), 2)
+    bridge.state = SafetyState(SafetyStage.FLYING, why='')
+    told = fact('safety', bridge)
+    assert (told.level, told.message) == (HealthLevel.OK, 'flying')
+    assert told.values['motors'] == '0.50 0.25 0.00 1.00'
+    for why, level in (
+        ('the battery has only 3.10 V', HealthLevel.WARN),
+        ('on request', HealthLevel.OK),
+        ('deactivated', HealthLevel.OK),
+    ):
+        bridge.state = SafetyState(SafetyStage.LANDING, why=why)
+        told = fact('safety', bridge)
+        assert (told.level, told.message) == (level, f'landing: {why}')
+    bridge.state = SafetyState(SafetyStage.DISARMED, why='it has tipped over')
+    for bit in (SupervisorBit.TUMBLED, SupervisorBit.LOCKED, SupervisorBit.CRASHED):
+        assert fact('safety', bridge, word=int(bit)).level == HealthLevel.ERROR
+    bridge.state = SafetyState(SafetyStage.STOPPED, why='emergency stop')
+    told = fact('safety', bridge)
+    assert (told.level, told.message) == (HealthLevel.ERROR, 'stopped: emergency stop')
+
+
+GTMAB = CrazyfliePowerModel.from_energy(load_vehicle('gtmab').file.energy)
+
+
+def test_at_rest_it_is_that_of_radio_electronics_and_light_board():
+    """97 + 23 + 190 mW (seed paper) at 3.8 V."""
+    assert GTMAB.cell_current((0.0,) * 4, 3.8) == pytest.approx(-0.310 / 3.8)
+
+
+def test_four_motors_take_what_the_bench_measured():
+    """Row by row within 0.3 A: what the energy monitor is told to expect of the model."""
+    idle = BENCH[0].current
+    for row in BENCH[1:]:
+        rotors = (
+            -GTMAB.cell_current((row.duty,) * 4, row.voltage) - GTMAB.electronics / row.voltage
+        )
+        assert rotors == pytest.approx(row.current - idle, abs=0.3)
+
+
+def test_each_load_counts_once_and_one_that_is_not_told_takes_nothing():
+    energy = load_vehicle('gtmab').file.energy
+    dark = energy.model_copy(update={'loads': energy.loads.model_copy(update={'sensing': None})})
+    assert CrazyfliePowerModel.from_energy(dark).electronics == pytest.approx(0.097 + 0.023)
+    # 2 W, and two rotors of 1 W and 10 W/N: at 4 V a duty of 0.25 is 1 V, 25.3 mN.
+    told = CrazyfliePowerModel(2.0, 1.0, 10.0).cell_current((0.25, 0.0, 0.25), 4.0)
+    assert told == pytest.approx(-(2.0 + 2 * 1.2530) / 4.0, rel=1e-4)

@@ -54,11 +54,6 @@ def duties(*wanted, timeout_ms=200, sequence=1):
     return CrtpPacket(13, 2, duties_packet.pack_duties(sequence, wanted, timeout_ms))
 
 
-def stream(*wanted):
-    """Return what sends duties with a new number every time, for `run`."""
-    return lambda turn: duties(*wanted, sequence=turn)
-
-
 def number(drone, name):
     """Return a parameter's number, as packets have it."""
     return struct.pack('<H', drone.parameters._contents.numbers[name])
@@ -127,13 +122,6 @@ def test_without_its_check_it_minds_no_tumble(drone):
     assert drone.supervisor.state is SupervisorState.FLYING
 
 
-def test_unarmed_it_ignores_every_command(drone, app):
-    assert run(drone, 0.0, 1.0, HOVER) == 0.0
-    assert drone.body.duties == STILL
-    assert run(app, 0.0, 1.0, stream(1.0, 1.0, 1.0, 1.0)) == 0.0
-    assert app.body.duties == STILL
-
-
 # Builds.
 
 
@@ -157,24 +145,6 @@ def test_a_controller_that_there_is_not_is_not_taken(build, written, read):
     assert drone.parameters.values['stabilizer.controller'] == read
 
 
-def test_the_controller_says_whether_duties_or_setpoints_are_flown(app):
-    app.receive(ARM, 0.0)
-    run(app, 0.0, 0.5, HOVER)
-    assert app.body.duties == STILL
-    write(app, 'stabilizer.controller', '<B', 1, 0.5)
-    run(app, 0.5, 1.0, HOVER)
-    assert app.body.duties == (0.5,) * 4
-    run(app, 1.0, 1.2, stream(0.3, 0.3, 0.3, 0.3))
-    assert app.body.duties == STILL
-
-
-def test_without_the_app_duties_say_nothing(drone):
-    drone.receive(ARM, 0.0)
-    run(drone, 0.0, 1.0, stream(0.5, 0.5, 0.5, 0.5))
-    assert drone.body.duties == STILL
-    assert not word(drone, 1.0) & SupervisorBit.FLYING
-
-
 # The app.
 
 
@@ -190,15 +160,6 @@ def test_duties_hold_for_their_time_out_and_old_ones_are_not_flown(app):
     assert app.body.duties == STILL
     run(app, 0.11, 6.0)
     assert word(app, 6.0) == SupervisorBit.CAN_BE_ARMED  # not locked: the app has let go
-
-
-def test_after_a_flight_it_arms_and_flies_again(app):
-    for begin in (0.0, 10.0):
-        app.receive(ARM, begin)
-        run(app, begin, begin + 1.0, stream(0.3, 0.3, 0.3, 0.3))
-        assert app.body.duties == pytest.approx((0.3,) * 4, abs=1e-4)
-        run(app, begin + 1.0, begin + 9.9)
-        assert word(app, begin + 9.9) == SupervisorBit.CAN_BE_ARMED
 
 
 # Packets of a wrong length.

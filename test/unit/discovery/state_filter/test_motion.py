@@ -1,21 +1,25 @@
 # Copyright 2026 The LTA maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""The motion, measured and smoothed, against closed forms, and poses of any rate."""
+"""The measured motion, and the noise of its readings."""
 
 from dataclasses import replace
 
 from lta_discovery.flights.measured_flight import (
+    FlightStreams,
     GRID_PERIOD,
     MeasuredFlight,
     resample_flight,
     Stream,
 )
 from lta_discovery.model.nominal import NominalVehicle
-from lta_discovery.model.parameters import list_free_parameters
+from lta_discovery.model.parameters import FreeParameter, list_free_parameters
+from lta_discovery.model.quaternions import quaternion_exponential, quaternion_product
 from lta_discovery.state_filter.kalman import filter_flight
+from lta_discovery.state_filter.likelihood import ParameterPrior
 from lta_discovery.state_filter.linear_flight import FlightSystem
 from lta_discovery.state_filter.motion import collect_readings, find_runs, fit_motion
-from lta_discovery.state_filter.noise_model import NoiseModel
+from lta_discovery.state_filter.noise_fit import learn_noise
+from lta_discovery.state_filter.noise_model import average_noise, NoiseModel
 from lta_discovery.state_filter.smoothing import smooth_flight
 from lta_model.vehicle import load_vehicle
 import numpy as np
@@ -23,6 +27,7 @@ from numpy.typing import NDArray
 import pytest
 from scipy.spatial.transform import Rotation
 
+from .. import hidden_flight  # noqa: TID252 - `test` is Python's own
 from ..hidden_flight import flown  # noqa: TID252 - `test` is Python's own
 
 Array = NDArray[np.float64]
@@ -196,3 +201,71 @@ def test_a_turn_of_the_tracker_about_the_vertical_cannot_be_seen() -> None:
         system = system.with_motion(smooth.motion, smooth.wrench, nominal)
     assert information[0] > 10.0
     assert information[-1] < 1e-3
+
+
+WHITE = np.array([2e-3] * 3 + [5e-3] * 3)  # m, rad
+SLOW = np.array([3e-3] * 3 + [6e-3] * 3)  # m, rad
+MEMORY = 0.3  # s
+RATE = 100  # Hz; of the recording
+
+Known = tuple[NominalVehicle, list[FreeParameter]]
+
+
+@pytest.fixture(scope='module')
+def exact() -> FlightStreams:
+    """A minute's flight of which nothing but exact poses is known."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(hidden_flight, 'POSE_NOISE', 0.0)
+        patch.setattr(hidden_flight, 'TURN_NOISE', 0.0)
+        streams = hidden_flight.flown({}, 31, 62.0)
+    return replace(streams, others={'voltage': streams.others['voltage']})
+
+
+def observe(streams: FlightStreams, rate: int, white: Array, slow: Array) -> FlightStreams:
+    """Return what a tracker of a rate reads, with white errors and slow ones."""
+    rng = np.random.default_rng(rate)
+    time = streams.pose.time
+    kept = np.exp(-np.diff(time, prepend=time[0] - 1.0 / RATE) / MEMORY)
+    wander = np.zeros((len(time), 6))
+    wander[0] = slow * rng.standard_normal(6)
+    for k in range(1, len(time)):
+        fresh = np.sqrt(1.0 - kept[k] ** 2) * slow * rng.standard_normal(6)
+        wander[k] = kept[k] * wander[k - 1] + fresh
+    error = wander + white * rng.standard_normal((len(time), 6))
+    values = streams.pose.values.copy()
+    values[:, :3] += error[:, :3]
+    values[:, 3:] = quaternion_product(values[:, 3:], quaternion_exponential(error[:, 3:]))
+    every = RATE // rate
+    return replace(streams, pose=Stream(time[::every], values[::every]))
+
+
+@pytest.mark.parametrize('rate', [10, 25, 100])
+def test_white_and_slow_errors_of_a_tracker_are_told_apart(
+    exact: FlightStreams, gtmab: Known, rate: int
+) -> None:
+    nominal, every = gtmab
+    parameters = [one for one in every if one.name in ('net_lift.force', 'thrust_scale.factor')]
+    flight = resample_flight(observe(exact, rate, WHITE, SLOW))
+    system = FlightSystem(load_vehicle('gtmab'), flight, parameters)
+    values = np.zeros(len(parameters))
+    linear = system.linearize(nominal, values)
+    begin = [NoiseModel.guess(nominal, flight)]
+    (found,) = learn_noise([linear], ParameterPrior.of(parameters), values, begin)
+    np.testing.assert_allclose(found.white, WHITE, rtol=0.2)
+    np.testing.assert_allclose(found.correlated, SLOW, rtol=0.2)
+    assert found.correlation == pytest.approx(MEMORY, rel=0.3)
+
+
+def test_the_mean_of_noise_models_is_geometric(gtmab: Known) -> None:
+    one = NoiseModel(
+        np.full(6, 1e-3), np.full(6, 4e-3), 0.2, np.array([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]),
+        np.array([2.0] * 3 + [8.0] * 3),
+    )  # fmt: skip
+    other = replace(one, white=np.full(6, 4e-3), correlation=0.8, wrench=4.0 * one.wrench)
+    both = average_noise([one, other])
+    np.testing.assert_allclose(both.white, 2e-3)
+    np.testing.assert_allclose(both.correlated, 4e-3)
+    assert both.correlation == pytest.approx(0.4)
+    np.testing.assert_allclose(both.wrench, 2.0 * one.wrench)
+    np.testing.assert_allclose(both.memory, one.memory)
+    np.testing.assert_allclose(one.with_logarithms(one.logarithms).wrench, one.wrench)
