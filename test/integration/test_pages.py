@@ -144,7 +144,7 @@ PAGES = {
     'cfd': run_quickly('cfd', 'run', '--quick'),
     'tests_plan': run_quickly('tests', 'plan', 'gtmab'),
     'mission': run_quickly('mission', '--seeds', '1', '--workers', '1'),
-    'wind': run_quickly('wind', 'gtmab', 'skye', '--no-fly'),
+    'wind': run_quickly('wind', 'gtmab', 'skye'),
     'light_plan': run_quickly('light', 'plan', '--cell', '2', '--lamps', '3'),
     'light_link': run_quickly('light', 'link', '--scenario', 'lamp_room', '--distance', '3',
                               '--distance', '7', '--blocks', '2'),

@@ -65,7 +65,7 @@ if TYPE_CHECKING:
     from lta_studies.platforms.run import PlatformsRequest
     from lta_studies.reproduce.run import ReproductionRequest
     from lta_studies.tune.run import TuningRequest
-    from lta_studies.wind.limits import WindStudyRequest
+    from lta_studies.wind.limits import WindRequest
 
     bag_check = as_function(BagCheckRequest)
     bag_export = as_function(BagExportRequest)
@@ -107,7 +107,7 @@ if TYPE_CHECKING:
     vehicle_show = as_function(VehicleSheetRequest)
     vehicle_trim = as_function(TrimRequest)
     vehicle_urdf = as_function(UrdfRequest)
-    wind = as_function(WindStudyRequest)
+    wind = as_function(WindRequest)
 
 
 def _read_list() -> tuple[dict[str, str], dict[str, str]]:
