@@ -32,11 +32,6 @@ SWEEP = {
     'set': {'scenario.goal.time_limit': '0.2 s'},
     'vary': {'vehicle.trim.heaviness': ['1 g', '2 g']},
 }  # fmt: skip
-PLATFORMS = {
-    'schema': 1, 'name': 'few', 'about': 'One climb.', 'scenario': 'hall', 'seeds': 1,
-    'manoeuvres': ['climb'], 'contestants': {'gtmab': {'vehicle': 'gtmab', 'title': 'GT-MAB'}},
-    'ablations': {}, 'limits': {},
-}  # fmt: skip
 LAMP = Path(__file__).resolve().parents[1] / 'replay/lamp.mcap'
 PAPER_WIDTH = 718  # px of A4 with margins of 1 cm at 96 a inch
 CONTRAST = """(() => {
@@ -87,12 +82,6 @@ def vehicle(folder, call):
 def sweep(folder, call):
     (folder / 'short.yaml').write_text(yaml.safe_dump(SWEEP))
     call('sweep', folder / 'short.yaml', '--workers', '1', '--out', folder / 'out')
-    (folder / 'out' / 'report.html').rename(folder / 'report.html')
-
-
-def platforms(folder, call):
-    (folder / 'few.yaml').write_text(yaml.safe_dump(PLATFORMS))
-    call('platforms', folder / 'few.yaml', '--workers', '1', '--out', folder / 'out')
     (folder / 'out' / 'report.html').rename(folder / 'report.html')
 
 
@@ -151,7 +140,7 @@ PAGES = {
     'cells': run_quickly('cells'),
     'breakeven': run_quickly('energy', 'breakeven'),
 }  # fmt: skip
-PAGES |= {made.__name__: made for made in (flight, plot, vehicle, sweep, platforms, tune, replay)}
+PAGES |= {made.__name__: made for made in (flight, plot, vehicle, sweep, tune, replay)}
 
 
 def typed(*words):
@@ -171,7 +160,6 @@ LONG = (
     'sweep',
     'wind',
     'light_link',
-    'platforms',
     'tune',
     'breakeven',
 )

@@ -62,7 +62,6 @@ if TYPE_CHECKING:
     from lta_studies.light.plan.request import LampPlanRequest
     from lta_studies.light.turn.calibration import DiodeCalibrationRequest
     from lta_studies.mission.run import MissionStudyRequest
-    from lta_studies.platforms.run import PlatformsRequest
     from lta_studies.reproduce.run import ReproductionRequest
     from lta_studies.tune.run import TuningRequest
     from lta_studies.wind.limits import WindRequest
@@ -90,7 +89,6 @@ if TYPE_CHECKING:
     light_link = as_function(LinkRequest)
     light_plan = as_function(LampPlanRequest)
     mission = as_function(MissionStudyRequest)
-    platforms = as_function(PlatformsRequest)
     replay = as_function(NodeReplayRequest)
     report = as_function(FlightPageRequest)
     reproduce = as_function(ReproductionRequest)

@@ -200,7 +200,6 @@ FAMILIES: Final[Mapping[str, Mapping[str, Verb | VerbGroup]]] = {
         'vehicle': VEHICLE_VERBS,
         'tune': call('tune'),
         'wind': call('wind'),
-        'platforms': call('platforms'),
         'light': LIGHT_VERBS,
         'energy': ENERGY_VERBS,
         'cells': call('cells'),
