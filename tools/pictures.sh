@@ -55,6 +55,5 @@ fi
 draw cells top ./lta cells --out
 draw energy_budget top ./lta energy budget --out
 draw energy_hover voltage ./lta energy budget --out
-draw mounting top ./lta energy mounting --out
 draw light_plan coverage ./lta light plan warehouse --out
 draw mission day ./lta mission greenhouse_summer --out

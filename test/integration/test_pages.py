@@ -129,7 +129,6 @@ def run_quickly(*words):
 
 PAGES = {
     'budget': run_quickly('energy', 'budget', '--quick'),
-    'mounting': run_quickly('energy', 'mounting', '--quick', '--mount', 'side'),
     'cfd': run_quickly('cfd', 'run', '--quick'),
     'tests_plan': run_quickly('tests', 'plan', 'gtmab'),
     'mission': run_quickly('mission', '--seeds', '1', '--workers', '1'),
@@ -153,7 +152,6 @@ def typed(*words):
 # What takes long to make; the report that all share is looked at on the other pages.
 LONG = (
     'budget',
-    'mounting',
     'cfd',
     'tests_plan',
     'mission',

@@ -57,7 +57,6 @@ if TYPE_CHECKING:
     from lta_studies.energy.breakeven import BreakEvenRequest
     from lta_studies.energy.budget.run import BudgetRequest
     from lta_studies.energy.cells.arrays import CellsRequest
-    from lta_studies.energy.mounting.run import MountingRequest
     from lta_studies.light.link.link_budget import LinkRequest
     from lta_studies.light.plan.request import LampPlanRequest
     from lta_studies.light.turn.calibration import DiodeCalibrationRequest
@@ -81,7 +80,6 @@ if TYPE_CHECKING:
     effects_new = as_function(EffectSkeletonRequest)
     energy_breakeven = as_function(BreakEvenRequest)
     energy_budget = as_function(BudgetRequest)
-    energy_mounting = as_function(MountingRequest)
     fly = as_function(FlyRequest)
     forecast = as_function(ForecastRequest)
     import_log = as_function(LogImportRequest)

@@ -139,7 +139,6 @@ ENERGY_VERBS: Final = VerbGroup(
     'Simulate energy use and solar charging; compare with published values and a multirotor.',
     {
         'budget': call('energy_budget'),
-        'mounting': call('energy_mounting'),
         'breakeven': call('energy_breakeven'),
     },
 )
