@@ -140,14 +140,6 @@ def scale_column(manoeuvre: ManeuverFile, table: Array, first: float, column: in
     return values * (180.0 / math.pi) if manoeuvre.judge == 'heading' else values
 
 
-def format_entry_name(comparison: ComparisonFile, name: str) -> str:
-    """Return the title of an ablation or limit: 'beavis_neutral' -> 'BEAVIS neutral'."""
-    first, _, rest = name.partition('_')
-    contestant = comparison.contestants.get(first)
-    platform = contestant.title.split()[0] if contestant else first
-    return f'{platform} {rest.replace("_", " ")}'.strip()
-
-
 @final
 @dataclass(frozen=True, slots=True)
 class ComparisonFlights:
