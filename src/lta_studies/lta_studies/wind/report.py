@@ -137,13 +137,12 @@ def build_limit_table(results: Sequence[PlatformWindLimits], request: WindReques
         Column('tumble', 'tumbles above', 'm/s', 2),
         Column('rise', 'rises above', 'm/s', 2),
         # Near the ground it is calm: 10 m/s of the weather service may be 1 m/s at the hull
-        Column('static', 'limit', 'm/s', 2),
+        Column('static', 'limit at the hull', 'm/s', 2),
     ]
     for k, z in enumerate(request.roughness):
         columns.append(Column('', f'roughness {z:g} m', 'm/s', 2, partial(_limit_over, k)))
-    groups = (('', 5), ('wind at the hull', 1))
-    grounds = (f'wind at {request.reference:g} m', len(request.roughness))
-    return build_table('Limits by platform', columns, results, groups=(*groups, grounds))
+    groups = (('', 6), (f'wind at {request.reference:g} m', len(request.roughness)))
+    return build_table('Limits by platform', columns, results, groups=groups)
 
 
 def _limit_over(place: int, limit: PlatformWindLimits) -> float:
