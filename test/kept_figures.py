@@ -4,7 +4,8 @@
 
 import math
 
-from lta_studies.reproduce.study_result import DrawSummary, MeasuredValue, StoredPicture, StoredRow
+from lta_studies.reproduce.study_result import DrawSummary, MeasuredValue, StoredRow, StudyPicture
+from plotly.graph_objects import Figure
 
 
 def restored(kind, content):
@@ -17,7 +18,7 @@ def kepts_in(found):
     return {
         name: StoredRow(
             {key: restored(MeasuredValue, value) for key, value in each['values'].items()},
-            [StoredPicture(**picture, figure='{}') for picture in each['pictures']],
+            [StudyPicture(**picture, figure=Figure()) for picture in each['pictures']],
             (),
             each['seeds'],
             each['seconds'],

@@ -52,10 +52,8 @@ if is_wanted discover; then
     ./lta discover --demo --seed 5 --out "$made/discover"
     cp "$made/discover/picture.svg" docs/images/discover.svg
 fi
-draw platforms top ./lta platforms --seeds 2 --out
 draw cells top ./lta cells --out
 draw energy_budget top ./lta energy budget --out
 draw energy_hover voltage ./lta energy budget --out
-draw mounting top ./lta energy mounting --out
 draw light_plan coverage ./lta light plan warehouse --out
 draw mission day ./lta mission greenhouse_summer --out

@@ -32,11 +32,6 @@ SWEEP = {
     'set': {'scenario.goal.time_limit': '0.2 s'},
     'vary': {'vehicle.trim.heaviness': ['1 g', '2 g']},
 }  # fmt: skip
-PLATFORMS = {
-    'schema': 1, 'name': 'few', 'about': 'One climb.', 'scenario': 'hall', 'seeds': 1,
-    'manoeuvres': ['climb'], 'contestants': {'gtmab': {'vehicle': 'gtmab', 'title': 'GT-MAB'}},
-    'ablations': {}, 'limits': {},
-}  # fmt: skip
 LAMP = Path(__file__).resolve().parents[1] / 'replay/lamp.mcap'
 PAPER_WIDTH = 718  # px of A4 with margins of 1 cm at 96 a inch
 CONTRAST = """(() => {
@@ -90,12 +85,6 @@ def sweep(folder, call):
     (folder / 'out' / 'report.html').rename(folder / 'report.html')
 
 
-def platforms(folder, call):
-    (folder / 'few.yaml').write_text(yaml.safe_dump(PLATFORMS))
-    call('platforms', folder / 'few.yaml', '--workers', '1', '--out', folder / 'out')
-    (folder / 'out' / 'report.html').rename(folder / 'report.html')
-
-
 def tune(folder, call):
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(helium_limit, 'TRIED_LOSSES', 1)
@@ -140,18 +129,17 @@ def run_quickly(*words):
 
 PAGES = {
     'budget': run_quickly('energy', 'budget', '--quick'),
-    'mounting': run_quickly('energy', 'mounting', '--quick', '--mount', 'side'),
     'cfd': run_quickly('cfd', 'run', '--quick'),
     'tests_plan': run_quickly('tests', 'plan', 'gtmab'),
     'mission': run_quickly('mission', '--seeds', '1', '--workers', '1'),
-    'wind': run_quickly('wind', 'gtmab', 'skye', '--no-fly'),
+    'wind': run_quickly('wind', 'gtmab', 'skye'),
     'light_plan': run_quickly('light', 'plan', '--cell', '2', '--lamps', '3'),
     'light_link': run_quickly('light', 'link', '--scenario', 'lamp_room', '--distance', '3',
                               '--distance', '7', '--blocks', '2'),
     'cells': run_quickly('cells'),
     'breakeven': run_quickly('energy', 'breakeven'),
 }  # fmt: skip
-PAGES |= {made.__name__: made for made in (flight, plot, vehicle, sweep, platforms, tune, replay)}
+PAGES |= {made.__name__: made for made in (flight, plot, vehicle, sweep, tune, replay)}
 
 
 def typed(*words):
@@ -164,14 +152,12 @@ def typed(*words):
 # What takes long to make; the report that all share is looked at on the other pages.
 LONG = (
     'budget',
-    'mounting',
     'cfd',
     'tests_plan',
     'mission',
     'sweep',
     'wind',
     'light_link',
-    'platforms',
     'tune',
     'breakeven',
 )

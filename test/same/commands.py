@@ -40,7 +40,6 @@ COMMANDS = {
     'light link': 'light link --scenario lamp_room --json --out {out}',
     'light plan': 'light plan warehouse --json --out {out}',
     'energy budget': 'energy budget --seeds 1 --json --out {out}',
-    'energy mounting': 'energy mounting --seeds 1 --json --out {out}',
     'energy breakeven': 'energy breakeven --json --out {out}',
     'mission': 'mission --schedule "duty cycle, asleep" --json --out {out}',
     'tune': 'tune gtmab --cases 2 --budget 16 --draws 2 --json --out {out}',

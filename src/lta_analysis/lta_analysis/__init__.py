@@ -57,15 +57,13 @@ if TYPE_CHECKING:
     from lta_studies.energy.breakeven import BreakEvenRequest
     from lta_studies.energy.budget.run import BudgetRequest
     from lta_studies.energy.cells.arrays import CellsRequest
-    from lta_studies.energy.mounting.run import MountingRequest
     from lta_studies.light.link.link_budget import LinkRequest
     from lta_studies.light.plan.request import LampPlanRequest
     from lta_studies.light.turn.calibration import DiodeCalibrationRequest
     from lta_studies.mission.run import MissionStudyRequest
-    from lta_studies.platforms.run import PlatformsRequest
     from lta_studies.reproduce.run import ReproductionRequest
     from lta_studies.tune.run import TuningRequest
-    from lta_studies.wind.limits import WindStudyRequest
+    from lta_studies.wind.limits import WindRequest
 
     bag_check = as_function(BagCheckRequest)
     bag_export = as_function(BagExportRequest)
@@ -82,7 +80,6 @@ if TYPE_CHECKING:
     effects_new = as_function(EffectSkeletonRequest)
     energy_breakeven = as_function(BreakEvenRequest)
     energy_budget = as_function(BudgetRequest)
-    energy_mounting = as_function(MountingRequest)
     fly = as_function(FlyRequest)
     forecast = as_function(ForecastRequest)
     import_log = as_function(LogImportRequest)
@@ -90,7 +87,6 @@ if TYPE_CHECKING:
     light_link = as_function(LinkRequest)
     light_plan = as_function(LampPlanRequest)
     mission = as_function(MissionStudyRequest)
-    platforms = as_function(PlatformsRequest)
     replay = as_function(NodeReplayRequest)
     report = as_function(FlightPageRequest)
     reproduce = as_function(ReproductionRequest)
@@ -107,7 +103,7 @@ if TYPE_CHECKING:
     vehicle_show = as_function(VehicleSheetRequest)
     vehicle_trim = as_function(TrimRequest)
     vehicle_urdf = as_function(UrdfRequest)
-    wind = as_function(WindStudyRequest)
+    wind = as_function(WindRequest)
 
 
 def _read_list() -> tuple[dict[str, str], dict[str, str]]:

@@ -139,7 +139,6 @@ ENERGY_VERBS: Final = VerbGroup(
     'Simulate energy use and solar charging; compare with published values and a multirotor.',
     {
         'budget': call('energy_budget'),
-        'mounting': call('energy_mounting'),
         'breakeven': call('energy_breakeven'),
     },
 )
@@ -200,7 +199,6 @@ FAMILIES: Final[Mapping[str, Mapping[str, Verb | VerbGroup]]] = {
         'vehicle': VEHICLE_VERBS,
         'tune': call('tune'),
         'wind': call('wind'),
-        'platforms': call('platforms'),
         'light': LIGHT_VERBS,
         'energy': ENERGY_VERBS,
         'cells': call('cells'),

@@ -11,7 +11,7 @@ import zlib
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BeforeValidator, PlainSerializer, PlainValidator
+from pydantic import PlainSerializer, PlainValidator
 
 
 def pack_array(array: NDArray[np.float64]) -> dict[str, Any]:
@@ -31,12 +31,6 @@ def unpack_array(content: Any) -> NDArray[np.float64]:
 # A field of a stored result that holds an array exactly
 ExactArray = Annotated[
     NDArray[np.float64], PlainValidator(unpack_array), PlainSerializer(pack_array)
-]
-# One that holds an array in single precision, or None
-StoredArray = Annotated[
-    Any,
-    BeforeValidator(lambda value: None if value is None else np.array(value, np.float32)),
-    PlainSerializer(lambda value: None if value is None else value.tolist()),
 ]
 
 

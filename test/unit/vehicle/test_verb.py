@@ -130,7 +130,7 @@ def test_show_gives_numbers_to_scripts(call):
     status, said = call('show', 'gtmab', '--json')
     found = json.loads(said.out)
     assert status == 0
-    # `lta wind gtmab --no-fly` says the same: above, the hull rises
+    # `lta wind gtmab` says the same: above, the hull rises
     assert found['figures']['level_speed']['value'] == pytest.approx(0.757, abs=5e-3)
     assert found['figures']['level_speed']['unit'] == 'm/s'
     assert found['assumed'] == sum(entry['assumed'] for entry in found['numbers']) == 39

@@ -67,7 +67,7 @@ def load_onboard_law(
         raise BadInput(
             f'{vehicle.file.name} uses the control law {name}, which needs a position '
             'tracker, but the controller has only onboard sensors; fly the vehicle '
-            'with "lta platforms", or choose another control law.'
+            'with "lta simulate", or choose another control law.'
         )
     if name == CASCADE and gains is not None:
         return law, law.build_constants(gains, vehicle)

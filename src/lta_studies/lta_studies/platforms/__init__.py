@@ -1,3 +1,3 @@
 # Copyright 2026 The LTA maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""Compare platforms in the same manoeuvres, each with its own control law."""
+"""Fly platforms in the same manoeuvres, each with its own control law."""

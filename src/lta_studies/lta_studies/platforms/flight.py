@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import math
 from typing import Any, final, NamedTuple
 
+from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.files import find_file, load_yaml, validate_content
 from lta_config.parameter_override import parse_value, replace_parameter
@@ -33,6 +34,7 @@ from lta_control.laws.protocol import ControlLaw
 from lta_control.strategies import find_navigation_strategy
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_stack import FlightStack
+from lta_model.propulsion import select_lifting_rotors
 from lta_model.scenario import Scenario
 from lta_model.vehicle import Vehicle
 from lta_sim.world import World
@@ -231,6 +233,14 @@ def _evaluate_flight(
     return ManeuverFlight(
         metrics, height, float(tilts[part].max()), lost, setpoints, response, duties
     )
+
+
+def compute_lift_margin(vehicle: Vehicle) -> tuple[float, float]:
+    """Return the lift at full thrust and the weight it must carry [N]."""
+    own, per_newton = select_lifting_rotors(vehicle.rotors, vehicle.file.aero.coupling)
+    # The lifting rotors share the load, so the weakest limits all.
+    full = min((rotor.full_thrust for rotor in own), default=0.0)
+    return full * per_newton, vehicle.heaviness * STANDARD_GRAVITY
 
 
 CHANGE_ROOTS = ('vehicle', 'gains')

@@ -20,7 +20,7 @@ from lta_report.report import (
     TextSection,
     TextTable,
 )
-from lta_studies.reproduce.study_result import encode_values, StoredPicture, StoredRow
+from lta_studies.reproduce.study_result import encode_values, StoredRow
 from lta_studies.reproduce.verdict import (
     ClaimVerdict,
     count_verdicts,
@@ -31,7 +31,6 @@ from lta_studies.reproduce.verdict import (
     format_value,
     judge_claims,
 )
-from plotly.io import from_json
 
 StoredRows = Mapping[str, StoredRow]
 CLAIM_HEADS: Final = (
@@ -200,15 +199,13 @@ def iterate_row_blocks(row: PaperRow, stored: StoredRow) -> Iterator[Block]:
         ),
     )
     if stored.pictures:
-        yield Grid([build_picture(row, each) for each in stored.pictures])
-
-
-def build_picture(row: PaperRow, stored: StoredPicture) -> Picture:
-    """Return a stored picture."""
-    return Picture(
-        f'{row.name}-{stored.name}', stored.heading, stored.caption, from_json(stored.figure),
-        height=380, command=stored.command,
-    )  # fmt: skip
+        yield Grid([
+            Picture(
+                f'{row.name}-{each.name}', each.heading, each.caption, each.figure, height=380,
+                command=each.command,
+            )
+            for each in stored.pictures
+        ])  # fmt: skip
 
 
 def build_claim_table(row: PaperRow, stored: StoredRow) -> TextTable:

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 import math
-from typing import Any, Final, final, NamedTuple
+from typing import Annotated, Any, Final, final, NamedTuple
 
 from lta_config.files import find_file, load_yaml
 from lta_config.parameter_override import draw_between, draw_values
@@ -18,6 +18,8 @@ from lta_report.report import TextTable
 from lta_report.study import hash_inputs
 import numpy as np
 from plotly.graph_objects import Figure
+from plotly.io import from_json
+from pydantic import PlainSerializer, PlainValidator
 
 RULE_TOLERANCE: Final = 1e-9  # relative tolerance for rounding differences between machines
 SURE_SHARE: Final = 0.95  # share of the draws that makes a verdict
@@ -85,15 +87,20 @@ class MeasuredValue(NamedTuple):
     seeds: int = 1
 
 
-@final
-@dataclass(frozen=True, slots=True)
-class StudyPicture:
+StoredFigure = Annotated[
+    Figure,
+    PlainValidator(lambda value: from_json(value) if isinstance(value, str) else value),
+    PlainSerializer(Figure.to_json),
+]
+
+
+class StudyPicture(NamedTuple):
     """A picture, and the command that repeats it."""
 
     name: str
     heading: str
     caption: str
-    figure: Figure
+    figure: StoredFigure
     command: str
 
 
@@ -169,16 +176,6 @@ def yes_no_value(yes: bool) -> MeasuredValue:
     return MeasuredValue('yes' if yes else 'no')
 
 
-class StoredPicture(NamedTuple):
-    """A stored picture; `figure` is Plotly's JSON."""
-
-    name: str
-    heading: str
-    caption: str
-    figure: str
-    command: str
-
-
 @final
 @dataclass(frozen=True, slots=True)
 class StoredRow:
@@ -189,7 +186,7 @@ class StoredRow:
     """
 
     values: Mapping[str, MeasuredValue]
-    pictures: Sequence[StoredPicture]
+    pictures: Sequence[StudyPicture]
     tables: Sequence[TextTable]
     seeds: int
     seconds: float
@@ -205,12 +202,8 @@ def build_stored_row(
     row: PaperRow, result: RowStudyResult, seeds: int, seconds: float
 ) -> StoredRow:
     """Convert the result of a study to its stored form."""
-    pictures = [
-        StoredPicture(p.name, p.heading, p.caption, p.figure.to_json(), p.command)
-        for p in result.pictures
-    ]
     draws = summarize_row_draws(row, result.draws)
-    return StoredRow(result.values, pictures, result.tables, seeds, seconds, draws)
+    return StoredRow(result.values, result.pictures, result.tables, seeds, seconds, draws)
 
 
 def summarize_row_draws(

@@ -3,18 +3,18 @@
 """Build the report of the wind limits."""
 
 from collections.abc import Sequence
+from functools import partial
 import math
 from typing import Final
 
 from lta_config.command_line import format_lta_command
 from lta_model.vehicle import load_vehicle
 from lta_report.charts import ChartAxis, Curve, draw_curves, item_colour, Level
-from lta_report.formatting import format_count, MISSING, Tile
-from lta_report.report import Picture, Report, STOPPED, TextSection, TextTable
+from lta_report.formatting import MISSING, Tile
+from lta_report.report import Picture, Report, TextSection, TextTable
 from lta_report.result_table import build_table, Column
 from lta_sim import wind_limits
-from lta_studies.wind.flyable_wind import FlyableWind
-from lta_studies.wind.limits import LIMIT_DRAWS, PlatformWindLimits, to_json, WindStudyRequest
+from lta_studies.wind.limits import LIMIT_DRAWS, PlatformWindLimits, to_json, WindRequest
 import numpy as np
 from numpy.typing import NDArray
 from plotly.graph_objects import Figure
@@ -24,31 +24,31 @@ PAPER_WINDS: Final = ((8.0, 'paper: BAG converges'), (14.0, 'paper: all fail'))
 PLOTTED_ROUGHNESS: Final = np.geomspace(1e-3, 0.45, 60)  # m
 ROUGHNESS_TICKS: Final = (1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3)  # m
 WIND_CAPTION: Final = (
-    'Lines: static limit, as wind at the reference height; the log law, averaged over the '
-    'hull, gives the wind at the hull. Dots: flown in the closed loop. Towards the right, '
-    'the hull flies between the obstacles that make the ground rough, where the log law is '
-    'only an approximation: compare several values.'
+    'The limit, as wind at the reference height; the log law, averaged over the hull, gives the '
+    'wind at the hull. Towards the right, the hull flies between the obstacles that make the '
+    'ground rough, where the log law is only an approximation: compare several values.'
 )
 WIND_METHOD: Final = (
-    'Static limit: the lowest of three airspeeds: the highest that the rotors can hold at '
+    'The limit is the lowest of three airspeeds: the highest that the rotors can hold at '
     'constant height and heading, the one above which the hull tumbles, and the one above '
-    'which it rises because rotors below the hull lift its nose and then push it up. Flown '
-    'limit: the largest wind, blowing from the lamp to the start, in which the drone still '
-    'approaches the lamp with its own gains and the best of several airspeeds. In brackets: '
-    'the additional wind at which it failed. "none": no approach even in the smallest wind '
-    'tried. Dash: no such limit, or not flown.'
+    'which it rises because rotors below the hull lift its nose and then push it up. Dash: no '
+    'such limit. Whether a strategy finds its lamp in such a wind, flights tell: lta sweep '
+    'light_uniform_winds.'
+)
+WIND_ABOUT: Final = (
+    'Limits in uniform wind, and in wind over rough ground. The wind over ground is given at '
+    '{reference:g} m, as a weather service measures it; the log law yields the wind at the height '
+    'of the hull.'
 )
 
 
-def build_report(results: Sequence[PlatformWindLimits], request: WindStudyRequest) -> Report:
-    """Return the report of a wind study; of one that Ctrl-C stopped, its finished platforms."""
-    done, count = len(results), len(request.vehicles)
-    unfinished = f' Stopped after {done} of {count} platforms.' if done < count else ''
+def build_report(results: Sequence[PlatformWindLimits], request: WindRequest) -> Report:
+    """Return the report of the wind limits."""
     return Report(
         command='wind',
-        subject=request.scenario,
+        subject='',
         headline=format_headline(results),
-        introduction=format_introduction(request) + unfinished,
+        introduction=WIND_ABOUT.format(reference=request.reference),
         tiles=build_tiles(results),
         blocks=(
             Picture(
@@ -59,26 +59,29 @@ def build_report(results: Sequence[PlatformWindLimits], request: WindStudyReques
             TextSection('Remarks', (WIND_METHOD, *format_platform_notes(results))),
         ),
         data=to_json(results, request),
-        facts=build_provenance_table(request),
+        facts={
+            'hull centre': f'{request.height:g} m above the floor; higher if the vehicle is too '
+            'large',
+            'reference height': f'{request.reference:g} m',
+        },
         commands=list_commands(request),
-        closing=[*format_platform_notes(results), *([unfinished.strip()] if unfinished else [])],
-        status=STOPPED if unfinished else 0,
+        closing=format_platform_notes(results),
     )  # fmt: skip
 
 
 def format_headline(results: Sequence[PlatformWindLimits]) -> str:
     """Return the headline."""
-    winds = {each.name: each.flown.wind for each in results if each.flown is not None}
-    how = 'makes headway' if winds else 'can statically hold its position'
-    most = winds or {each.name: each.static for each in results if math.isfinite(each.static)}
-    if not most:
+    limited = [each for each in results if math.isfinite(each.static)]
+    if not limited:
         return 'No wind limit was found.'
-    best = max(most, key=lambda name: most[name])
-    among = f', the highest limit of {len(most)} platforms' if len(most) > 1 else ''
-    (limit,) = [each for each in results if each.name == best]
-    # The static limit of one platform is the speed at which thrust, tumbling or rising ends it
-    why = '' if winds or among else f'; {_find_cause(limit)} limits it'
-    return f'In uniform wind {best} {how} up to {most[best]:.2f} m/s{among}{why}.'
+    best = max(limited, key=lambda each: each.static)
+    among = f', the highest limit of {len(limited)} platforms' if len(limited) > 1 else ''
+    # The limit of one platform is the speed at which thrust, tumbling or rising ends it
+    why = '' if among else f'; {_find_cause(best)} limits it'
+    return (
+        f'In uniform wind {best.name} can statically hold its position up to {best.static:.2f} '
+        f'm/s{among}{why}.'
+    )
 
 
 def _find_cause(limit: PlatformWindLimits) -> str:
@@ -87,44 +90,19 @@ def _find_cause(limit: PlatformWindLimits) -> str:
     return causes[min(causes)]
 
 
-def format_introduction(request: WindStudyRequest) -> str:
-    """Describe the wind profiles and the flights."""
-    seeds = format_count(request.seeds, 'seed')
-    note = f'Flown with {seeds}{", in coarse steps" if request.quick else ""}.'
-    return (
-        'Limits in uniform wind, and in wind over rough ground. The wind over ground is '
-        f'given at {request.reference:g} m, as a weather service measures it; the log law '
-        'yields the wind at the height of the hull. '
-        f'{note if request.fly else "Static limits only; nothing was flown."}'
-    )
-
-
 def build_tiles(results: Sequence[PlatformWindLimits]) -> list[Tile]:
     """Return a tile with the limit in uniform wind for each platform."""
-    tiles = []
-    for each in results:
-        numbers = format_speed(each.static)
-        cause = _find_cause(each)
-        why = f'{cause} allows {numbers}' if math.isfinite(each.static) else 'no known limit'
-        if each.flown is None:
-            is_finite = math.isfinite(each.static)
-            note = f'static; limited by {cause}' if is_finite else why
-            tiles.append(Tile(each.name, numbers, 'm/s' if is_finite else '', note))
-        else:
-            tiles.append(
-                Tile(each.name, format_flyable_wind(each.flown, False), 'm/s', f'flown; {why}')
-            )
-    return tiles
+    return [
+        Tile(each.name, format_speed(each.static), 'm/s', f'limited by {_find_cause(each)}')
+        if math.isfinite(each.static)
+        else Tile(each.name, format_speed(each.static), '', 'no known limit')
+        for each in results
+    ]
 
 
 def format_platform_notes(results: Sequence[PlatformWindLimits]) -> list[str]:
     """Return the notes on single platforms."""
-    notes = [
-        f'{each.name}: the best airspeed command in uniform wind was {each.flown.airspeed:g} m/s.'
-        for each in results
-        if each.flown is not None
-    ]
-    notes += [_format_interval(each) for each in results if each.interval is not None]
+    notes = [_format_interval(each) for each in results if each.interval is not None]
     return notes + [f'{each.name}: {each.note}' for each in results if each.note]
 
 
@@ -139,7 +117,7 @@ def _format_interval(limit: PlatformWindLimits) -> str:
         else ' No flow at incidence is known: the Munk moment is that of an ideal fluid.'
     )
     return (
-        f'{limit.name}: with the numbers of its file drawn from their ranges, the static limit in '
+        f'{limit.name}: with the numbers of its file drawn from their ranges, the limit in '
         f'uniform wind, which is its top speed in level flight, is {low:.2f} to {high:.2f} m/s '
         f'({LIMIT_DRAWS} draws, 5 to 95 %).{ideal}'
     )
@@ -150,71 +128,40 @@ def format_speed(value: float) -> str:
     return f'{value:.2f}' if math.isfinite(value) else MISSING
 
 
-def format_flyable_wind(limit: FlyableWind | None, bracket: bool = True) -> str:
-    """Format a flown limit with its bracket; a dash if nothing was flown."""
-    if limit is None:
-        return MISSING
-    if limit.wind <= 0.0:
-        return 'none'
-    return f'{limit.wind:.2f}' + (f' (+{limit.fine:.2f})' if bracket else '')
-
-
-def list_ground_columns(place: int) -> list[Column[PlatformWindLimits]]:
-    """Return the columns of the limits over one ground, by its place among the grounds."""
-    return [
-        Column('', 'static', 'm/s', 2, lambda each: each.over[place].static),
-        Column('', 'flown [m/s]', of=lambda each: format_flyable_wind(each.over[place].flown)),
-    ]
-
-
-def build_limit_table(
-    results: Sequence[PlatformWindLimits], request: WindStudyRequest
-) -> TextTable:
-    """Return the table of limits, with two columns for each ground."""
-    # Near the ground it is calm: 10 m/s of the weather service may be 1 m/s at the hull
-    grounds = [
-        'wind at the hull',
-        *(f'wind at {request.reference:g} m, roughness {z:g} m' for z in request.roughness),
-    ]
+def build_limit_table(results: Sequence[PlatformWindLimits], request: WindRequest) -> TextTable:
+    """Return the table of limits, with a column for each ground."""
     columns: list[Column[PlatformWindLimits]] = [
         Column('name', 'platform'),
         Column('height', 'hull height', 'm', 2),
         Column('thrust', 'rotors hold', 'm/s', 2),
         Column('tumble', 'tumbles above', 'm/s', 2),
         Column('rise', 'rises above', 'm/s', 2),
-        Column('static', 'static', 'm/s', 2),
-        Column('', 'flown [m/s]', of=lambda each: format_flyable_wind(each.flown)),
+        # Near the ground it is calm: 10 m/s of the weather service may be 1 m/s at the hull
+        Column('static', 'limit at the hull', 'm/s', 2),
     ]
-    for k in range(len(request.roughness)):
-        columns += list_ground_columns(k)
-    groups = (('', 5), *((name, 2) for name in grounds))
+    for k, z in enumerate(request.roughness):
+        columns.append(Column('', f'roughness {z:g} m', 'm/s', 2, partial(_limit_over, k)))
+    groups = (('', 6), (f'wind at {request.reference:g} m', len(request.roughness)))
     return build_table('Limits by platform', columns, results, groups=groups)
 
 
-def build_provenance_table(request: WindStudyRequest) -> dict[str, str]:
-    """Return the provenance table of the page."""
-    return {
-        'scenario': f'{request.scenario}, its wind replaced',
-        'hull centre': f'{request.height:g} m above the floor; higher if the vehicle is too large',
-        'reference height': f'{request.reference:g} m',
-        'seeds': ('1' if request.seeds == 1 else f'1 to {request.seeds}')
-        if request.fly
-        else 'none: nothing was flown',
-    }
+def _limit_over(place: int, limit: PlatformWindLimits) -> float:
+    """Return the limit over one ground, by its place among the grounds [m/s]."""
+    return limit.over[place].static
 
 
-def list_commands(request: WindStudyRequest) -> dict[str, str]:
+def list_commands(request: WindRequest) -> dict[str, str]:
     """Return the command that flies in such a wind."""
-    first = request.vehicles[0]
     return {
         'Fly in such a wind': format_lta_command(
-            'simulate', '--vehicle', first, '--scenario', request.scenario, '--set',
+            'simulate', '--vehicle', request.vehicles[0], '--scenario', 'windy_field', '--set',
             'scenario.air.profile.wind=3 m/s',
         ),
+        'Fly in many winds': format_lta_command('sweep', 'light_uniform_winds'),
     }  # fmt: skip
 
 
-def draw_limits(results: Sequence[PlatformWindLimits], request: WindStudyRequest) -> Figure:
+def draw_limits(results: Sequence[PlatformWindLimits], request: WindRequest) -> Figure:
     """Plot the limits as reference wind against the roughness of the ground."""
     curves = []
     for k, limit in enumerate(results):
@@ -223,15 +170,6 @@ def draw_limits(results: Sequence[PlatformWindLimits], request: WindStudyRequest
         wind = limit_curve(limit, request)
         curves.append(Curve(limit.name, PLOTTED_ROUGHNESS, wind, item_colour(k), '%{y:.1f} m/s',
                             label=limit.name))  # fmt: skip
-        points = [(over.roughness, over.flown.wind) for over in limit.over if over.flown]
-        if points:
-            grounds, winds = zip(*points, strict=True)
-            curves.append(
-                Curve(
-                    f'{limit.name}, flown', grounds, winds, item_colour(k),
-                    '%{y:.1f} m/s flown', 'markers',
-                )
-            )  # fmt: skip
     return draw_curves(
         curves,
         ChartAxis('roughness of the ground [m]', log=True, ticks=ROUGHNESS_TICKS),
@@ -242,7 +180,7 @@ def draw_limits(results: Sequence[PlatformWindLimits], request: WindStudyRequest
     )
 
 
-def limit_curve(limit: PlatformWindLimits, request: WindStudyRequest) -> NDArray[np.float64]:
+def limit_curve(limit: PlatformWindLimits, request: WindRequest) -> NDArray[np.float64]:
     """Return the static limit as reference wind over each roughness [m/s]."""
     vehicle = load_vehicle(limit.name)
     shares = [

@@ -2,13 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Where panels sit: against the balance by hand, the linearised rigid body and plane geometry."""
 
-import json
 import math
 
-from lta_cli.app import run_command_line
 from lta_config.errors import BadInput
 from lta_config.files import find_file, load_yaml
-from lta_model.vehicle import load_vehicle
 from lta_studies.energy.mounting import mounted_vehicle, straight_flight
 from lta_studies.energy.mounting.mounted_vehicle import (
     build_mounted_vehicle,
@@ -197,22 +194,3 @@ def test_a_flight_leans_as_its_balance_says(monkeypatch):
     )
     needed = -made.vehicle.mass * made.vehicle.cg[2] * math.tan(math.radians(2.5)) / 0.0488
     assert tried.misplacement == pytest.approx(needed, rel=1e-12)
-
-
-def test_the_verb_writes_a_page_numbers_and_a_vehicle_that_reads(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(straight_flight, 'MOUNTING_DEPARTURE', 9.0)
-    monkeypatch.setattr(straight_flight, 'FLIGHT_END', 11.0)
-    folder = tmp_path / 'found'
-    monkeypatch.setattr(
-        'sys.argv',
-        ['lta', 'energy', 'mounting', '--mount', 'top', '--seeds', '1', '--out', str(folder)],
-    )
-    assert run_command_line() == 0
-    told = capsys.readouterr().out
-    assert 'Top gets the most light of the mounts that the hull can carry.' in told
-    numbers = json.loads((folder / 'mounting.json').read_text())
-    assert numbers['fuller'] == 1.0
-    assert numbers['lift_lacking']['top'] == pytest.approx(-0.013433, abs=1e-6)
-    assert load_vehicle(str(folder / 'top.yaml')).file.name == 'gtmab_top'
-    page = (folder / 'report.html').read_text()
-    assert 'Centre of gravity below, at and above' in page

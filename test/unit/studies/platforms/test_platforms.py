@@ -2,9 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Platforms compared: figures of signals known in closed form, and every platform in flight."""
 
-from dataclasses import replace
 from functools import cache
-import json
 import math
 
 from lta_config.errors import BadInput
@@ -16,27 +14,16 @@ from lta_flight.sweep.statistics import student_interval
 from lta_model.limits import level_speed
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
-from lta_report.report import Emphasis
-from lta_report.request import StudyRun
-from lta_report.study import StudyOptions
-from lta_report.study_store import StudyStore
 from lta_sim.readings import FlightOutcome
-from lta_studies.platforms.flight import build_entrant, compute_tracking_metrics, fly_maneuver
-from lta_studies.platforms.report import build_report
-from lta_studies.platforms.run import (
-    build_entries,
-    fly_jobs,
-    list_jobs,
-    PLATFORM_STORE,
-    PlatformJob,
-    replace_speeds,
-    result_to_json,
-    summarize_flight,
+from lta_studies.platforms.flight import (
+    build_entrant,
+    compute_lift_margin,
+    compute_tracking_metrics,
+    fly_maneuver,
 )
-from lta_studies.platforms.summary import compute_lift_margin
+from lta_studies.reproduce.manoeuvres import build_entry, fly_entries, replace_speeds
 import numpy as np
 import pytest
-from rich.console import Console
 import yaml
 
 pytestmark = pytest.mark.usefixtures('plain_laws')
@@ -248,10 +235,6 @@ def test_a_top_heavy_vehicle_turns_over_and_is_told_so(tmp_path):
     assert not flight.is_successful
     assert math.degrees(flight.tilt) > 150.0
     assert flight.duties[-1].max() == 0.0  # the motors are off for good
-    content = result_to_json(
-        summarize_flight(PlatformJob('platforms', 'contestant', 'gtmab', 'climb', 2), flight)
-    )
-    assert (content['lost'], content['held']) == ('turned over', False)
     assert flown('gtmab', 'climb').lost == ''
 
 
@@ -260,70 +243,15 @@ def test_a_parameter_that_is_none_is_refused():
         changed('gtmab', set={'scenario.air.wind': '[1, 0, 0] m/s'})
 
 
-def test_every_entry_can_be_built():
-    entries = build_entries('platforms', COMPARISON)
-    assert {name for _, name in entries.entrants} == {
-        *COMPARISON.contestants, *COMPARISON.ablations, *COMPARISON.limits
-    }  # fmt: skip
-    every = list_jobs('platforms', COMPARISON, 2)
-    assert len(every) == len(set(every))
-    assert {job.seed for job in every} == {1, 2}
-
-
-def test_a_flight_that_is_stored_is_not_flown_again(tmp_path):
-    job = PlatformJob('platforms', 'contestant', 'gtmab', 'climb', 1)
-    row = summarize_flight(job, flown('gtmab', 'climb'))
-    entries = build_entries('platforms', COMPARISON)
-    with StudyStore(tmp_path, PLATFORM_STORE, entries.identity) as store:
-        store.add(job.key, row)
-    before = (tmp_path / PLATFORM_STORE.file).read_bytes()
-    (again,) = fly_jobs(
-        entries, [job], StudyRun(Console(), tmp_path, options=StudyOptions(workers=1))
-    )
-    assert (tmp_path / PLATFORM_STORE.file).read_bytes() == before
-    assert result_to_json(again) == result_to_json(row)
-    for name in ('flown', 'asked'):
-        ours, theirs = getattr(again, name), getattr(row, name)
-        assert ours.dtype == theirs.dtype
-        assert np.array_equal(ours, theirs, equal_nan=True)
-
-
-@pytest.mark.long
-def test_the_report_says_what_each_change_turns():
-    few = COMPARISON.model_copy(
-        update={
-            'manoeuvres': ['climb'],
-            'contestants': {
-                name: COMPARISON.contestants[name].model_copy(update={'manoeuvres': ['climb']})
-                for name in ('beavis', 'beavis_paper', 'blimp2b')
-            },
-            'ablations': {
-                name: COMPARISON.ablations[name].model_copy(update={'manoeuvres': ['climb']})
-                for name in ('beavis_by_matrix', 'beavis_neutral')
-            },
-            'limits': {},
-        }
-    )
-    rows = [
-        summarize_flight(job, flown(job.name, 'climb', ablation=job.kind == 'ablation'))
-        for job in list_jobs('platforms', few, 1)
-    ]
-    report = build_report(few, rows, {})
-    changes, margins = report.blocks[-2:]
-    reversal = changes.rows[0]
-    assert reversal[2:] == [
-        'controller: our cascade, which knows the linear B alone', '1/1 \N{RIGHTWARDS ARROW} 0/1'
-    ]  # fmt: skip
-    assert isinstance(reversal[3], Emphasis)
-    assert margins.rows[1][-1] == '3.1 g'  # BEAVIS at 0.05 N
-    assert json.loads(json.dumps(report.data, allow_nan=False)) == report.data
-
-
-def test_rows_of_other_seeds_keep_no_traces():
-    flight = flown('gtmab', 'climb')
-    row = summarize_flight(PlatformJob('platforms', 'contestant', 'gtmab', 'climb', 2), flight)
-    assert row.flown is None
-    assert summarize_flight(replace(row.job, seed=1), flight).flown is not None
+def test_every_entry_can_be_built_and_traces_are_of_the_first_seed():
+    for name in (*COMPARISON.contestants, *COMPARISON.ablations):
+        assert build_entry(name).vehicle.mass > 0.0
+    for name in COMPARISON.limits:
+        assert build_entry(name, limited=True).vehicle.file.name == 'sblimp'
+    first, second = fly_entries([('gtmab', 'climb')], 2).flights
+    assert first.flown.shape == first.asked.shape
+    assert first.flown[:, 1].max() > 1.5
+    assert second.flown is None
 
 
 def test_a_vehicle_flies_to_the_lamp_by_the_law_that_its_file_names():
@@ -347,25 +275,3 @@ def test_a_gain_of_another_law_has_its_unit_and_bounds():
 def test_gains_of_another_law_are_refused():
     with pytest.raises(BadInput, match='gtmab'):
         build_loop(load_spec('beavis', 'lamp_room', 'bag', 'gtmab'), 1)
-
-
-def test_the_verb_flies_a_file_and_keeps_every_flight(tmp_path, call):
-    text = (
-        'schema: 1\nname: small\nabout: Two.\nscenario: hall\nseeds: 2\nmanoeuvres: [climb]\n'
-        'contestants:\n  gtmab: {vehicle: gtmab, title: GT-MAB}\n'
-    )
-    file = tmp_path / 'small.yaml'
-    file.write_text(text)
-    words = ('--seeds=1', '--workers=1', '--json', f'--out={tmp_path / "out"}')
-    status, said = call('platforms', file, *words)
-    assert status == 0
-    printed_rows = json.loads(said.out)
-    assert printed_rows == json.loads((tmp_path / 'out' / 'flights.json').read_text())
-    assert [row['held'] for row in printed_rows] == [True]
-    page = (tmp_path / 'out' / 'report.html').read_text()
-    assert 'The one contestant holds every manoeuvre.' in page
-    # The same command again flies nothing
-    stored = (tmp_path / 'out' / 'flights.jsonl').read_text()
-    status, said = call('platforms', file, *words)
-    assert (status, json.loads(said.out)) == (0, printed_rows)
-    assert (tmp_path / 'out' / 'flights.jsonl').read_text() == stored

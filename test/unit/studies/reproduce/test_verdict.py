@@ -31,6 +31,7 @@ from lta_studies.reproduce.verdict import (
     format_value,
     judge_claim,
 )
+from plotly.graph_objects import Figure
 import pytest
 
 
@@ -262,7 +263,7 @@ def test_each_claim_has_a_row_with_its_verdict():
 
 def test_a_row_is_stored_whole(tmp_path):
     values = {'path': MeasuredValue(7.0, seeds=2), 'first': MeasuredValue('BAG')}
-    picture = study_result.StoredPicture('path', 'Path', 'The path.', '{}', 'lta fly')
+    picture = study_result.StudyPicture('path', 'Path', 'The path.', Figure(), 'lta fly')
     row = study_result.StoredRow(values, [picture], [TextTable('T', ['a'], [['b']])], 2, 1.5)
     with StudyStore(tmp_path, ROW_STORE, 'rows') as store:
         store.add('row', row)
@@ -294,7 +295,7 @@ def test_nothing_is_told_of_a_measure_that_was_left_out():
 
 def test_figures_come_back_from_their_file():
     values = {'path': MeasuredValue(9.0, 8.0, math.inf, 3), 'first': MeasuredValue('DGA')}
-    drawn = study_result.StoredPicture('way', 'The way', 'From above.', '{}', 'lta simulate')
+    drawn = study_result.StudyPicture('way', 'The way', 'From above.', Figure(), 'lta simulate')
     draws = {'path': {'path': DrawSummary(200, 0.25, 9.0)}}
     found = {'row': study_result.StoredRow(values, [drawn], [], 3, 2.04, draws)}
     again = kepts_in(to_json([ROW], found))['row']

@@ -1,8 +1,8 @@
 # Copyright 2026 The LTA maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""Build the tables and the JSON of the mount comparison: balance, flights and light."""
+"""Build the tables and figures of the mount comparison: balance, flights and light."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 import math
 from typing import Any, Final
 
@@ -22,10 +22,10 @@ from lta_report.drawing import (
     label_ends,
     padded_range,
 )
-from lta_report.formatting import format_number, Tile
+from lta_report.formatting import format_number
 from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, TRUTH, WALL
-from lta_report.report import Picture, Report, TextSection, TextTable
-from lta_report.result_table import build_table, Column, to_record
+from lta_report.report import TextTable
+from lta_report.result_table import build_table, Column
 from lta_studies.energy.mounting.mounted_vehicle import LIGHT_DIRECTIONS
 from lta_studies.energy.mounting.run import MountingStudy, MountTrial
 from lta_studies.energy.mounting.straight_flight import (
@@ -38,7 +38,6 @@ from lta_studies.energy.mounting.straight_flight import (
 from lta_vehicle.figures.mass_budget import DEGREES
 import numpy as np
 from plotly.graph_objects import Bar, Figure
-import yaml
 
 CENTIMETRES: Final = 1e2
 LAMP_LUX: Final = 80e3  # lx, seed paper
@@ -46,49 +45,43 @@ MOUNT_COLUMN: Final[Column[tuple[str, MountTrial]]] = Column('', 'mount', of=lam
 
 
 def trial_column(
-    key: str,
-    head: str | None = None,
-    unit: str = '',
-    digits: int | None = None,
-    of: Callable[[MountTrial], Any] | None = None,
+    head: str,
+    unit: str,
+    digits: int,
+    of: Callable[[MountTrial], Any],
     factor: float | None = None,
 ) -> Column[tuple[str, MountTrial]]:
-    """Return a column of the named trials; without `of`, of the flights' means of `key`."""
-    value = of or (lambda trial: average_over_seeds(trial.flights, key).mean)
-    return Column(key, head, unit, digits, lambda row: value(row[1]), factor)
+    """Return a column of the named trials."""
+    return Column('', head, unit, digits, lambda row: of(row[1]), factor)
 
 
 def flight_column(key: str, head: str, unit: str, digits: int) -> Column[tuple[str, MountTrial]]:
     """Return a column of the mean over the flights, and how far a single one is from it."""
-    return trial_column(
-        '', head, unit, digits, lambda trial: average_over_seeds(trial.flights, key)
-    )
+    return trial_column(head, unit, digits, lambda trial: average_over_seeds(trial.flights, key))
 
 
 BALANCE_COLUMNS: Final = (
     MOUNT_COLUMN,
-    trial_column('mass', 'mass', 'g', 1, lambda trial: trial.fitted.vehicle.mass),
-    trial_column('ballast', 'ballast', 'g', 1, lambda trial: trial.fitted.vehicle.ballast_mass),
-    trial_column('', 'CG below CB', 'cm', 1, lambda trial: -float(trial.fitted.vehicle.cg[2])),
-    trial_column('cg', of=lambda trial: trial.fitted.vehicle.cg),
-    trial_column('inertia', of=lambda trial: trial.fitted.vehicle.inertia),
-    trial_column('', 'inertia, pitch', 'g m²', 1,
+    trial_column('mass', 'g', 1, lambda trial: trial.fitted.vehicle.mass),
+    trial_column('ballast', 'g', 1, lambda trial: trial.fitted.vehicle.ballast_mass),
+    trial_column('CG below CB', 'cm', 1, lambda trial: -float(trial.fitted.vehicle.cg[2])),
+    trial_column('inertia, pitch', 'g m²', 1,
                  lambda trial: float(trial.fitted.vehicle.inertia[1, 1]), 1e3),
-    trial_column('', 'drag, ahead', 'mN s²/m²', 1,
+    trial_column('drag, ahead', 'mN s²/m²', 1,
                  lambda trial: trial.fitted.vehicle.collect_effects()['quadratic_drag']['surge'],
                  1e3),
     # From N m/rad
-    trial_column('stiffness', 'righting', 'mN m/°', 2, lambda trial: trial.swing.stiffness,
+    trial_column('righting', 'mN m/°', 2, lambda trial: trial.swing.stiffness,
                  1e3 / DEGREES),
-    trial_column('period_by_hand', 'period by hand', 's', 3, lambda trial: trial.swing.period),
-    trial_column('period', 'simulated', 's', 3, lambda trial: trial.release.period),
-    trial_column('damping_by_hand', 'damping by hand', '%', 3,
+    trial_column('period by hand', 's', 3, lambda trial: trial.swing.period),
+    trial_column('simulated', 's', 3, lambda trial: trial.release.period),
+    trial_column('damping by hand', '%', 3,
                  lambda trial: trial.swing.damping_ratio),
-    trial_column('damping', 'simulated', '%', 3, lambda trial: trial.release.damping_ratio),
+    trial_column('simulated', '%', 3, lambda trial: trial.release.damping_ratio),
 )  # fmt: skip
 FLIGHT_COLUMNS: Final = (
     MOUNT_COLUMN,
-    trial_column('lean_by_hand', 'lean at rest', '°', 2,
+    trial_column('lean at rest', '°', 2,
                  lambda trial: trial.fitted.nose_down_pitch),
     flight_column('swing', 'swing after lift-off', '±°', 2),
     flight_column('amplitude', 'pitch in flight', '±°', 2),
@@ -96,10 +89,8 @@ FLIGHT_COLUMNS: Final = (
     flight_column('hover', 'hovering', 'mW', 0),
     flight_column('power', 'flying', 'mW', 0),
     # Only with the panels in place is the misplacement relative to the file's position
-    trial_column('', 'misplacement for ±2.5°', 'cm', 1,
+    trial_column('misplacement for ±2.5°', 'cm', 1,
                  lambda trial: trial.misplacement if trial.fitted.ahead == 0.0 else None),
-    trial_column('misplacement_for_paper', of=lambda trial: trial.misplacement),
-    *map(trial_column, ('swing', 'lean', 'amplitude', 'rms', 'hover', 'power')),
 )  # fmt: skip
 
 
@@ -144,74 +135,8 @@ def compute_charger_output(vehicle: Vehicle, share: float) -> float:
     return charger_output(vehicle.charger, voltage * current)
 
 
-def to_json(study: MountingStudy) -> dict[str, Any]:
-    """Convert the comparison to JSON, in SI units."""
-    return {
-        'vehicle': study.vehicle, 'misplacement': study.ahead, 'fuller': study.fuller,
-        'lift_lacking': dict(study.lacking),
-        **{
-            group: {
-                name: to_record((*BALANCE_COLUMNS, *FLIGHT_COLUMNS), (name, each))
-                for name, each in getattr(study, group).items()
-            }
-            for group in ('own', 'shared', 'misplaced')
-        },
-        'overturning': [
-            {'cg_height': each.height, 'turned_over_after': each.release.overturn_time,
-             'greatest_tilt': float(abs(each.release.tilt).max()), 'growth_by_hand': each.growth}
-            for each in study.overturning
-        ],
-        'light': {
-            name: {light: {'series': at.series, 'apart': at.apart} for light, at in shares.items()}
-            for name, shares in study.light.items()
-        },
-    }  # fmt: skip
-
-
-def mean_light_share(study: MountingStudy) -> dict[str, float]:
-    """Return the light on the panels in series, mean over the lights, by mount [1]."""
-    return {
-        name: math.fsum(at.series for at in shares.values()) / len(shares)
-        for name, shares in study.light.items()
-    }
-
-
-def pitch_rms(study: MountingStudy) -> dict[str, float]:
-    """Return the rms pitch in flight, in the hull that carries all mounts [rad]."""
-    return {
-        name: average_over_seeds(each.flights, 'rms').mean for name, each in study.shared.items()
-    }
-
-
-def find_best_mount(study: MountingStudy) -> str:
-    """Return the mount with the most light among those the hull carries, else among all."""
-    shares = mean_light_share(study)
-    # `own` holds the mounts that the hull can carry.
-    able = {name: shares[name] for name in study.own} or shares
-    return max(able, key=lambda name: able[name])
-
-
-def format_headline(study: MountingStudy) -> str:
-    """Return the headline."""
-    won, light, swing = find_best_mount(study), mean_light_share(study), pitch_rms(study)
-    steady = min(swing, key=lambda name: swing[name])
-    text = f'{won.capitalize()} gets the most light of the mounts that the hull can carry'
-    if len(light) > 1 and steady != won:
-        heavy = study.lacking[steady]
-        why = f', {1e3 * heavy:.1f}\N{NO-BREAK SPACE}g too heavy to fly,' if heavy > 0.0 else ''
-        text += (
-            f'; {steady}{why} oscillates {100.0 * (1.0 - swing[steady] / swing[won]):.0f} % '
-            'less in pitch'
-        )
-    return f'{text}.'
-
-
 ANGLE_HOVER: Final = '%{y:.3~f} °'
 MOUNT_COLOURS: Final = (ESTIMATE, TRUTH, GOOD, LAMP, SETPOINT)
-MOUNTING_ABOUT: Final = (
-    'The same solar panels at the side, at the bottom and on top: how their position '
-    'affects weight, balance, oscillation, drag and shade.'
-)
 STRAIGHT_CAPTION: Final = (
     'Pitch (nose up positive) in closed-loop flights with seed 1, all in a hull that '
     'carries every mount. Top: panels in place. Bottom: panels misplaced forward. Dotted: '
@@ -231,66 +156,6 @@ LIGHT_CAPTION: Final = (
     'overcast sky, to a level plate. Full: both panels in series, limited by the darker '
     'one. Pale: each panel separately.'
 )
-MOUNTING_METHOD: Final = (
-    'Each mount is a file in config/mounts; its parts replace a layer of the vehicle. "By '
-    'hand" is the analytical model: righting moment, inertia with added mass, rotational '
-    'drag linearised at 5°. "Simulated" is the 6-DoF model. The controller has no rotor for '
-    'pitch: it can only avoid exciting pitch, and its forward rotors add damping.',
-    'Neglected: the jets of the upward rotors on the arms of the bottom mount, the flow '
-    "around panels on the hull, and the effect of the drone's tilt on the light.",
-)
-
-
-def build_report(study: MountingStudy, commands: Mapping[str, str]) -> Report:
-    """Return the report of a comparison of mounts; `commands` are the next steps."""
-    return Report(
-        command='energy mounting',
-        subject=study.vehicle,
-        headline=format_headline(study),
-        introduction=MOUNTING_ABOUT,
-        tiles=build_tiles(study),
-        blocks=(
-            Picture(
-                'straight', 'Straight flight at 0.1 m/s', STRAIGHT_CAPTION,
-                draw_straight_flights(study)
-            ),
-            Picture('light', 'Light on the panels', LIGHT_CAPTION, draw_light_shares(study)),
-            Picture('swing', 'Swing after a release', SWING_CAPTION, draw_swings(study)),
-            Picture(
-                'over', 'Centre of gravity below, at and above the hull centre',
-                OVERTURNING_CAPTION,
-                draw_overturning(study),
-            ),
-            *build_comparison_tables(study),
-            TextSection('Method', MOUNTING_METHOD),
-        ),
-        data=to_json(study),
-        facts={'vehicle': study.vehicle},
-        commands=commands,
-        outputs=format_vehicle_files(study),
-    )  # fmt: skip
-
-
-def format_vehicle_files(study: MountingStudy) -> dict[str, str]:
-    """Return a vehicle file for each variant: in the vehicle's hull if that carries a mount."""
-    return {
-        f'{each.fitted.mount.name}.yaml': yaml.safe_dump(
-            dict(each.fitted.content), sort_keys=False
-        )
-        for each in (study.own or study.shared).values()
-    }
-
-
-def build_tiles(study: MountingStudy) -> list[Tile]:
-    """Return tiles with pitch and light of each mount."""
-    tiles = []
-    swing, light = pitch_rms(study), mean_light_share(study)
-    for name in study.shared:
-        short = 1e3 * study.lacking[name]
-        carried = f'{short:.1f} g too heavy' if short > 0.0 else f'{-short:.1f} g to spare'
-        tiles.append(Tile(name, f'{DEGREES * swing[name]:.3f}', '° rms', 'of pitch at 0.1 m/s'))
-        tiles.append(Tile(name, f'{100 * light[name]:.0f}', '% of light', carried))
-    return tiles
 
 
 def draw_straight_flights(study: MountingStudy) -> Figure:

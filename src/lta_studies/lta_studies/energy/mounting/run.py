@@ -2,20 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Compare panel mounts: weight, swing, flight and light."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
-from itertools import chain, islice
 import math
-from operator import attrgetter
-from typing import Any, Final, final, NamedTuple
+from typing import Any, final
 
-from lta_config.command_line import format_lta_command, relative_path
-from lta_config.files import find_file, load_yaml
-from lta_report.report import Report
-from lta_report.request import Names, option, StudyRequest, StudyRun, VEHICLE
-from lta_report.study import hash_inputs, Study
-from lta_report.study_store import StoreFormat
 from lta_studies.energy.mounting.mounted_vehicle import (
     build_mounted_vehicle,
     compute_light_shares,
@@ -28,14 +19,12 @@ from lta_studies.energy.mounting.mounted_vehicle import (
 )
 from lta_studies.energy.mounting.straight_flight import (
     fly_straight,
-    MOUNTING_SCENE,
     Release,
     simulate_release,
     StraightFlightResult,
     tilt_growth_rate,
 )
 from lta_vehicle.figures.stability import compute_pendulum_mode, PendulumMode
-from pydantic import TypeAdapter
 
 RELEASE_TILT = math.radians(5.0)  # at the release
 SWING_DURATION = 20.0  # s simulated after a release
@@ -92,55 +81,6 @@ class MountingStudy:
 
 
 @final
-class MountingRequest(StudyRequest, command='energy mounting', quick={'seeds': 1}):
-    """
-    Compare solar panels mounted at the side, at the bottom and on top.
-
-    A mount is a file in config/mounts: parts that replace a layer, some of them panels. Mass,
-    balance, inertia, drag and shading follow from it. Each variant is released tilted, checked
-    against a closed-form solution, and flown straight at 0.1 m/s with panels in place and
-    misplaced. If the hull cannot carry a mount, all variants are compared in a fuller hull. The
-    page also shows the effect of a centre of gravity above the centre of buoyancy.
-
-    Writes a page, mounting.json (SI units) and a vehicle file for each variant.
-
-    Exit status 0: done. 2: bad input.
-
-    Example: lta energy mounting --seeds 1
-    """
-
-    mount: Names = option(
-        'Solar panel mount, name or file; repeat to compare several.',
-        default=('side', 'bottom', 'top'),
-    )
-    vehicle: str = VEHICLE
-    misplaced: float = option(
-        'Forward displacement of the panels in the misplaced variant, in cm; negative: backward.',
-        default=3.0, low=-50.0, high=50.0,
-    )  # fmt: skip
-    seeds: int = option('Number of flights with each mount.', default=3, low=1, high=100)
-
-    def run(self, run: StudyRun) -> Report:
-        """Return the report of all mounts."""
-        from lta_studies.energy.mounting.report import build_report, find_best_mount
-
-        # cm to m; the raw file, because mounts replace one of its layers
-        content = load_yaml(find_file('vehicle', self.vehicle))
-        variants = MountVariants(content, self.mount, self.misplaced / 100.0, self.seeds)
-        vehicles = chain(*variants.build_vehicles().values())
-        scene = load_yaml(find_file('scenario', MOUNTING_SCENE))
-        identity = hash_inputs(scene, *(each.content for each in vehicles))
-        flying = Study(fly_mount, attrgetter('key'), MOUNTING_STORE, 'flights')
-        study = compare_mounts(variants, partial(run.run_study, flying, identity))
-        best = relative_path(run.folder / f'{find_best_mount(study)}.yaml')
-        commands = {
-            'Compare with the vehicle': format_lta_command('vehicle', 'diff', self.vehicle, best),
-            'Fly it': format_lta_command('simulate', '--vehicle', best),
-        }
-        return build_report(study, commands)
-
-
-@final
 @dataclass(frozen=True, slots=True)
 class MountVariants:
     """Content of a vehicle file, mounts, misplacement [m], number of seeds, first one."""
@@ -166,32 +106,6 @@ class MountVariants:
                 for name in self.mounts
             ],
         }
-
-
-class MountFlight(NamedTuple):
-    """One flight of a mount in a hull; `group` as in `MountVariants.build_vehicles`."""
-
-    group: str
-    mounted: MountedVehicle
-    seed: int
-
-    @property
-    def key(self) -> str:
-        """Name in the store."""
-        return f'{self.group} {self.mounted.mount.name}, seed {self.seed}'
-
-
-MOUNTING_STORE: Final = StoreFormat(
-    'flights.jsonl',
-    'mounting',
-    'comparison of mounts',
-    TypeAdapter(StraightFlightResult),
-)
-
-
-def fly_mount(flight: MountFlight) -> StraightFlightResult:
-    """Fly a mount straight ahead."""
-    return fly_straight(flight.mounted, find_gains_name(flight.mounted), flight.seed)
 
 
 def evaluate_mount(mounted: MountedVehicle, flights: Sequence[StraightFlightResult]) -> MountTrial:
@@ -232,24 +146,14 @@ def compute_panel_light(
     }
 
 
-FLY_MOUNTS_HERE: Final = partial(map, fly_mount)
-
-
-def compare_mounts(
-    request: MountVariants,
-    fly_all: Callable[[Sequence[MountFlight]], Iterable[StraightFlightResult]] = FLY_MOUNTS_HERE,
-) -> MountingStudy:
-    """Compare the mounts; `fly_all` flies all flights, in this process or in workers."""
-    fits = request.build_vehicles()
-    seeds = range(request.first, request.first + request.seeds)
-    flights = [
-        MountFlight(group, each, seed)
-        for group, vehicles in fits.items() for each in vehicles for seed in seeds
-    ]  # fmt: skip
-    results = iter(fly_all(flights))
+def compare_mounts(request: MountVariants) -> MountingStudy:
+    """Fly each mount straight ahead with every seed, and compare them."""
+    fits, seeds = request.build_vehicles(), range(request.first, request.first + request.seeds)
     own, shared, misplaced = (
         {
-            each.mount.name: evaluate_mount(each, list(islice(results, request.seeds)))
+            each.mount.name: evaluate_mount(
+                each, [fly_straight(each, find_gains_name(each), seed) for seed in seeds]
+            )
             for each in fits[group]
         }
         for group in ('own', 'shared', 'misplaced')

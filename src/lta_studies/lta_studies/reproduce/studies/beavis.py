@@ -6,9 +6,13 @@ from typing import Final
 
 from lta_config.command_line import format_lta_command
 from lta_config.constants import AIR_DENSITY, STANDARD_GRAVITY
-from lta_studies.platforms.flight import build_entrant
-from lta_studies.platforms.summary import compute_lift_margin
-from lta_studies.reproduce.manoeuvres import ComparisonFlights, draw_gtmab, fly_entries
+from lta_studies.platforms.flight import build_entrant, compute_lift_margin
+from lta_studies.reproduce.manoeuvres import (
+    ComparisonFlights,
+    draw_gtmab,
+    fly_entries,
+    load_scene,
+)
 from lta_studies.reproduce.study_result import (
     MeasuredValue,
     RowStudyRequest,
@@ -50,8 +54,8 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     pairs = rate_pairs
     if not request.quick:
         changed = [(name, each) for name, own in CHANGED.items() for each in own]
-        rows = fly_entries(changed, request.seeds).rows
-        flights = ComparisonFlights(flights.comparison, [*flights.rows, *rows])
+        more = fly_entries(changed, request.seeds).flights
+        flights = ComparisonFlights([*flights.flights, *more])
         pairs = [*rate_pairs, *changed]
     values: dict[str, MeasuredValue] = {}
     for name, manoeuvre in pairs:
@@ -59,7 +63,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
         values[f'{name}_{manoeuvre}_rms'] = flights.metric_value(name, manoeuvre, 'rms')
     values['gtmab_overshoot'] = flights.metric_value('gtmab', 'climb', 'overshoot')
     values['gtmab_settles'] = flights.metric_value('gtmab', 'climb', 'settling_time')
-    values |= lift_margins(flights)
+    values |= lift_margins()
     return RowStudyResult(
         values,
         [plot_both_platforms(request, flights, each) for each in manoeuvres],
@@ -79,15 +83,15 @@ def plot_both_platforms(
     return StudyPicture(
         manoeuvre, BEAVIS_HEADINGS[manoeuvre], BEAVIS_CAPTIONS[manoeuvre],
         flights.plot_tracking(manoeuvre, names),
-        format_lta_command('platforms', '--seeds', str(request.seeds)),
+        format_lta_command('reproduce', 'beavis'),
     )  # fmt: skip
 
 
-def lift_margins(flights: ComparisonFlights) -> dict[str, MeasuredValue]:
+def lift_margins() -> dict[str, MeasuredValue]:
     """Return the lift at full thrust [N] and its excess over the weight, as mass [kg]."""
     values = {}
     for name in (*COMPARED_ENTRIES, 'beavis'):
-        vehicle = build_entrant(flights.comparison.contestants[name], AIR_DENSITY).vehicle
+        vehicle = build_entrant(load_scene()[0].contestants[name], AIR_DENSITY).vehicle
         lift, weight = compute_lift_margin(vehicle)
         values[f'{name}_lift'] = MeasuredValue(lift)
         values[f'{name}_margin'] = MeasuredValue((lift - weight) / STANDARD_GRAVITY)

@@ -47,7 +47,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     pictures = [
         StudyPicture(each, LOOP_HEADINGS[each], LOOP_CAPTIONS[each], flights.plot_tracking(each,
                      names),
-                     format_lta_command('platforms', '--seeds', str(request.seeds)))
+                     format_lta_command('reproduce', 'closed_loop'))
         for each in LOOP_CAPTIONS
     ]  # fmt: skip
     return RowStudyResult(values, pictures, draws=draw_gtmab(request, ('climb', 'cruise')))

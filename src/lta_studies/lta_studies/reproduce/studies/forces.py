@@ -18,8 +18,7 @@ from lta_report.charts import ChartAxis, Curve, draw_curves
 from lta_report.drawing import create_figure
 from lta_report.palette import ESTIMATE, LAMP, PAPER, TRUTH
 from lta_studies.cfd.report import draw_drag
-from lta_studies.platforms.flight import build_entrant
-from lta_studies.platforms.summary import compute_lift_margin
+from lta_studies.platforms.flight import build_entrant, compute_lift_margin
 from lta_studies.reproduce.studies import pressure
 from lta_studies.reproduce.study_result import (
     collect_draws,

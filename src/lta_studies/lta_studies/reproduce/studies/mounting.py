@@ -10,9 +10,11 @@ from lta_config.files import find_file, load_yaml
 from lta_config.parameter_override import draw_content
 from lta_studies.energy.mounting.report import (
     build_comparison_tables,
+    draw_light_shares,
     draw_overturning,
     draw_straight_flights,
     draw_swings,
+    LIGHT_CAPTION,
     OVERTURNING_CAPTION,
     STRAIGHT_CAPTION,
     SWING_CAPTION,
@@ -44,10 +46,12 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     )
     comparison = compare_mounts(order)
     values = {**measure_mounts(comparison, request.seeds), **measure_tilt_by_height(comparison)}
-    command = format_lta_command('energy', 'mounting', '--seeds', str(request.seeds))
+    command = format_lta_command('reproduce', 'mounting')
     pictures = [
         StudyPicture('straight', 'Straight flight at 0.1 m/s', STRAIGHT_CAPTION,
                      draw_straight_flights(comparison), command),
+        StudyPicture('light', 'Light on the panels', LIGHT_CAPTION, draw_light_shares(comparison),
+                     command),
         StudyPicture('over', 'Centre of gravity below, at and above the hull centre',
                      OVERTURNING_CAPTION, draw_overturning(comparison), command),
         StudyPicture('swing', 'Swing after a release', SWING_CAPTION, draw_swings(comparison),

@@ -18,8 +18,10 @@ from lta_report.palette import GRID, INK, PAPER, TRUTH
 from lta_studies.platforms.flight import build_entrant
 from lta_studies.reproduce.manoeuvres import (
     ComparisonFlights,
+    entry_title,
     find_speed_limit,
     fly_entries,
+    load_scene,
     sample_gtmab,
 )
 from lta_studies.reproduce.study_result import (
@@ -83,8 +85,8 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
         )
     if not request.quick:
         values['sblimp_limit'] = find_speed_limit('sblimp', min(request.seeds, LIMIT_SEEDS))
-    command = format_lta_command('platforms', '--seeds', str(request.seeds))
-    titles = [flights.entry_title(name) for name in RANKED]
+    command = format_lta_command('reproduce', 'platforms')
+    titles = [entry_title(name) for name in RANKED]
     pictures = [
         StudyPicture(
             'table',
@@ -127,7 +129,7 @@ def build_criterion_functions(
     """Return a function of the platform name for each criterion."""
 
     def of_vehicle(measure: Callable[[Vehicle], float], name: str) -> MeasuredValue:
-        entrant = build_entrant(flights.comparison.contestants[name], AIR_DENSITY)
+        entrant = build_entrant(load_scene()[0].contestants[name], AIR_DENSITY)
         return MeasuredValue(measure(entrant.vehicle))
 
     return {
