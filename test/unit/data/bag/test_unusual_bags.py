@@ -56,9 +56,7 @@ ODD = {
 
 @pytest.mark.parametrize('read', [open_flight, lambda path: open_mcap_log(path, None)])
 def test_a_bag_of_version_1_is_refused(read):
-    with pytest.raises(
-        BadInput, match=r'energy/status, .*version 1 of LTA'
-    ):
+    with pytest.raises(BadInput, match=r'energy/status, .*version 1 of LTA'):
         read(Path(__file__).with_name('version_1.mcap'))
 
 
