@@ -42,6 +42,8 @@ ANGLE_WORDS: Final = {
     'roll': 'roll', 'pitch': 'pitch', 'yaw': 'yaw', 'heading': 'yaw',
     'phi': 'roll', 'theta': 'pitch', 'psi': 'yaw', 'th': 'pitch',
     'hdg': 'yaw', 'compass': 'yaw', 'azimuth': 'yaw',
+    'rollwinkel': 'roll', 'nickwinkel': 'pitch', 'gierwinkel': 'yaw',
+    'roulis': 'roll', 'tangage': 'pitch', 'lacet': 'yaw',
 }  # fmt: skip
 ANGLE_AXES: Final = {'roll': 'x', 'pitch': 'y', 'yaw': 'z'}
 COMPASS: Final = {'north': 'n', 'east': 'e', 'down': 'd'}
@@ -143,6 +145,10 @@ JOYSTICKS: Final = frozenset(['joy', 'joystick', 'gamepad', 'stick', 'sticks'])
 COMPRESSED: Final = ('state', 'estimate', 'z')
 COMPRESSED_UNITS: Final = {'z': 'mm', 'v': 'mm/s'}
 SERVOS: Final = frozenset(['servo', 'servos'])
+# Of what is no quantity of the vehicle, but how well it is known
+UNCERTAINTY_WORDS: Final = frozenset([
+    'covariance', 'covariances', 'cov', 'variance', 'stddev', 'bias', 'biases',
+])  # fmt: skip
 # What a learned controller puts out; a1, a2, a3 can be an acceleration, too
 ACTIONS: Final = frozenset(['a', 'act', 'action', 'actions'])
 # A command of a place is that of the actuator there: cmd_left

@@ -123,6 +123,8 @@ FORMS = {
                         pitch=f['rpy'][:, 1] * DEGREES)
     ),
     # Angles, rates and velocities by other names
+    'German': Form(lambda f: timed(f) | place(f)
+                   | angles(f, 'Rollwinkel Nickwinkel Gierwinkel')),
     'ang_vel': Form(
         lambda f: timed(f) | place(f) | quaternion(f) | three('ang_vel_', f['w']), 'pqw'
     ),

@@ -33,6 +33,7 @@ from lta_data.interpretation.column_names import (
     match_role,
     needs_translation,
     parse_column_name,
+    UNCERTAINTY_WORDS,
     UNIT_WORDS,
 )
 import numpy as np
@@ -71,7 +72,7 @@ def group_columns(
     """
     named = [parse_column_name(column) for column in table]
     commands = [*find_named_axes(named, has_linear=has_linear).values()]
-    names = [name for name in named if name not in commands]
+    names = [name for name in named if name not in commands and not name.words & UNCERTAINTY_WORDS]
     stems: dict[tuple[tuple[str, ...], str], dict[str, ColumnName]] = {}
     matrices = [*_group_matrices(names, table)]
     in_matrix = {column for group in matrices for column in group.columns}

@@ -29,7 +29,7 @@ SCALARS: Final = (
      {'V': (2.5, 61.0), 'mV': (2500.0, 61000.0)}),
     ('current curr amps', 'battery', 'current', {'A': (0.0, 60.0), 'mA': (60.0, 60000.0)}),
     ('range tof lidar sonar zrange height altitude', 'range', 'range',
-     {'m': (0.01, 30.0), 'mm': (30.0, 30000.0)}),
+     {'m': (0.01, 30.0), 'mm': (30.0, 30000.0), 'cm': (30.0, 400.0)}),
     ('pressure baro press', 'pressure', 'pressure',
      {'Pa': (3e4, 1.1e5), 'hPa': (300.0, 1100.0)}),
 )  # fmt: skip
@@ -60,7 +60,8 @@ def draft_scalars(
         for name in names:
             fits = name.words & frozenset(words.split()) and name.column not in taken
             if fits and part not in topics.get(topic, {}):
-                unit, why = _choose_unit(name, table[name.column], units)
+                key = f'{topic}.{part}.unit'
+                unit, why = _choose_unit(key, name, table[name.column], units, choices)
                 if unit:
                     topics.setdefault(topic, {})[part] = {'column': name.column, 'unit': unit}
                     taken.add(name.column)
@@ -97,17 +98,23 @@ def _commands_rotor(name: ColumnName, choices: DraftChoices) -> bool:
 
 
 def _choose_unit(
-    name: ColumnName, values: Numbers, units: Mapping[str, tuple[float, float]]
+    key: str,
+    name: ColumnName,
+    values: Numbers,
+    units: Mapping[str, tuple[float, float]],
+    choices: DraftChoices,
 ) -> tuple[str, str]:
     """Return the unit of a column and the reason; '' if its values fit none."""
     named_unit = UNIT_WORDS.get(name.unit, ('',))[0]
     if named_unit in units:
         return named_unit, 'the unit in the name'
     typical = float(np.nanmedian(np.abs(values)))
-    for unit, (low, high) in units.items():
-        if low <= typical <= high:
-            return unit, f'its median is {typical:.4g}'
-    return '', ''
+    fitting = [unit for unit, (low, high) in units.items() if low <= typical <= high]
+    # The range finder of a Crazyflie counts millimetres
+    if len(fitting) < 2 or 'zrange' in name.words:
+        return (fitting or [''])[0], f'its median is {typical:.4g}'
+    question = f"The median of '{name.column}' is {typical:.4g}, which fits each unit."
+    return choices.decide(key, [(unit, '') for unit in fitting], question), choices.explain(key)
 
 
 def _draft_actuators(
