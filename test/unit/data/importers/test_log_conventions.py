@@ -122,6 +122,11 @@ FORMS = {
                         heading=compass(f), roll=f['rpy'][:, 0] * DEGREES,
                         pitch=f['rpy'][:, 1] * DEGREES)
     ),
+    'a tracking error beside': Form(
+        lambda f: timed(f) | place(f, 'pos_') | quaternion(f, 'attq_')
+        | three('pos_error_', np.sin(f['p'])) | three('error_', np.cos(f['p']))
+        | quaternion({**f, 'q': f['q'] * 0.0 + [0.0, 0.0, 0.0, 1.0]}, 'q_error_')
+    ),
     # Angles, rates and velocities by other names
     'German': Form(lambda f: timed(f) | place(f)
                    | angles(f, 'Rollwinkel Nickwinkel Gierwinkel')),

@@ -230,6 +230,40 @@ def test_a_place_that_nobody_measured_and_a_covariance_are_left_out(tmp_path: Pa
     assert 'odom' not in topics
 
 
+def test_an_app_of_a_camera_drone_says_no_range_and_no_rotor(tmp_path: Path) -> None:
+    f = lab_flight()
+    table = timed(
+        f, latitude=48.0 + f['p'][:, 1] / 111_200, longitude=11.5 + f['p'][:, 0] / 74_500
+    )
+    table |= {
+        'height_above_takeoff(feet)': f['p'][:, 2] / 0.3048,
+        'altitude_above_seaLevel(feet)': (500.0 + f['p'][:, 2]) / 0.3048,
+        'speed(mph)': np.abs(f['v'][:, 0]) / 0.44704,
+        'compass_heading(degrees)': (90.0 - DEGREES * f['rpy'][:, 2]) % 360.0,
+        'pitch(degrees)': -DEGREES * f['rpy'][:, 1],
+        'roll(degrees)': DEGREES * f['rpy'][:, 0],
+    }
+    topics, asked = draft_topics(write_csv(tmp_path / 'log.csv', table))
+    assert asked == []
+    assert [*topics] == ['ground_truth/odom']
+    entry = topics['ground_truth/odom']
+    assert entry['position']['scale'] == [1.0, 1.0, 0.3048]  # type: ignore[index]
+    assert entry['orientation']['signs'] == [-1, -1, 1]  # type: ignore[index]
+
+
+def test_the_frame_of_a_velocity_without_a_position_is_that_in_which_it_moves_ahead(
+    tmp_path: Path,
+) -> None:
+    f = lab_flight()
+    for frame, speed in (('world', world_velocity(f)), ('body', f['v'])):
+        sensed = three('linear_acceleration_', f['a']) | three('angular_velocity_', f['w'])
+        table = timed(f) | quaternion(f) | three('linear_velocity_', speed) | sensed
+        topics, asked = draft_topics(write_csv(tmp_path / 'log.csv', table))
+        assert asked == []
+        velocity = topics['ground_truth/odom']['velocity']  # type: ignore[index]
+        assert velocity.get('frame', 'body') == frame
+
+
 @pytest.mark.parametrize(
     ('name', 'unit', 'asked'),
     [

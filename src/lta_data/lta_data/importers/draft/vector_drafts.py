@@ -8,7 +8,7 @@ from typing import Any, Final
 from lta_config.constants import RADIANS_PER_DEGREE, STANDARD_GRAVITY
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.column_groups import LENGTH_SCALES
-from lta_data.importers.draft.vertical import typical_difference
+from lta_data.importers.draft.vertical import FORWARD_SHARE, typical_difference
 from lta_data.importers.protocol import Numbers
 from lta_data.interpretation.column_group import ColumnGroup, FIX_SCALES
 from lta_data.interpretation.column_names import UNIT_WORDS
@@ -42,6 +42,7 @@ IMPOSSIBLE: Final = 60.0  # speed of no vehicle in a laboratory [m/s]
 COUNTS_OF_GRAVITY: Final = (2048, 4096, 8192, 16384)
 COUNTS_TOLERANCE: Final = 0.05
 GRAVITY_TOLERANCE: Final = 0.12  # a slow vehicle accelerates little; 8192 is no number of mm/s2
+CLEARLY_STEADY: Final = 0.15  # more of the way along one direction decides on the frame
 FLIGHT_SPEEDS: Final = (0.02, 20.0)  # usual speeds of a vehicle in flight [m/s]
 
 
@@ -323,6 +324,15 @@ def draft_velocity(
         elif len(close) > 1 and _differs(turn) and key not in choices.answers:
             options = [(one, f'{100 * fits[one].share:.0f} % explained') for one in close]
             frame = choices.decide(key, options, 'The velocity fits in both frames.')
+    elif turn is not None and _differs(turn) and 'velocity.frame' not in choices.settled:
+        steady = {'body': _measure_steadiness(raw.velocity)}
+        steady['world'] = _measure_steadiness(turn.inv().apply(np.nan_to_num(raw.velocity)))
+        frame = max(steady, key=lambda one: steady[one])
+        why = f'the vehicle moves where it points ({100 * steady[frame]:.0f} % of the way)'
+        if steady[frame] < FORWARD_SHARE or min(steady.values()) > steady[frame] - CLEARLY_STEADY:
+            options = [('body', ''), ('world', '')]
+            question = 'No position tells whether the velocity is in body or world axes.'
+            frame, why = choices.decide(key, options, question), choices.explain(key)
     frame = choices.settled.setdefault('velocity.frame', choices.override(key, frame))
     if frame == 'none':
         choices.add_reason(f'{topic}: velocity', group.columns, 'left out', why)
@@ -336,6 +346,15 @@ def draft_velocity(
         parts['velocity']['frame'] = 'world'
     choices.add_reason(f'{topic}: velocity', group.columns, f'{frame} axes, x {scale:g} m/s', why)
     return scale
+
+
+def _measure_steadiness(velocity: Numbers) -> float:
+    """Return how steadily a velocity has one direction, at most 1."""
+    speed = np.linalg.norm(velocity, axis=1)
+    moving = speed > 0.5 * np.nanpercentile(speed, 90.0)
+    if not moving.any():
+        return 0.0
+    return float(np.linalg.norm((velocity[moving] / speed[moving, None]).mean(axis=0)))
 
 
 def _differs(turn: Rotation | None) -> bool:
