@@ -76,7 +76,7 @@ KIND_WORDS: Final[dict[str, frozenset[str]]] = {
         'euler': 'e euler rpy angles angle ang attitude att orientation rotvec rvec helical',
         'rates': 'w wb omega gyro gyr gyros gyroscope rates rate angular avl angvel pqr o turn',
         'acceleration': 'a acc accel acceleration accelerometer accelerations specific',
-        'velocity': 'v vel velocity vb speed linear twist',
+        'velocity': 'v vel velocity vb speed linear twist dot',
         'torque': 'tau torque moment moments',
         'force': 'f force forces',
         'position': 'p pos position positions xyz loc location translation trans t pose place '
@@ -214,8 +214,8 @@ def _find_axis(column: str, words: Sequence[str], unit: str) -> ColumnName:
         word = words[index]
         if (angle := ANGLE_WORDS.get(word)) is not None:
             # A compass heading is one angle
-            stem = (one for one in words if one != word and ANGLE_WORDS.get(one) != angle)
-            return ColumnName(column, (*stem,), angle, unit)
+            rest = [one for one in words if ANGLE_WORDS.get(one) != angle]
+            return ColumnName(column, (*rest,), angle, unit)
         if word in COMPASS:
             return ColumnName(column, (*words[:index], *words[index + 1 :]), COMPASS[word], unit)
         if word in AXIS_WORDS or word.isdigit():

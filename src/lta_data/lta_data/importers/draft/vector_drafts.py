@@ -172,8 +172,8 @@ def _contradicts(rates: Numbers, derived: Numbers, fit: ScaleFit, seconds: Numbe
     ):
         return False
     # A constant vector is alike to another one
-    changes = (side - np.nanmean(side, axis=0) for side in (rates, derived))
-    return fit_scale(*changes, seconds, FILTER_DELAY).share < UNRELATED
+    changes, implied = (side - np.nanmean(side, axis=0) for side in (rates, derived))
+    return fit_scale(changes, implied, seconds, FILTER_DELAY).share < UNRELATED
 
 
 def draft_position(
