@@ -163,11 +163,11 @@ def draft_rates(
 
 def _contradicts(rates: Numbers, derived: Numbers, fit: ScaleFit, seconds: Numbers) -> bool:
     """Return whether rates are not what an attitude that turns implies, in any unit."""
-    known = any(
+    has_unit = any(
         abs(np.log(fit.factor / factor)) < UNIT_LOG_TOLERANCE
         for factor in UNIT_FACTORS['rates'].values()
     )
-    if (known and fit.share > UNRELATED) or not (
+    if (has_unit and fit.share > UNRELATED) or not (
         float(np.nanmedian(np.linalg.norm(derived, axis=1))) > CLEAR_TURNING
     ):
         return False
