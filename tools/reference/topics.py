@@ -20,7 +20,7 @@ A light block has {samples} samples of each diode, taken at {rate:g} kS/s.
 The definitions of `lta_msgs` are in `src/lta_msgs`, with units in the comments; `make build`
 compiles them. Channels name the `duty` of an `ActuatorDuty` as an import does, which may know a
 force instead: `motors/effort.up_left`. Bags of version 1 had standard messages on `photodiodes`,
-`light/peaks`, `motors` and `energy/status`: read them with version 1.
+`light/peaks`, `motors` and `energy/status`: `lta bag upgrade BAG` converts them.
 
 | topic | type | from | to | period | after | quality of service | unit | what |
 |---|---|---|---|---|---|---|---|---|

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
         BagExportRequest,
         BagInfoRequest,
         BagPlotRequest,
+        BagUpgradeRequest,
     )
     from lta_analysis.door import as_function
     from lta_analysis.flights import (
@@ -70,6 +71,7 @@ if TYPE_CHECKING:
     bag_export = as_function(BagExportRequest)
     bag_info = as_function(BagInfoRequest)
     bag_plot = as_function(BagPlotRequest)
+    bag_upgrade = as_function(BagUpgradeRequest)
     calibrate = as_function(CalibrationRequest)
     cells = as_function(CellsRequest)
     cfd_refit = as_function(RefitRequest)

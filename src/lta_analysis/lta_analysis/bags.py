@@ -1,6 +1,6 @@
 # Copyright 2026 The LTA maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""Inspect, check, plot and export recordings: the `lta bag` commands."""
+"""Inspect, check, plot, repair and export recordings: the `lta bag` commands."""
 
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -174,6 +174,38 @@ class BagPlotRequest(Action, command='bag plot'):
 def print_remarks(remarks: Sequence[str], console: Console) -> None:
     """Print remarks on the recording, without duplicates."""
     print_lines(console, *dict.fromkeys(remarks), style='yellow')
+
+
+@final
+class BagUpgradeRequest(Action, command='bag upgrade'):
+    """
+    Convert a bag of version 1 to the messages of today.
+
+    Version 1 could record photodiodes, light/peaks, motors and energy/status as standard
+    messages; they become messages of lta_msgs. All others are copied as they are, and the
+    original is not changed.
+
+    Example: lta bag upgrade runs/20251120-lamp_room-1/bag --out runs/upgraded
+    """
+
+    path: Path = BAG_ARGUMENT
+    out: Folder | None = option(
+        'Folder for the new bag; BAG-upgraded next to the original by default.', default=None,
+        metavar='FOLDER',
+    )  # fmt: skip
+
+    def run(self, console: Console) -> Outcome[Path]:
+        """Write the new bag, and return its folder."""
+        from lta_data.importers.upgrade import upgrade_bag
+
+        bag = find_bag(self.path)
+        place = bag.absolute()
+        # A bag is a folder, or a single .mcap file
+        name = place.name if place.is_dir() else place.stem
+        target = self.out or place.with_name(f'{name}-upgraded')
+        done = upgrade_bag(bag, target)
+        print_lines(console, done.describe(), *done.losses)
+        return Outcome(target)
 
 
 @final

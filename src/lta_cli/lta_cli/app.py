@@ -118,11 +118,12 @@ VEHICLE_VERBS: Final = VerbGroup(
     },
 )
 BAG_VERBS: Final = VerbGroup(
-    'Inspect, check, plot and export recordings.',
+    'Inspect, check, plot, repair and export recordings.',
     {
         'info': call('bag_info'),
         'check': call('bag_check'),
         'plot': call('bag_plot'),
+        'upgrade': call('bag_upgrade'),
         'export': call('bag_export'),
     },
 )

@@ -3,7 +3,7 @@
 """
 Recognize bags of version 1, which had standard messages on four topics.
 
-No command reads them: version 1 does.
+`lta bag upgrade` converts them; no other command reads them.
 """
 
 from collections.abc import Mapping
@@ -44,8 +44,8 @@ def describe_old_topics(
     if not names:
         return ''
     return (
-        f"'{path}' has messages of version 1 on {', '.join(names)}, where those of today are "
-        'others; look at it with version 1 of LTA, or with Foxglove.'
+        f"'{path}' has messages of version 1 on {', '.join(names)}; convert it with: "
+        f'lta bag upgrade {path}'
     )
 
 

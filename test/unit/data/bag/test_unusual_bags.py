@@ -2,14 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Strange recordings: each oddity is one sentence, and the rest is read."""
 
-from pathlib import Path
-
 from lta_bridge.bag import BagWriter
 from lta_config.errors import BadInput
-from lta_data.bag import open_flight, read_bag, summarize_bag
+from lta_data.bag import read_bag, summarize_bag
 from lta_data.bag.mcap_file import chunks
 from lta_data.bag.mcap_file.decoder import explain_undecodable
-from lta_data.importers.readers.rosbags_bag import open_mcap_log
 from mcap.data_stream import RecordBuilder
 from mcap.reader import make_reader
 from mcap.records import Channel, Chunk, Header, Message, Schema
@@ -52,12 +49,6 @@ ODD = {
     '/none': (('', '', 'cdr', b''), 'have a message type that the bag does not define'),
     '/blank': (('p/msg/T2', 'ros2msg', 'cdr', b''), "'p/msg/T2', which the bag does not define"),
 }
-
-
-@pytest.mark.parametrize('read', [open_flight, lambda path: open_mcap_log(path, None)])
-def test_a_bag_of_version_1_is_refused(read):
-    with pytest.raises(BadInput, match=r'energy/status, .*version 1 of LTA'):
-        read(Path(__file__).with_name('version_1.mcap'))
 
 
 def test_topics_that_cannot_be_decoded_are_kept_and_shown(tmp_path):
