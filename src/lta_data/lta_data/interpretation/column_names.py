@@ -14,7 +14,8 @@ UNIT_WORDS: Final[dict[str, tuple[str, float]]] = {
     'min': ('min', 1.0),
     'rad': ('rad', 1.0), 'deg': ('deg', 1.0), 'degrees': ('deg', 1.0), '°': ('deg', 1.0),
     'm/s': ('m/s', 1.0), 'mps': ('m/s', 1.0), 'm s^-1': ('m/s', 1.0), 'mm/s': ('m/s', 0.001),
-    'cm/s': ('m/s', 0.01), 'km/h': ('m/s', 1.0 / 3.6),
+    'cm/s': ('m/s', 0.01), 'km/h': ('m/s', 1.0 / 3.6), 'mph': ('m/s', 0.44704),
+    'knots': ('m/s', 1.852 / 3.6),
     'rad/s': ('rad/s', 1.0), 'rad s^-1': ('rad/s', 1.0),
     'radps': ('rad/s', 1.0), 'deg/s': ('deg/s', 1.0), 'dps': ('deg/s', 1.0),
     'degps': ('deg/s', 1.0), '°/s': ('deg/s', 1.0), 'rpm': ('rpm', 1.0),
@@ -42,6 +43,8 @@ ANGLE_WORDS: Final = {
     'roll': 'roll', 'pitch': 'pitch', 'yaw': 'yaw', 'heading': 'yaw',
     'phi': 'roll', 'theta': 'pitch', 'psi': 'yaw', 'th': 'pitch',
     'hdg': 'yaw', 'compass': 'yaw', 'azimuth': 'yaw',
+    'rollwinkel': 'roll', 'nickwinkel': 'pitch', 'gierwinkel': 'yaw',
+    'roulis': 'roll', 'tangage': 'pitch', 'lacet': 'yaw',
 }  # fmt: skip
 ANGLE_AXES: Final = {'roll': 'x', 'pitch': 'y', 'yaw': 'z'}
 COMPASS: Final = {'north': 'n', 'east': 'e', 'down': 'd'}
@@ -73,7 +76,7 @@ KIND_WORDS: Final[dict[str, frozenset[str]]] = {
         'euler': 'e euler rpy angles angle ang attitude att orientation rotvec rvec helical',
         'rates': 'w wb omega gyro gyr gyros gyroscope rates rate angular avl angvel pqr o turn',
         'acceleration': 'a acc accel acceleration accelerometer accelerations specific',
-        'velocity': 'v vel velocity vb speed linear twist',
+        'velocity': 'v vel velocity vb speed linear twist dot',
         'torque': 'tau torque moment moments',
         'force': 'f force forces',
         'position': 'p pos position positions xyz loc location translation trans t pose place '
@@ -143,6 +146,11 @@ JOYSTICKS: Final = frozenset(['joy', 'joystick', 'gamepad', 'stick', 'sticks'])
 COMPRESSED: Final = ('state', 'estimate', 'z')
 COMPRESSED_UNITS: Final = {'z': 'mm', 'v': 'mm/s'}
 SERVOS: Final = frozenset(['servo', 'servos'])
+# Of what is no quantity of the vehicle, but how well it is known
+UNCERTAINTY_WORDS: Final = frozenset([
+    'covariance', 'covariances', 'cov', 'variance', 'stddev', 'bias', 'biases', 'error', 'errors',
+    'err', 'residual', 'residuals', 'innovation', 'innovations',
+])  # fmt: skip
 # What a learned controller puts out; a1, a2, a3 can be an acceleration, too
 ACTIONS: Final = frozenset(['a', 'act', 'action', 'actions'])
 # A command of a place is that of the actuator there: cmd_left
@@ -204,10 +212,10 @@ def _find_axis(column: str, words: Sequence[str], unit: str) -> ColumnName:
     words = [word for word in words if not FRAME_WORD.fullmatch(word)] or words
     for index in range(len(words) - 1, -1, -1):
         word = words[index]
-        if word in ANGLE_WORDS:
-            return ColumnName(
-                column, (*words[:index], *words[index + 1 :]), ANGLE_WORDS[word], unit
-            )
+        if (angle := ANGLE_WORDS.get(word)) is not None:
+            # A compass heading is one angle
+            rest = [one for one in words if ANGLE_WORDS.get(one) != angle]
+            return ColumnName(column, (*rest,), angle, unit)
         if word in COMPASS:
             return ColumnName(column, (*words[:index], *words[index + 1 :]), COMPASS[word], unit)
         if word in AXIS_WORDS or word.isdigit():

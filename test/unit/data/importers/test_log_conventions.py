@@ -122,7 +122,24 @@ FORMS = {
                         heading=compass(f), roll=f['rpy'][:, 0] * DEGREES,
                         pitch=f['rpy'][:, 1] * DEGREES)
     ),
+    'x_dot and phi_dot': Form(
+        lambda f: timed(f) | place(f) | angles(f, 'phi theta psi', scale=1.0)
+        | three('', world_velocity(f), ('x_dot', 'y_dot', 'z_dot')), 'pqv',
+    ),
+    'a pose as a matrix': Form(
+        lambda f: timed(f) | {f'T{i}{j}': turned(f).as_matrix()[:, i, j]
+                              for i in range(3) for j in range(3)}
+        | {f'T{i}3': f['p'][:, i] for i in range(3)}
+        | {f'T3{j}': np.full(len(f['t']), float(j == 3)) for j in range(4)}
+    ),
+    'a tracking error beside': Form(
+        lambda f: timed(f) | place(f, 'pos_') | quaternion(f, 'attq_')
+        | three('pos_error_', np.sin(f['p'])) | three('error_', np.cos(f['p']))
+        | quaternion({**f, 'q': f['q'] * 0.0 + [0.0, 0.0, 0.0, 1.0]}, 'q_error_')
+    ),
     # Angles, rates and velocities by other names
+    'German': Form(lambda f: timed(f) | place(f)
+                   | angles(f, 'Rollwinkel Nickwinkel Gierwinkel')),
     'ang_vel': Form(
         lambda f: timed(f) | place(f) | quaternion(f) | three('ang_vel_', f['w']), 'pqw'
     ),

@@ -27,7 +27,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 import yaml
 
-from .lab_flights import lab_flight, three, write_csv
+from .lab_flights import G, lab_flight, three, write_csv
 from .test_log_conventions import (
     angles,
     Array,
@@ -195,6 +195,91 @@ def test_counts_of_a_gyroscope_are_scaled_by_the_attitude(tmp_path: Path) -> Non
         assert entry['rates']['scale'] * factor == pytest.approx(1.0, rel=0.01)
         # 8192 is gravity in counts, and no acceleration in mm/s2
         assert 'acceleration' not in entry
+
+
+def test_counts_of_an_accelerometer_are_scaled_by_gravity(tmp_path: Path) -> None:
+    f = lab_flight()
+    sensed = three('acc_', np.round(4096 / G * f['a'])) | three('gyro_', f['w'])
+    source = write_csv(tmp_path / 'log.csv', timed(f) | angles(f) | sensed)
+    topics, asked = draft_topics(source)
+    assert asked == []
+    assert topics['imu']['acceleration']['scale'] == pytest.approx(G / 4096)  # type: ignore[index]
+
+
+def test_rates_that_are_not_those_of_the_attitude_are_asked_about(tmp_path: Path) -> None:
+    """EuRoC's b_w are the bias of a gyroscope."""
+    f = lab_flight()
+    drift = np.cumsum(np.random.default_rng(0).normal(0.0, 1e-6, f['w'].shape), axis=0)
+    bias = three('b_w_RS_S_', drift + np.array([-0.002, 0.02, 0.07])) | three(
+        'b_a_RS_S_', drift + 0.1
+    )
+    source = write_csv(tmp_path / 'log.csv', timed(f) | place(f) | quaternion(f) | bias)
+    topics, asked = draft_topics(source)
+    assert asked == ['ground_truth/odom.rates']
+    assert [*topics] == ['ground_truth/odom']
+    assert 'rates' not in topics['ground_truth/odom']  # type: ignore[operator]
+
+
+def test_a_place_that_nobody_measured_and_a_covariance_are_left_out(tmp_path: Path) -> None:
+    f = lab_flight()
+    table = timed(f) | three('', 0.0 * f['p']) | angles(f) | three('gyro_', f['w'])
+    table |= three('pose_covariance_', 1.0 + f['p'])
+    topics, asked = draft_topics(write_csv(tmp_path / 'log.csv', table))
+    assert 'position' not in topics['ground_truth/odom']  # type: ignore[operator]
+    assert asked == ['world.up']
+    assert 'odom' not in topics
+
+
+def test_an_app_of_a_camera_drone_says_no_range_and_no_rotor(tmp_path: Path) -> None:
+    f = lab_flight()
+    table = timed(
+        f, latitude=48.0 + f['p'][:, 1] / 111_200, longitude=11.5 + f['p'][:, 0] / 74_500
+    )
+    table |= {
+        'height_above_takeoff(feet)': f['p'][:, 2] / 0.3048,
+        'altitude_above_seaLevel(feet)': (500.0 + f['p'][:, 2]) / 0.3048,
+        'speed(mph)': np.abs(f['v'][:, 0]) / 0.44704,
+        'compass_heading(degrees)': (90.0 - DEGREES * f['rpy'][:, 2]) % 360.0,
+        'pitch(degrees)': -DEGREES * f['rpy'][:, 1],
+        'roll(degrees)': DEGREES * f['rpy'][:, 0],
+    }
+    topics, asked = draft_topics(write_csv(tmp_path / 'log.csv', table))
+    assert asked == []
+    assert [*topics] == ['ground_truth/odom']
+    entry = topics['ground_truth/odom']
+    assert entry['position']['scale'] == [1.0, 1.0, 0.3048]  # type: ignore[index]
+    assert entry['orientation']['signs'] == [-1, -1, 1]  # type: ignore[index]
+
+
+def test_the_frame_of_a_velocity_without_a_position_is_that_in_which_it_moves_ahead(
+    tmp_path: Path,
+) -> None:
+    f = lab_flight()
+    for frame, speed in (('world', world_velocity(f)), ('body', f['v'])):
+        sensed = three('linear_acceleration_', f['a']) | three('angular_velocity_', f['w'])
+        table = timed(f) | quaternion(f) | three('linear_velocity_', speed) | sensed
+        topics, asked = draft_topics(write_csv(tmp_path / 'log.csv', table))
+        assert asked == []
+        velocity = topics['ground_truth/odom']['velocity']  # type: ignore[index]
+        assert velocity.get('frame', 'body') == frame
+
+
+@pytest.mark.parametrize(
+    ('name', 'unit', 'asked'),
+    [
+        ('tof', 'mm', ['range.range.unit']),
+        ('tof [cm]', 'cm', []),
+        ('range.zrange', 'mm', []),
+    ],
+)
+def test_a_range_can_be_in_mm_or_cm(
+    tmp_path: Path, name: str, unit: str, asked: list[str]
+) -> None:
+    f = lab_flight()
+    table = timed(f) | place(f) | quaternion(f) | {name: 150.0 + 10.0 * np.sin(f['t'])}
+    topics, questions = draft_topics(write_csv(tmp_path / 'log.csv', table))
+    assert topics['range']['range'] == {'column': name, 'unit': unit}  # type: ignore[index]
+    assert questions == asked
 
 
 def test_angles_in_hundredths_of_a_degree_are_left_out(tmp_path: Path) -> None:

@@ -33,6 +33,7 @@ from lta_data.interpretation.column_names import (
     match_role,
     needs_translation,
     parse_column_name,
+    UNCERTAINTY_WORDS,
     UNIT_WORDS,
 )
 import numpy as np
@@ -54,6 +55,11 @@ ELEMENTS: Final = tuple(
         [f'{first + i}{first + j}' for i in range(3) for j in range(3)],
     )
 )  # fmt: skip
+# Of a pose, with and without its last row
+POSE_ELEMENTS: Final = tuple(
+    ' '.join(f'{first + i}{first + j}' for i in range(rows) for j in range(4))
+    for first in (0, 1) for rows in (3, 4)
+)  # fmt: skip
 LEAST_FIX: Final = 0.02  # longitude in radians; less is that of a simulator at zero, in degrees
 FULL_TURN: Final = 360.0  # degrees; larger numbers are in 1e-7 degrees, and altitudes in mm
 SAME_HEIGHTS: Final = 0.05  # of their spread, that two altitudes may differ by
@@ -71,7 +77,7 @@ def group_columns(
     """
     named = [parse_column_name(column) for column in table]
     commands = [*find_named_axes(named, has_linear=has_linear).values()]
-    names = [name for name in named if name not in commands]
+    names = [name for name in named if name not in commands and not name.words & UNCERTAINTY_WORDS]
     stems: dict[tuple[tuple[str, ...], str], dict[str, ColumnName]] = {}
     matrices = [*_group_matrices(names, table)]
     in_matrix = {column for group in matrices for column in group.columns}
@@ -317,13 +323,24 @@ def _group_matrices(names: Sequence[ColumnName], table: Columns) -> Iterator[Col
         if match := MATRIX_ELEMENT.fullmatch(name.column):
             families.setdefault(match[1], {})[match[2] + (match[3] or '')] = name.column
     for stem, family in families.items():
+        whole = ' '.join(sorted(family))
+        place: tuple[str, ...] = ()
+        if whole in POSE_ELEMENTS:
+            # The last column of a pose as a matrix is its place
+            rows = sorted({index[0] for index in family})[:3]
+            last = max(index[1] for index in family)
+            place = tuple(family[row + last] for row in rows)
+            family = {one: family[one] for one in family if one[0] in rows and one[1] != last}
         columns = tuple(family[index] for index in sorted(family))
-        if ' '.join(sorted(family)) not in ELEMENTS:
+        if not place and whole not in ELEMENTS:
             continue
         if is_rotation(np.stack([table[column] for column in columns], axis=1)):
             words = parse_column_name(columns[0]).words
             why = f'the elements of {stem.strip(" [(_.")} are those of a rotation'
             yield ColumnGroup('matrix', match_role(words), columns, tuple(sorted(family)), '', why)
+            if place:
+                why = 'the last column of a pose as a matrix'
+                yield ColumnGroup('position', match_role(words), place, ('x', 'y', 'z'), '', why)
 
 
 def _group_letters(names: list[ColumnName]) -> Iterator[ColumnGroup]:

@@ -187,6 +187,8 @@ def _list_unusable(
         rows = numbers[kind][np.isfinite(numbers[kind]).all(axis=1)]
         if not len(rows):
             yield kind, 'it was never measured: no row has all its numbers'
+        elif kind == 'position' and not rows.any():
+            yield kind, 'it is zero in all rows: nothing measured it'
         # Neither radians nor degrees, but for example 0.01 degrees
         elif group.kind == 'euler' and (
             (np.percentile(np.abs(rows[:, :-1]), 99.0, axis=0) > MOST_DEGREES).any()

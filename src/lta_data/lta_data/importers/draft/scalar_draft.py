@@ -29,10 +29,12 @@ SCALARS: Final = (
      {'V': (2.5, 61.0), 'mV': (2500.0, 61000.0)}),
     ('current curr amps', 'battery', 'current', {'A': (0.0, 60.0), 'mA': (60.0, 60000.0)}),
     ('range tof lidar sonar zrange height altitude', 'range', 'range',
-     {'m': (0.01, 30.0), 'mm': (30.0, 30000.0)}),
+     {'m': (0.01, 30.0), 'mm': (30.0, 30000.0), 'cm': (30.0, 400.0)}),
     ('pressure baro press', 'pressure', 'pressure',
      {'Pa': (3e4, 1.1e5), 'hPa': (300.0, 1100.0)}),
 )  # fmt: skip
+# Of an altitude that is no distance from the floor
+SEA_LEVEL_WORDS: Final = frozenset(['sea', 'sealevel', 'msl', 'amsl', 'asl', 'gps', 'geoid'])
 CORNER_WORDS: Final = frozenset(['rl', 'rr', 'bl', 'br'])  # of a quadrotor, beside fl and fr
 FORCES: Final = frozenset(['f', 'force', 'fl', 'fr', 'fu', 'thrust', 'forces']) | CORNER_WORDS
 UPSTREAM: Final = frozenset(
@@ -59,10 +61,15 @@ def draft_scalars(
     for words, topic, part, units in SCALARS:
         for name in names:
             fits = name.words & frozenset(words.split()) and name.column not in taken
+            fits = fits and not (topic == 'range' and name.words & SEA_LEVEL_WORDS)
             if fits and part not in topics.get(topic, {}):
-                unit, why = _choose_unit(name, table[name.column], units)
+                key = f'{topic}.{part}.unit'
+                unit, why = _choose_unit(key, name, table[name.column], units, choices)
                 if unit:
-                    topics.setdefault(topic, {})[part] = {'column': name.column, 'unit': unit}
+                    scale = UNIT_WORDS.get(name.unit, ('', 1.0))[1]
+                    topics.setdefault(topic, {})[part] = {
+                        'column': name.column, 'unit': unit,
+                    } | ({} if scale == 1.0 else {'scale': scale})  # fmt: skip
                     taken.add(name.column)
                     choices.add_reason(f'{topic}: {part}', [name.column], unit, why)
     axes = find_axis_commands([name for name in names if name.column not in taken], choices)
@@ -90,24 +97,31 @@ def _commands_rotor(name: ColumnName, choices: DraftChoices) -> bool:
     """Return whether a column commands an actuator: as the user says, else by its name."""
     if answer := choices.find_answer(f'{name.column}.command'):
         return answer not in ('none', *BODY_AXES)
-    return bool(
-        name.words & (ACTUATOR_WORDS | FORCES | ROTOR_SPEED_WORDS)
-        or is_placed_command(name.column)
-    )
+    # A speed alone is that of the vehicle
+    speeds = ROTOR_SPEED_WORDS if name.axis or len(name.words) > 1 else {'rpm', 'rotorspeed'}
+    if UNIT_WORDS.get(name.unit, ('',))[0] == 'm/s':
+        return False
+    return bool(name.words & (ACTUATOR_WORDS | FORCES | speeds) or is_placed_command(name.column))
 
 
 def _choose_unit(
-    name: ColumnName, values: Numbers, units: Mapping[str, tuple[float, float]]
+    key: str,
+    name: ColumnName,
+    values: Numbers,
+    units: Mapping[str, tuple[float, float]],
+    choices: DraftChoices,
 ) -> tuple[str, str]:
     """Return the unit of a column and the reason; '' if its values fit none."""
     named_unit = UNIT_WORDS.get(name.unit, ('',))[0]
     if named_unit in units:
         return named_unit, 'the unit in the name'
     typical = float(np.nanmedian(np.abs(values)))
-    for unit, (low, high) in units.items():
-        if low <= typical <= high:
-            return unit, f'its median is {typical:.4g}'
-    return '', ''
+    fitting = [unit for unit, (low, high) in units.items() if low <= typical <= high]
+    # The range finder of a Crazyflie counts millimetres
+    if len(fitting) < 2 or 'zrange' in name.words:
+        return (fitting or [''])[0], f'its median is {typical:.4g}'
+    question = f"The median of '{name.column}' is {typical:.4g}, which fits each unit."
+    return choices.decide(key, [(unit, '') for unit in fitting], question), choices.explain(key)
 
 
 def _draft_actuators(

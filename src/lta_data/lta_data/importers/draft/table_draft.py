@@ -122,7 +122,8 @@ def draft_table(
         if parts:
             entries.append({'topic': topic} | parts)
     if inertial:
-        entries.append(draft_inertial(inertial, at, numbers, primary, axes, choices))
+        sensor = draft_inertial(inertial, at, numbers, primary, axes, choices)
+        entries += [sensor] if len(sensor) > 1 else []
         axes = axes or _inertial_axes(inertial, at, numbers, choices)
     entries = [entry | ({'table': name} if name else {}) for entry in entries]
     taken = [column for group in groups for column in group.columns]

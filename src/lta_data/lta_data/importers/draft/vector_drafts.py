@@ -5,10 +5,10 @@
 from collections.abc import Mapping
 from typing import Any, Final
 
-from lta_config.constants import RADIANS_PER_DEGREE
+from lta_config.constants import RADIANS_PER_DEGREE, STANDARD_GRAVITY
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.column_groups import LENGTH_SCALES
-from lta_data.importers.draft.vertical import typical_difference
+from lta_data.importers.draft.vertical import FORWARD_SHARE, typical_difference
 from lta_data.importers.protocol import Numbers
 from lta_data.interpretation.column_group import ColumnGroup, FIX_SCALES
 from lta_data.interpretation.column_names import UNIT_WORDS
@@ -21,6 +21,7 @@ from lta_data.interpretation.kinematics import (
     fit_scale,
     MotionEvidence,
     NO_FIT,
+    ScaleFit,
     UNIT_FACTORS,
 )
 import numpy as np
@@ -35,8 +36,13 @@ UNLIKE: Final = 1.3  # times as much unexplained decides between two frames
 # Between body and world axes; below it, the better of two is taken [deg]
 FRAMES_APART: Final = 15.0
 EXTENTS: Final = (0.3, 30.0)  # usual extents of a flight in a laboratory [m]
+CLEAR_TURNING: Final = 0.2  # usual rates, which no error of an attitude explains [rad/s]
 IMPOSSIBLE: Final = 60.0  # speed of no vehicle in a laboratory [m/s]
+# Of an accelerometer with 16 bits, at ranges of 16, 8, 4 and 2 g
+COUNTS_OF_GRAVITY: Final = (2048, 4096, 8192, 16384)
+COUNTS_TOLERANCE: Final = 0.05
 GRAVITY_TOLERANCE: Final = 0.12  # a slow vehicle accelerates little; 8192 is no number of mm/s2
+CLEARLY_STEADY: Final = 0.15  # more of the way along one direction decides on the frame
 FLIGHT_SPEEDS: Final = (0.02, 20.0)  # usual speeds of a vehicle in flight [m/s]
 
 
@@ -71,6 +77,14 @@ def draft_acceleration(
         choices.add_reason(f'{topic}: acceleration', group.columns, unit,
                            f'its median length {felt:.4g} is gravity in {unit}')  # fmt: skip
         return scale
+    for counts in COUNTS_OF_GRAVITY:
+        if abs(felt / counts - 1.0) < COUNTS_TOLERANCE:
+            scale = float(f'{STANDARD_GRAVITY / counts:.9g}')
+            parts['acceleration'] = _build_vector(group, 'm/s2', scale)
+            choices.add_reason(f'{topic}: acceleration', group.columns, COUNTS,
+                               f'its median length {felt:.4g} is gravity where a g has {counts} '
+                               'counts')  # fmt: skip
+            return scale
     choices.add_reason(f'{topic}: acceleration', group.columns, 'left out',
                        f'its median length {felt:.4g} is gravity in no usual unit')  # fmt: skip
     return 0.0
@@ -100,6 +114,12 @@ def draft_rates(
         }
         frame = max(fits, key=lambda one: fits[one].share - 0.02 * (one == 'world'))
         fit = fits[frame]
+        if topic != 'imu' and _contradicts(raw.rates, derived, fit, raw.seconds):
+            question = 'The rates are not those of the attitude, and can be a bias of a sensor.'
+            options = [('none', 'left out'), ('keep', '')]
+            if choices.decide(f'{topic}.rates', options, question) == 'none':
+                choices.add_reason(f'{topic}: rates', group.columns, 'left out', question)
+                return 0.0
         if fit.share > AGREEING_SHARE:
             why = f'{fit.factor:.3g} times the derivative of the attitude ({frame} axes)'
             far = {
@@ -139,6 +159,21 @@ def draft_rates(
         parts['rates']['frame'] = 'world'
     choices.add_reason(f'{topic}: rates', group.columns, unit, why)
     return scale
+
+
+def _contradicts(rates: Numbers, derived: Numbers, fit: ScaleFit, seconds: Numbers) -> bool:
+    """Return whether rates are not what an attitude that turns implies, in any unit."""
+    has_unit = any(
+        abs(np.log(fit.factor / factor)) < UNIT_LOG_TOLERANCE
+        for factor in UNIT_FACTORS['rates'].values()
+    )
+    if (has_unit and fit.share > UNRELATED) or not (
+        float(np.nanmedian(np.linalg.norm(derived, axis=1))) > CLEAR_TURNING
+    ):
+        return False
+    # A constant vector is alike to another one
+    changes, implied = (side - np.nanmean(side, axis=0) for side in (rates, derived))
+    return fit_scale(changes, implied, seconds, FILTER_DELAY).share < UNRELATED
 
 
 def draft_position(
@@ -289,6 +324,15 @@ def draft_velocity(
         elif len(close) > 1 and _differs(turn) and key not in choices.answers:
             options = [(one, f'{100 * fits[one].share:.0f} % explained') for one in close]
             frame = choices.decide(key, options, 'The velocity fits in both frames.')
+    elif turn is not None and _differs(turn) and 'velocity.frame' not in choices.settled:
+        steady = {'body': _measure_steadiness(raw.velocity)}
+        steady['world'] = _measure_steadiness(turn.inv().apply(np.nan_to_num(raw.velocity)))
+        frame = max(steady, key=lambda one: steady[one])
+        why = f'the vehicle moves where it points ({100 * steady[frame]:.0f} % of the way)'
+        if steady[frame] < FORWARD_SHARE or min(steady.values()) > steady[frame] - CLEARLY_STEADY:
+            options = [('body', ''), ('world', '')]
+            question = 'No position tells whether the velocity is in body or world axes.'
+            frame, why = choices.decide(key, options, question), choices.explain(key)
     frame = choices.settled.setdefault('velocity.frame', choices.override(key, frame))
     if frame == 'none':
         choices.add_reason(f'{topic}: velocity', group.columns, 'left out', why)
@@ -302,6 +346,15 @@ def draft_velocity(
         parts['velocity']['frame'] = 'world'
     choices.add_reason(f'{topic}: velocity', group.columns, f'{frame} axes, x {scale:g} m/s', why)
     return scale
+
+
+def _measure_steadiness(velocity: Numbers) -> float:
+    """Return how steadily a velocity has one direction, at most 1."""
+    speed = np.linalg.norm(velocity, axis=1)
+    moving = speed > 0.5 * np.nanpercentile(speed, 90.0)
+    if not moving.any():
+        return 0.0
+    return float(np.linalg.norm((velocity[moving] / speed[moving, None]).mean(axis=0)))
 
 
 def _differs(turn: Rotation | None) -> bool:

@@ -301,6 +301,7 @@ MEASURED_SCORE: Final = 1e-3  # of a score, that noise may change
 FORWARD_SHARE: Final = 0.85  # of the way is along one direction of the body of an airship
 AHEAD_WEIGHT: Final = 0.3  # weight of a motion along x, which tells a compass heading from a yaw
 DECIDING_LEAN: Final = 0.15  # more of the acceleration, that another reading must explain
+SAME_WAY: Final = 0.008  # of a forwardness, that says nothing of the pitch
 LEANING_ROWS: Final = 5000  # rows that are looked at
 FORWARDNESS_GAIN: Final = 0.15  # by which another reading must keep to its direction less
 
@@ -364,7 +365,8 @@ def choose_reading(
         leaning = int(np.argmax(leans))
         ways = [measure_forwardness(reading.turn, evidence) for reading in readings]
         forward = [steady + AHEAD_WEIGHT * ahead for steady, ahead in ways]
-        best = int(np.argmax(forward))
+        # Of two senses of the pitch that fit alike, the usual one is the first
+        best = next(i for i, one in enumerate(forward) if one >= max(forward) - SAME_WAY)
         if leans[leaning] > leans[level[0]] + DECIDING_LEAN:
             first = readings[leaning]
             why = f'the vehicle accelerates towards its tilt ({100 * leans[leaning]:.0f} %)'
