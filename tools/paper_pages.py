@@ -59,6 +59,8 @@ order of the row's file. A verdict needs Wilson's interval above 95 % of the dra
 
 **{headline}**
 
+![Indoors: path, time and share of arrivals of BAG, DGA and DES with the flights of the paper](images/paper/indoors-bars.png)
+
 - [The paper, row by row](paper_rows.md): every claim that measurements decide or leave open, and
   what would close the gap
 - [The paper's inconsistencies](paper_inconsistencies.md), with their arithmetic
