@@ -59,7 +59,7 @@ order of the row's file. A verdict needs Wilson's interval above 95 % of the dra
 
 **{headline}**
 
-![Indoors: path, time and share of arrivals of BAG, DGA and DES with the flights of the paper](images/paper/indoors-bars.png)
+![Path, time and arrivals of BAG, DGA and DES beside the paper's](images/paper/indoors-bars.png)
 
 - [The paper, row by row](paper_rows.md): every claim that measurements decide or leave open, and
   what would close the gap
