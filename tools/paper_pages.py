@@ -39,6 +39,7 @@ HEADLINE_HEADS: Final = ('the paper says', 'printed', 'here', 'draws that agree'
 ROW_HEADS: Final = (
     'the paper says',
     'here',
+    'seeds',
     'draws that agree',
     'verdict',
     'what would close the gap',
@@ -57,6 +58,8 @@ order of the row's file. A verdict needs Wilson's interval above 95 % of the dra
 *open* says what leaves a claim open.
 
 **{headline}**
+
+![Path, time and arrivals of BAG, DGA and DES beside the paper's](images/paper/indoors-bars.png)
 
 - [The paper, row by row](paper_rows.md): every claim that measurements decide or leave open, and
   what would close the gap
@@ -147,8 +150,10 @@ def iterate_row_parts(row: PaperRow, stored: StoredRow) -> Iterator[str]:
         if verdicts[name] in SHOWN:
             gap = '' if verdicts[name] is ClaimVerdict.AGREES else claim.gap
             note = fill_measures_or_blank(gap, row, stored) or MISSING
-            results = format_results(row, name, stored)
-            lines.append([claim.says, *results, str(verdicts[name]), note])
+            here, shares = format_results(row, name, stored)
+            value = stored.values.get(claim.measure or '')
+            seeds = MISSING if value is None else str(value.seeds)
+            lines.append([claim.says, here, seeds, shares, str(verdicts[name]), note])
     if lines:
         yield format_markdown_table(ROW_HEADS, lines)
     untested = sum(each is ClaimVerdict.UNTESTED for each in verdicts.values())

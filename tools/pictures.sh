@@ -13,29 +13,46 @@ wanted=" $* "
 made=$(mktemp -d)
 trap 'rm -rf "$made"' EXIT
 
-# Draw what was asked for by name, or everything.
+# Draw what was asked for by name, or everything. Pictures of one page share its command.
 draw() {
     name=$1 picture=$2
     shift 2
     is_wanted "$name" || return 0
     echo "picture: $name ..."
-    "$@" "$made/$name" >"$made/log" 2>&1 || {
+    folder=$made/$(echo "$*" | cksum | tr -d ' ')
+    [ -d "$folder" ] || "$@" "$folder" >"$made/log" 2>&1 || {
         cat "$made/log" >&2
         exit 1
     }
     .venv/bin/python -P -c '
 import sys
 from pathlib import Path
-from lta_report.screenshots import write_pictures
-write_pictures(Path(sys.argv[1]), Path(sys.argv[2]))
-' "$made/$name"/*.html "$made/$name.pictures"
-    cp "$made/$name.pictures/$picture.png" "docs/images/$name.png"
+from PIL import Image
+from lta_report.screenshots import write_picture
+page, picture, out = sys.argv[1:]
+# A figure is narrow, so that its letters are as large as those of the page of docs/ around it
+write_picture(Path(page), Path(out), picture, width=1280 if picture == "top" else 760)
+Image.open(out).convert("RGB").quantize(dither=Image.Dither.NONE).save(out, optimize=True)
+' "$folder"/*.html "$picture" "docs/images/$name.png"
 }
 
 compared() {
     ./lta simulate --seed 3 --out "$1.a"
     ./lta simulate --seed 4 --out "$1.b"
     ./lta compare "$1.a" "$1.b" --out "$1"
+}
+
+# The tutorials' own commands: docs/tutorials/files_to_bag.md and blimp_afternoon.md
+drafted() {
+    awk '/^```python/ { code = 1; next } /^```/ { code = 0 } code' docs/tutorials/files_to_bag.md >"$1.py"
+    mkdir "$1.log"
+    (cd "$1.log" && "$root/.venv/bin/python" "$1.py")
+    ./lta import --draft "$1.log/runs/lab/flight.csv" --out "$1"
+}
+
+calibrated() {
+    .venv/bin/python examples/blimp_afternoon.py "$made/afternoon" --seed 1
+    ./lta tests read "$made/afternoon/tests" --vehicle gtmab --out "$1"
 }
 
 is_wanted() {
@@ -57,3 +74,14 @@ draw energy_budget top ./lta energy budget --out
 draw energy_hover voltage ./lta energy budget --out
 draw light_plan coverage ./lta light plan warehouse --out
 draw mission day ./lta mission greenhouse_summer --out
+draw map path ./lta simulate --scenario warehouse --out
+draw heading heading ./lta simulate --scenario warehouse --out
+draw bearing light ./lta simulate --scenario warehouse --out
+draw energy_flight power ./lta simulate --scenario sunny_field --set 'vehicle.sensors.diodes.feedback=10 kohm' --out
+draw airspeed airspeed ./lta simulate --strategy bag --seed 3 --out
+draw vehicle views ./lta vehicle show gtmab --out
+draw draft top drafted
+draw tests_plan top ./lta tests plan gtmab --wrench --out
+draw calibrated errors calibrated
+draw light_link snr ./lta light link --feedback 10 --out
+draw strategies by-0 ./lta sweep light_indoors --device cpu-batch --out

@@ -143,8 +143,9 @@ def reproduced():
 def lived(net):
     """Return figures of the summer day, of the schedules as a, b, c; `net`: charging [mW]."""
     stored = load('mission_summer.json')
-    found = {'gain': stored['gain']['value'], 'gain_low': stored['gain']['low'],
-             'gain_high': stored['gain']['high'], 'slack': 1e3 * stored['gas']['slack_gain'],
+    gain = stored['flight_time_ratios']['duty cycle']
+    found = {'gain': gain['value'], 'gain_low': gain['low'],
+             'gain_high': gain['high'], 'slack': 1e3 * stored['gas']['slack_gain'],
              'held': 1e3 * stored['gas']['held'],
              'ballast': 1e3 * stored['gas']['ballast']}  # fmt: skip
     for key, schedule in zip('abc', ('by light', 'duty cycle', 'duty cycle, asleep'), strict=True):

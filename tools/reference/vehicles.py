@@ -15,6 +15,8 @@ nor published. The figures below are derived from the files: `./lta vehicle show
 `./lta vehicle diff A B` compares two vehicles. Level speed is the speed at which full forward
 thrust equals drag; the hull may rise or tumble at a lower speed (`./lta wind`).
 
+![GT-MAB from three sides, and its layers below the hull](images/vehicle.png)
+
 """
 COLUMNS = {  # key of a sheet's figure, and its heading
     'mass': 'mass, gas included',

@@ -34,6 +34,7 @@ FIND_BOX: Final = """
   }
   const panel = document.getElementById('panel-%(panel)s');
   if (!panel) return null;
+  panel.style.alignSelf = 'start';  // not as high as a taller neighbour
   const { x, y, width, height } = box(panel);
   return { x, y: y + rise, width, height };
 })()"""

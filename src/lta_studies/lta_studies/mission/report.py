@@ -31,7 +31,6 @@ from lta_studies.mission.pictures import (
 from lta_studies.mission.run import (
     filter_by_schedule,
     find_best_rival,
-    flight_time_ratio,
     mean_daily_minutes,
     MissionFigures,
     MissionRequest,
@@ -146,12 +145,15 @@ def estimate_gas(request: MissionRequest) -> GasOverDay:
 
 def to_json(request: MissionRequest, results: Sequence[MissionResult]) -> dict[str, Any]:
     """Convert the figures of all missions to JSON, in SI units."""
-    # None if only one schedule was simulated
-    more, gas = flight_time_ratio(results), estimate_gas(request)
+    gas, own = estimate_gas(request), select_main_result(results).schedule
+    ratios = {name: ratio_to_rival(results, name) for name in request.schedules if name != own}
     return {
         'mission': request.mission.name,
         'days': request.days,
-        'gain': None if more is None else more._asdict(),
+        # By schedule: how many times as long the light-aware one flies
+        'flight_time_ratios': {
+            name: None if ratio is None else ratio._asdict() for name, ratio in ratios.items()
+        },
         'gas': asdict(gas) | {'ballast': gas.ballast},
         'lives': [
             {

@@ -256,11 +256,6 @@ def mean_daily_minutes(results: Sequence[MissionResult], days: int) -> Bootstrap
     return bootstrap_mean([each.figures.flown / 60.0 / days for each in results])
 
 
-def flight_time_ratio(results: Sequence[MissionResult]) -> BootstrapMean | None:
-    """Return the ratio of flown time, light-aware to duty cycle, over the same seeds."""
-    return ratio_to_rival(results, NAIVE)
-
-
 def find_best_rival(results: Sequence[MissionResult]) -> str | None:
     """Return the schedule, other than the light-aware one, that flies most; None without any."""
     others = {each.schedule: 0.0 for each in results if each.schedule != AWARE}

@@ -86,7 +86,8 @@ def render_drawing(sheet: VehicleSheet) -> str:
     colours = DRAWING_COLOURS | {f'l{k}': colour for k, colour in enumerate(TIME)}
     views = draw_three_views(sheet.vehicle, pressure_center_offset(sheet))
     return (
-        f'{render_colors(colours)}<figure class="panel" id="views" aria-labelledby="title-views">'
+        f'{render_colors(colours)}'
+        '<figure class="panel" id="panel-views" aria-labelledby="title-views">'
         f'<h2 id="title-views">Views</h2><div class="drawing" tabindex="0">{views}'
         f'{draw_gondola(sheet.vehicle)}</div><figcaption>To scale, with parts as boxes. Point at '
         'a part for its name and mass. Dashed: rotor mounts, if the file has no parts.'
