@@ -57,6 +57,9 @@ CLEAR: Final = 3.0
 # Of the forecast error of a fit to all readings; a fit to the forecasts themselves needs less, as
 # it follows the noise in them
 FORECAST_FIT_RATIO: Final = 0.9
+# The same; below it, the fit to all readings has strayed, and begins again where the other ends:
+# 0.37 where it did, 0.70 to 0.97 on real flights
+STRAYED: Final = 0.5
 # Nats; by which another heading of the markers than the file's has to be more probable. Half a
 # turn with rotors that push backwards is nearly the same vehicle: in pairs of real flights it was
 # 27 nats more to 11 less probable, a quarter of a turn 700 less

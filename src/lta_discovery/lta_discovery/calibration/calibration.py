@@ -31,7 +31,13 @@ from lta_discovery.model.calibration_parameters import (
 )
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import apply_parameters, FreeParameter, NET_LIFT_FORCE
-from lta_discovery.settings import ALIKE_CORRELATION, CLEAR, FORECAST_FIT_RATIO, LEARNED_SHARE
+from lta_discovery.settings import (
+    ALIKE_CORRELATION,
+    CLEAR,
+    FORECAST_FIT_RATIO,
+    LEARNED_SHARE,
+    STRAYED,
+)
 from lta_discovery.state_filter.forecast_noise import adapt_noise, fit_forecast_noise
 from lta_discovery.state_filter.forecast_scores import (
     CALIBRATED,
@@ -39,9 +45,10 @@ from lta_discovery.state_filter.forecast_scores import (
     find_main_score,
     HorizonErrors,
 )
+from lta_discovery.state_filter.forecast_sums import sum_forecasts
 from lta_discovery.state_filter.likelihood import ParameterPrior
 from lta_discovery.state_filter.noise_model import average_noise, NoiseModel
-from lta_discovery.state_filter.parameter_fit import fit_forecasts, ParameterFit
+from lta_discovery.state_filter.parameter_fit import fit_forecasts, fit_likelihood, ParameterFit
 from lta_model.vehicle import Vehicle
 import numpy as np
 from numpy.typing import NDArray
@@ -119,18 +126,26 @@ def _list_estimates(prepared: PreparedCalibration, fit: ParameterFit) -> list[_E
     """Return the estimates in the order of preference; that of the vehicle file is the last."""
     systems, nominal, horizons = prepared.systems, prepared.nominal, prepared.horizons
     prior = ParameterPrior.of(prepared.parameters)
-    noise = average_noise(fit_forecast_noise(fit.flights, fit.noise, prior, horizons))
-    ahead = None
+
+    def fit_noise(one: ParameterFit) -> list[NoiseModel]:
+        return fit_forecast_noise(one.flights, one.noise, prior, horizons)
+
+    noise, ahead = fit_noise(fit), None
     with contextlib.suppress(BadInput):
         # Where nothing explains single readings, a fit to them is a poor start
         ahead = fit_forecasts(systems, nominal, prepared.begin, fit.noise, horizons)
-    out = [_build_estimate('likelihood', fit, ahead, noise)]
+        cost = sum_forecasts(fit.flights, noise, prior, fit.values, horizons).cost
+        if math.exp(-ahead.evidence - cost) < STRAYED:
+            again = fit_likelihood(systems, nominal, ahead.values, fit.noise)
+            if again.evidence > fit.evidence:
+                fit, noise = again, fit_noise(again)
+    out = [_build_estimate('likelihood', fit, ahead, average_noise(noise))]
     if ahead is not None:
         out.append(_build_estimate('forecasts', ahead, fit, average_noise(ahead.noise)))
     none = np.zeros(len(fit.values))
     unknown = np.diag([one.tolerance**2 for one in prepared.parameters])
-    noise = adapt_noise(systems, nominal, average_noise(fit.noise), horizons)
-    out.append(_Estimate('file', none, unknown, [(none, unknown)] * len(systems), noise))
+    adapted = adapt_noise(systems, nominal, average_noise(fit.noise), horizons)
+    out.append(_Estimate('file', none, unknown, [(none, unknown)] * len(systems), adapted))
     return out
 
 
