@@ -53,6 +53,7 @@ ON_MAP: Final = 'Share of the flights that reached their goal, and the median ti
 def build_report(done: SweepRun) -> Report:
     """Return the report of a sweep, which may have been stopped."""
     plan, rows, file = done.plan, done.rows, done.plan.file
+    alike = [part for part in ('vehicle', 'scenario', 'strategy') if part not in file.vary]
     figures = list(draw_parameters(plan, rows))
     vehicle, scenario, _ = build_vehicle_scenario_stack(plan.base)
     scene, time_bar, track = render_fan(
@@ -63,7 +64,7 @@ def build_report(done: SweepRun) -> Report:
     )
     return Report(
         command='sweep',
-        subject=f'{file.name} · {file.vehicle} · {file.scenario} · {file.strategy}',
+        subject=' · '.join([file.name, *(getattr(file, part) for part in alike)]),
         headline=format_headline(plan, rows),
         introduction=file.about,
         tiles=build_tiles(rows),
@@ -140,7 +141,8 @@ def build_tiles(rows: Sequence[SweepRow]) -> list[Tile]:
         Tile('Reached', format_number(100 * share.value if completed else None, 1), '%', ends),
         *(build_summary_tile(rows, *words) for words in (
             ('search_time', 'Time to the lamp', 's', 1), ('path_length', 'Path', 'm', 2),
-            ('forward_airspeed', 'Forward airspeed', 'm/s', 2), ('energy', 'Energy', 'J', 1))),
+            ('forward_airspeed', 'Forward airspeed', 'm/s', 2), ('energy', 'Energy', 'J', 1))
+          if collect_result_values(rows, words[0])),  # batches measure no airspeed
         Tile('Flights', str(len(rows)), '',
              f'{broken} could not be flown; {wall:.0f} s of computing time'),
     ]  # fmt: skip
