@@ -12,7 +12,8 @@ from lta_model.light.view import LightView
 from lta_model.mass_properties import half_axes
 from lta_model.rigid_body import height_and_tilt
 from lta_model.scenario import load_scenario
-from lta_model.sensors import imu, pressure, range
+from lta_model.sensors import imu, pressure
+from lta_model.sensors import range as range_finder
 from lta_model.vehicle import load_vehicle
 from lta_sim import compiled_sensors as counted
 from lta_sim.compiled_sensors import draw_normals, draw_uniforms, threefry
@@ -108,7 +109,7 @@ def test_the_range_finder_is_the_same(height):
     own = range.RangeErrors(ERRORS.range_offset)
     outlook = height_and_tilt(state, SENSORS.range_place)
     deviate = draw_normals(SEED, counted.RANGE, STEP, 0)[0]
-    told = range.measure_range(settings, own, *outlook, giving(deviate))
+    told = range_finder.measure_range(settings, own, *outlook, giving(deviate))
     expected = told if math.isfinite(told) else math.nan
     np.testing.assert_equal(
         counted.simulate_range_reading(SENSORS, ERRORS, SEED, STEP, state), expected
