@@ -105,8 +105,8 @@ def test_its_errors_are_drawn_within_the_bounds_of_the_data_sheet():
 @pytest.mark.parametrize('height', [0.36, 0.5, 2.0, 3.9, 4.5])
 def test_the_range_finder_is_the_same(height):
     state = (0.0, 0.0, height, 0.02, -0.03, 0.1, 0.9943, 0, 0, 0, 0, 0, 0)
-    settings = range.RangeSettings()
-    own = range.RangeErrors(ERRORS.range_offset)
+    settings = range_finder.RangeSettings()
+    own = range_finder.RangeErrors(ERRORS.range_offset)
     outlook = height_and_tilt(state, SENSORS.range_place)
     deviate = draw_normals(SEED, counted.RANGE, STEP, 0)[0]
     told = range_finder.measure_range(settings, own, *outlook, giving(deviate))
