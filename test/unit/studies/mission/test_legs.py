@@ -126,14 +126,18 @@ def test_a_payload_is_carried_and_not_trimmed_away(scenes):
 
 def test_the_brightness_that_homing_is_told_is_that_of_its_own_settings(scenes):
     """In the shipped room homing's default of 2100 counts is that of its lamp at 0.8 off axis."""
-    dark = scenes.build_beacon_flight('aisle', NO_IRRADIANCE, 1.0).craft
-    bright = scenes.build_beacon_flight('aisle', NO_IRRADIANCE, 5e4).craft
+    mission = load_mission('warehouse')
+    # 2 kohm; the vehicle has 100 kohm
+    small = mission.model_copy(update={'feedback': load_mission('greenhouse').feedback})
+    own, other = (
+        each.build_beacon_flight('aisle', NO_IRRADIANCE, 1.0).craft
+        for each in (scenes, MissionScene(small))
+    )
     lamp = scenes.lamp('aisle')
-    assert dark.mission.homing.brightness == pytest.approx(lamp_brightness(dark.listening, lamp))
-    assert (
-        bright.listening.signals[0].counts < 0.2 * dark.listening.signals[0].counts
-    )  # another resistor
-    assert bright.mission.homing.brightness < 0.2 * dark.mission.homing.brightness
+    assert own.mission.homing.brightness == pytest.approx(lamp_brightness(own.listening, lamp))
+    ratio = own.listening.signals[0].counts / other.listening.signals[0].counts
+    assert ratio == pytest.approx(100.0 / 2.0)
+    assert other.mission.homing.brightness == pytest.approx(own.mission.homing.brightness / ratio)
 
 
 def test_flights_cost_what_the_full_loop_says(scenes):
