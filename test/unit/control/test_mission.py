@@ -68,3 +68,10 @@ def test_a_course_is_flown_by_its_rows_until_the_energy_reserve():
     assert course_step(course, 2.0, 0.3, math.nan, FlightPermission.FLY) == Setpoint(0.0, 0.3, 0.0)
     for order in (FlightPermission.RESERVE, FlightPermission.DOWN):
         assert course_step(course, 2.0, 0.3, 0.42, order) == Setpoint(0.0, 0.5, 0.0)
+
+
+def test_at_rest_it_asks_for_nothing():
+    setpoint, mission = go(altitude=math.nan)
+    assert setpoint == Setpoint(0.0, 1.0, 0.0)
+    assert mission == Mission(Phase.REST, ())
+    assert go(altitude=math.nan, order=FlightPermission.RESERVE)[1] == mission

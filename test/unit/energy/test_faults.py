@@ -197,3 +197,15 @@ def test_what_no_meter_reads_is_named_and_leaves_nothing_behind(impossible):
     assert after.charge == pytest.approx(before.charge, abs=0.02)
     assert after.belief.deviation < 1.1 * before.belief.deviation
     assert after.books.harvested < before.books.harvested + 10.0  # J in 11 s of bright light
+
+
+def test_another_cell_is_noticed_and_its_charge_estimated_anew():
+    cell, clean = series(charge=(0.85, 0.9))
+    estimate = follow(clean(BEFORE))
+    cell.charge, cell.relaxation = 0.35, 0.0
+    estimate = follow(clean(3), estimate=estimate)
+    assert 'swapped' in names(estimate)
+    assert estimate.is_landing_urgent
+    estimate = follow(clean(600), estimate=estimate)
+    assert names(estimate) == set()
+    assert estimate.charge == pytest.approx(cell.charge, abs=0.05)

@@ -11,6 +11,7 @@ from lta_energy.monitoring.meters import TravelState
 from lta_energy.monitoring.outlook import (
     EnergyReserveSettings,
     LoadEstimate,
+    ReserveMargin,
     TravelEstimate,
     update_load,
     WayHomeSettings,
@@ -205,3 +206,12 @@ def test_the_way_home_is_known_without_an_airspeed():
     assert to_travel_state(odom, airspeed) == TravelState(5.0, 0.3)
     odom.pose.covariance[0] = -1.0
     assert to_travel_state(odom, airspeed) is None
+
+
+def test_a_reserve_is_reached_at_its_very_edge():
+    settings = EnergyReserveSettings(reserve=0.25, hysteresis=0.0625)
+    for before, edge in ((False, 0.375), (True, 0.4375)):
+        assert outlook.is_reserve_reached(settings, before, ReserveMargin(edge, 0.125, 0.0))
+        assert not outlook.is_reserve_reached(
+            settings, before, ReserveMargin(edge + 1e-9, 0.125, 0.0)
+        )

@@ -89,7 +89,7 @@ def calibrate_flights(
     prepared, fit = fit_calibration(prepared)
     nominal, knobs = prepared.nominal, prepared.parameters
     tell('fitting forecasts', 0.6)
-    estimates = _list_estimates(prepared, fit)
+    estimates, fit = _list_estimates(prepared, fit)
     tell('forecasting', 0.7)
     best, built, train = _choose_estimate(prepared, estimates)
     values = _list_values(nominal, knobs, best, prepared.names['train'])
@@ -122,8 +122,14 @@ def calibrate_flights(
     )
 
 
-def _list_estimates(prepared: PreparedCalibration, fit: ParameterFit) -> list[_Estimate]:
-    """Return the estimates in the order of preference; that of the vehicle file is the last."""
+def _list_estimates(
+    prepared: PreparedCalibration, fit: ParameterFit
+) -> tuple[list[_Estimate], ParameterFit]:
+    """
+    Return the estimates in the order of preference, that of the vehicle file last.
+
+    With them the fit to readings, which may have begun again.
+    """
     systems, nominal, horizons = prepared.systems, prepared.nominal, prepared.horizons
     prior = ParameterPrior.of(prepared.parameters)
 
@@ -146,7 +152,7 @@ def _list_estimates(prepared: PreparedCalibration, fit: ParameterFit) -> list[_E
     unknown = np.diag([one.tolerance**2 for one in prepared.parameters])
     adapted = adapt_noise(systems, nominal, average_noise(fit.noise), horizons)
     out.append(_Estimate('file', none, unknown, [(none, unknown)] * len(systems), adapted))
-    return out
+    return out, fit
 
 
 def _build_estimate(

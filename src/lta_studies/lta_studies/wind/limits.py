@@ -74,6 +74,8 @@ class WindRequest(ReportRequest, command='wind'):
         request = self.replace(vehicles=names, roughness=grounds)
         # Load all before the first is computed
         vehicles = {name: load_vehicle(name) for name in names}
+        for vehicle in vehicles.values():
+            _list_hull_wind_shares(request, vehicle)  # raises for ground without any wind
         platforms = track(vehicles.items(), 'wind', console=run.console, transient=True)
         return build_report([measure_limits(request, *each) for each in platforms], request)
 
@@ -111,7 +113,7 @@ class PlatformWindLimits:
 def measure_limits(request: WindRequest, name: str, vehicle: Vehicle) -> PlatformWindLimits:
     """Compute the limits of one platform; raise `BadInput` for ground without any wind."""
     height = _flight_height(request, vehicle)
-    shares = [_hull_wind_share(vehicle, height, request, z) for z in request.roughness]
+    shares = _list_hull_wind_shares(request, vehicle)
     thrust = tumble = rise = static = 0.0
     note, interval = '', None
     try:
@@ -149,6 +151,12 @@ def draw_static_limit(name: str) -> tuple[float, float] | None:
         speeds.append(wind_limits.static_wind_limit(Vehicle(file)))
     low, high = map(float, np.quantile(speeds, [0.05, 0.95]))
     return low, high
+
+
+def _list_hull_wind_shares(request: WindRequest, vehicle: Vehicle) -> list[float]:
+    """Return the ratio of the wind at the hull to the reference wind over each ground."""
+    height = _flight_height(request, vehicle)
+    return [_hull_wind_share(vehicle, height, request, z) for z in request.roughness]
 
 
 def _flight_height(request: WindRequest, vehicle: Vehicle) -> float:
