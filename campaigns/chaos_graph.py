@@ -194,7 +194,8 @@ class Graph:
 
     def first_said(self, word: str, since: float) -> float | None:
         """Return when a line with a word came on the terminal [s]."""
-        lines = list(self.started.lines)
+        # A logger writes [lta1.recorder]: where /diagnostics has lta1/recorder:
+        lines = [(when, text.replace(']: ', ': ')) for when, text in self.started.lines]
         return next(
             (when for when, text in lines if when >= since and re.search(word, text)), None
         )

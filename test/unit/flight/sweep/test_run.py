@@ -147,7 +147,9 @@ if __name__ == '__main__':
 
 
 def children(pid):
-    return [int(word) for word in Path(f'/proc/{pid}/task/{pid}/children').read_text().split()]
+    """Return the children of all threads of a process."""
+    tasks = Path(f'/proc/{pid}/task').glob('*/children')
+    return [int(word) for task in tasks for word in task.read_text().split()]
 
 
 def heeds_no_interrupt(pid):
