@@ -3,7 +3,7 @@
 """
 The comparison file, and the manoeuvres that platforms are compared by.
 
-A comparison has the platforms, their manoeuvres, and ablations that explain differences. Each
+A comparison has the platforms, and ablations that explain differences. Each
 entry names a vehicle or another entry, and the only differences from it.
 
 A manoeuvre has setpoints over time and the criterion for the score. Altitude is a rise above the
@@ -85,39 +85,28 @@ def load_maneuver_file(name: str) -> ManeuverFile:
 MAX_SPEEDS = 40  # limit for one ladder, each speed being a flight
 
 
-class BlockSubstitution(StrictModel):
-    """Blocks that replace the vehicle's own, from another vehicle's file."""
-
-    vehicle: str
-    blocks: Annotated[list[Literal['rotors', 'aero', 'thrust_curve']], Field(min_length=1)]
-
-
 class EntryChange(StrictModel):
-    """The differences of an entry: parameters by path, law, gains and blocks, with the reason."""
+    """The differences of an entry: parameters by path, law and gains."""
 
     changes: Annotated[
         dict[str, Any], Field(default_factory=dict, validation_alias=AliasChoices('set'))
     ]
     law: str | None = None
     gains: str | None = None
-    borrow: BlockSubstitution | None = None
-    why: str = ''
 
 
 class Contestant(EntryChange):
-    """A platform: its vehicle, its manoeuvres, and its release height if it does not take off."""
+    """A platform: its vehicle, and its release height if it does not take off."""
 
     vehicle: str
     title: str
     release: Annotated[Quantity, si_quantity('m', above=0.0, high=100.0)] | None = None
-    manoeuvres: list[str] | None = None
 
 
 class Ablation(EntryChange):
     """A contestant with one change."""
 
     of: str
-    manoeuvres: Annotated[list[str], Field(min_length=1)]
 
 
 class SpeedSweep(EntryChange):
@@ -135,8 +124,6 @@ class ComparisonFile(StrictModel):
     name: Name
     about: str
     scenario: str
-    seeds: Annotated[int, Field(ge=1, le=1000)]
-    manoeuvres: Annotated[list[str], Field(min_length=1)]
     contestants: Annotated[dict[Name, Contestant], Field(min_length=1)]
     ablations: dict[Name, Ablation] = Field(default_factory=dict)
     limits: dict[Name, SpeedSweep] = Field(default_factory=dict)

@@ -20,7 +20,7 @@ from typing import Any, final, NamedTuple
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput, unknown_name_error
-from lta_config.files import find_file, load_yaml, validate_content
+from lta_config.files import find_file, validate_content
 from lta_config.parameter_override import parse_value, replace_parameter
 from lta_config.schema.comparison_file import Contestant, EntryChange, ManeuverFile
 from lta_config.schema.vehicle_file import load_vehicle_content, VehicleFile
@@ -260,7 +260,7 @@ def build_entrant(
     steps: list[EntryChange] = [contestant] if change is None else [contestant, change]
     content = load_vehicle_content(find_file('vehicle', contestant.vehicle))
     for step in steps:
-        content = _apply_changes(_borrow_blocks(content, step), step.changes, 'vehicle')
+        content = _apply_changes(content, step.changes, 'vehicle')
     where = f'{find_file("vehicle", contestant.vehicle)} with the changes of the comparison'
     file = validate_content(VehicleFile, content, where)
     named = _select_law(file, steps)
@@ -289,13 +289,6 @@ def _select_law(file: VehicleFile, steps: list[EntryChange]) -> tuple[str, str]:
             f'{file.name} names no gains in its control block; add a line "gains: NAME".'
         )
     return name, gains
-
-
-def _borrow_blocks(content: Any, step: EntryChange) -> Any:
-    if step.borrow is None:
-        return content
-    other = load_yaml(find_file('vehicle', step.borrow.vehicle))
-    return {**content, **{block: other[block] for block in step.borrow.blocks}}
 
 
 def _apply_changes(content: Any, changes: Mapping[str, Any], root: str) -> Any:
