@@ -55,6 +55,26 @@ calibrated() {
     ./lta tests read "$made/afternoon/tests" --vehicle gtmab --out "$1"
 }
 
+commanded() {
+    ./lta launch fly commanded:=true scenario:=breeze bag:="$1/bag" &
+    graph=$!
+    ./lta run examples/own_commander.py --ros-args -r __ns:=/lta1
+    kill "$graph" # not SIGINT, which a shell's background jobs ignore
+    wait "$graph" || true
+    ./lta report "$1"
+}
+
+replayed() {
+    ./lta simulate --seed 3 --out "$1.a"
+    ./lta replay "$1.a" --strategy bag --against --out "$1" || [ $? = 1 ] # 1: it differs
+}
+
+plotted() {
+    ./lta simulate --seed 3 --out "$1.a"
+    mkdir "$1"
+    ./lta bag plot "$1.a" motors --html "$1/plot.html"
+}
+
 is_wanted() {
     case "$wanted" in '  ' | *" $1 "*) ;; *) return 1 ;; esac
 }
@@ -84,4 +104,7 @@ draw draft top drafted
 draw tests_plan top ./lta tests plan gtmab --wrench --out
 draw calibrated errors calibrated
 draw light_link snr ./lta light link --feedback 10 --out
+draw commanded altitude commanded
+draw replay decision-1 replayed
+draw recording unit-0 plotted
 draw strategies by-0 ./lta sweep light_indoors --device cpu-batch --out

@@ -79,8 +79,8 @@ def build_error_tables(
     ]  # fmt: skip
 
 
-def draw_errors(scores: Sequence[HorizonErrors], caption: str) -> Picture:
-    """Return the position errors of some models by the time ahead."""
+def draw_errors(scores: Sequence[HorizonErrors], where: str) -> Picture:
+    """Return the position errors of some models by the time ahead; `where` names the flights."""
     figure = add_legend(create_figure())
     for name in scores[0].errors:
         figure.add_scatter(
@@ -94,6 +94,9 @@ def draw_errors(scores: Sequence[HorizonErrors], caption: str) -> Picture:
     )  # fmt: skip
     figure.update_xaxes(title='time ahead [s]')
     figure.update_yaxes(title='position error [cm]', type='log', tickvals=TICKS)
+    counts = sorted({one.forecasts for one in scores})
+    number = ' to '.join(map(str, [*counts[:1], *counts[1:][-1:]]))
+    caption = f'RMS over {number} forecasts of {where}.'
     return Picture('errors', 'Forecast errors', caption, figure)
 
 

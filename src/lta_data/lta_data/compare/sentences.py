@@ -82,10 +82,11 @@ def describe_separation(comparison: ComparisonResult) -> str:
     samples = np.flatnonzero(np.isfinite(apart))
     if not len(samples):
         return ''
-    most = samples[np.argmax(apart[samples])]
+    most, last = samples[np.argmax(apart[samples])], samples[-1]
+    time = places[0].time
     return (
-        f' The positions are up to {format_quantity(apart[most], "m")} apart, at '
-        f'{places[0].time[most]:.1f} s, and {format_quantity(apart[samples[-1]], "m")} at the end.'
+        f' The positions are up to {format_quantity(apart[most], "m")} apart, at {time[most]:.1f} '
+        f's, and {format_quantity(apart[last], "m")} at {time[last]:.1f} s, the last time of both.'
     )
 
 

@@ -14,6 +14,7 @@ from lta_discovery.calibration.corrections import judge_corrections, list_correc
 from lta_discovery.calibration.prepared_flights import (
     find_index,
     fit_calibration,
+    PENDULUM_KNOBS,
     prepare_calibration,
     PreparedCalibration,
 )
@@ -24,6 +25,7 @@ from lta_discovery.calibration.result import (
     WIDE,
 )
 from lta_discovery.calibration.scores import compare_with_file, forecast_role, relative_error
+from lta_discovery.calibration.verdict import pendulum_rates
 from lta_discovery.flights.role_assignment import Role
 from lta_discovery.model.calibration_parameters import (
     HEADING,
@@ -56,6 +58,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Progress = Callable[[str, float | None], None]
 
+LEAST_RATE: Final = 1e-3  # rad/s; of a vehicle that does not swing back
+RATE_STEP: Final = 0.1  # of a tolerance, by which a derivative of a rate is taken
 MAP_DIRECTION: Final = 'the direction of the axes of the map'
 
 
@@ -69,6 +73,9 @@ class _Estimate:
     covariance: Array
     flights: Sequence[tuple[Array, Array]]
     noise: NoiseModel  # of forecasts
+    # Covariance of the shared values by this fit alone, and the values of the other one
+    within: Array
+    others: Array
 
 
 def calibrate_flights(
@@ -119,6 +126,7 @@ def calibrate_flights(
         noise=dict(zip(prepared.names['train'], fit.noise, strict=True)),
         corrections=corrections,
         worth=worth,
+        pendulum_deviations=_find_pendulum_deviations(nominal, knobs, best),
     )
 
 
@@ -151,7 +159,8 @@ def _list_estimates(
     none = np.zeros(len(fit.values))
     unknown = np.diag([one.tolerance**2 for one in prepared.parameters])
     adapted = adapt_noise(systems, nominal, average_noise(fit.noise), horizons)
-    out.append(_Estimate('file', none, unknown, [(none, unknown)] * len(systems), adapted))
+    members = [(none, unknown)] * len(systems)
+    out.append(_Estimate('file', none, unknown, members, adapted, unknown, none))
     return out, fit
 
 
@@ -176,7 +185,8 @@ def _build_estimate(
             excess = np.maximum(excess - WIDE**2 * less_precise, 0.0)
         spread[np.diag_indices_from(spread)] += excess
     (shared, covariance), *members = both
-    return _Estimate(method, shared, covariance, members, noise)
+    others = other.values if other else fit.values
+    return _Estimate(method, shared, covariance, members, noise, fit.covariance, others)
 
 
 def _join(fit: ParameterFit) -> list[tuple[Array, Array]]:
@@ -231,6 +241,31 @@ def _compute_mean_change(best: _Estimate, knobs: Sequence[FreeParameter]) -> Arr
     lift = find_index(knobs, NET_LIFT_FORCE)
     mean[lift] = np.mean([values[lift] for values, _ in best.flights])
     return mean
+
+
+def _find_pendulum_deviations(
+    nominal: NominalVehicle, knobs: Sequence[FreeParameter], best: _Estimate
+) -> tuple[float, float]:
+    """
+    Return the standard deviations of the rates of roll and pitch, relative to them.
+
+    A swing tells the rate, and hardly which of inertia and centre of gravity makes it. Two fits
+    differ along this ridge, so that their rates are compared and not their values.
+    """
+
+    def find_rates(values: Array) -> Array:
+        rates = pendulum_rates(apply_parameters(nominal, knobs, values)[0])
+        return np.log(np.maximum(rates, LEAST_RATE))
+
+    rates, slopes = find_rates(best.shared), np.zeros((2, len(knobs)))
+    for k, knob in enumerate(knobs):
+        if knob.name.startswith(PENDULUM_KNOBS):
+            step = RATE_STEP * knob.tolerance
+            moved = best.shared + step * np.eye(len(knobs))[k]
+            slopes[:, k] = (find_rates(moved) - rates) / step
+    variances = np.einsum('ij,jk,ik->i', slopes, best.within, slopes)
+    roll, pitch = np.sqrt(variances + (find_rates(best.others) - rates) ** 2)
+    return float(roll), float(pitch)
 
 
 def _list_values(

@@ -12,6 +12,7 @@ from lta_discovery.calibration.result import (
     Calibration,
     JudgedCorrection,
 )
+from lta_discovery.calibration.scores import is_contradicted
 from lta_discovery.calibration.verdict import (
     format_forecast_sentence,
     format_headline,
@@ -60,10 +61,9 @@ ALWAYS: Final = (
     'Net lift is that of a flight: a payload, ballast, gas or the temperature change it alike.',
 )
 NEXT: Final = (
-    f'Next: lta discover with --vehicle {CALIBRATED_FILE} and flights that took no part finds '
-    'what the file still lacks.'
+    'Next: lta discover with --vehicle {file} and flights that took no part finds what the file '
+    'still lacks.'
 )
-OTHER_EFFECTS: Final = 'Effects that the model lacks are a matter for lta discover.'
 ONLY_POSE: Final = (
     'Only poses were recorded, so the delay of the commands cannot be separated from the clock '
     'offset or the age of a pose.'
@@ -78,13 +78,15 @@ def build_report(calibration: Calibration, calibrated_file: str | None) -> Repor
         'clock_offset.offset'
     ):
         limits.append(ONLY_POSE)
+    keeps = not outputs or is_contradicted(calibration.scores)
+    what_next = NEXT.format(file=calibration.vehicle if keeps else CALIBRATED_FILE)
     return Report(
         command='calibrate',
         subject=calibration.vehicle,
         headline=format_headline(calibration),
         introduction=(
             f'{format_forecast_sentence(calibration)} Calibrated are numbers that any vehicle '
-            f'file must have, from wide assumptions. {NEXT if outputs else OTHER_EFFECTS}'
+            f'file must have, from wide assumptions. {what_next}'
         ),
         tiles=_build_tiles(calibration),
         blocks=(
@@ -111,7 +113,7 @@ def build_report(calibration: Calibration, calibrated_file: str | None) -> Repor
             'estimated from': METHODS[calibration.method],
             **{role: ', '.join(names) for role, names in calibration.bags.items() if names},
         },
-        closing=(format_forecast_sentence(calibration), *([NEXT] if outputs else ())),
+        closing=(format_forecast_sentence(calibration), what_next),
         outputs=outputs,
     )
 
@@ -217,8 +219,7 @@ def _build_pictures(calibration: Calibration) -> list[Picture]:
     """Return the figure of the forecast errors, if there are any."""
     role, scores = calibration.judging_scores
     where = 'confirming' if role == 'confirm' else 'training'
-    caption = f'RMS over all forecasts of the {where} flights.'
-    return [draw_errors(scores, caption)] if scores else []
+    return [draw_errors(scores, f'the {where} flights')] if scores else []
 
 
 def _encode_score(one: HorizonErrors) -> dict[str, Any]:

@@ -4,6 +4,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+import math
 from typing import Final, final, NamedTuple
 
 from lta_discovery.model.nominal import NominalVehicle
@@ -85,6 +86,8 @@ class Calibration:
     corrections: tuple[Correction, ...] = ()
     # By forecasts of the confirming flights, the most useful first; none without such flights
     worth: tuple[JudgedCorrection, ...] = ()
+    # Of the rates of the free oscillations in roll and pitch, relative to them
+    pendulum_deviations: tuple[float, float] = (math.inf, math.inf)
 
     @property
     def judging_scores(self) -> tuple[str, tuple[HorizonErrors, ...]]:

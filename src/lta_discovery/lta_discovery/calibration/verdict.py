@@ -20,6 +20,7 @@ from lta_discovery.formatting import (
 from lta_discovery.model.calibration_parameters import GAIN_NAMES, HEADING
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import NET_LIFT_FORCE
+from lta_discovery.settings import CLEAR
 from lta_discovery.state_filter.forecast_scores import (
     CALIBRATED,
     COASTING,
@@ -135,12 +136,13 @@ def _pendulum_clauses(calibration: Calibration) -> Iterator[str]:
     both = zip(
         pendulum_rates(calibration.nominal), pendulum_rates(calibration.calibrated), strict=True
     )
-    for axis, (before, after) in zip(('roll', 'pitch'), both, strict=True):
-        moved = [calibration.find(name) for name in (f'vehicle.{axis}', 'cg_height.z')]
-        learned = any(one is not None and one.is_known for one in moved)
-        if before > 0.0 and learned and abs(after / before - 1.0) > REPORTED_RATE_CHANGE:
+    for axis, (before, after), deviation in zip(
+        ('roll', 'pitch'), both, calibration.pendulum_deviations, strict=True
+    ):
+        change = abs(after / before - 1.0) if before > 0.0 else 0.0
+        if change > max(REPORTED_RATE_CHANGE, CLEAR * deviation):
             word = 'faster' if after > before else 'slower'
-            percent = format_number(100.0 * abs(after / before - 1.0), 2)
+            percent = format_number(100.0 * change, 2)
             yield f'the {axis} pendulum is {percent} % {word}'
 
 

@@ -159,7 +159,7 @@ def _build_forecast_blocks(study: Discovery) -> list[Picture | TextTable]:
         ratio = format_ratio(study.comparison.compare(NAMED, TUNED))
         remark += f' What is named multiplies the error of fitted tolerances by {ratio}.'
     return [
-        draw_errors(scores, f'RMS over all forecasts of {where}.'),
+        draw_errors(scores, where),
         *build_error_tables({'': scores}, remark),
     ]
 

@@ -44,10 +44,12 @@ SWEEP_SCENE_CAPTION: Final = (
 )
 LOST_HEADING: Final = 'Flights that did not reach their goal'
 BY_PARAMETER: Final = (
-    'Share of flights that reached the goal with its 95 % Wilson interval, and their time and '
-    'path. Flights that could not be flown do not count.'
+    'Of {flights} flights: the share that reached the goal, with its 95 % Wilson interval, and '
+    'the time and path of those. Flights that could not be flown do not count.'
 )
-ON_MAP: Final = 'Share of the flights that reached their goal, and the median time of those.'
+ON_MAP: Final = (
+    'Of {flights} flights: the share that reached the goal, and the median time of those.'
+)
 
 
 def build_report(done: SweepRun) -> Report:
@@ -191,13 +193,14 @@ def draw_parameters(plan: SweepPlan, rows: Sequence[SweepRow]) -> Iterator[Pictu
         return
     if both := find_map_parameters(plan):
         figure = plot_heat_map(rows, both, plan.units)
-        yield Picture('heat', f'{both[1]} against {both[0]}', ON_MAP, figure, height=520)
+        yield Picture('heat', f'{both[1]} against {both[0]}', ON_MAP.format(flights=len(rows)),
+                      figure, height=520)  # fmt: skip
     for k, (path, unit) in enumerate(plan.units.items()):
         how = plan.file.vary.get(path)
         # A log-uniform parameter is even on a logarithmic axis
         even_in_log = isinstance(how, Distribution) and how.loguniform is not None
         figure = plot_by_parameter(*convert_to_grams(rows, path, unit), even_in_log)
-        yield Picture(f'by-{k}', path, BY_PARAMETER, figure, height=520)
+        yield Picture(f'by-{k}', path, BY_PARAMETER.format(flights=len(rows)), figure, height=520)
 
 
 def convert_to_grams(

@@ -76,7 +76,7 @@ KNOWN_BEFORE: Final = (
 )
 UNDRAWN: Final = (
     '**These measures are of a run without draws, and in part of older code: the verdicts of this '
-    'row are preliminary. `./lta reproduce` measures it again.**'
+    'row are preliminary. lta reproduce measures it again.**'
 )
 
 

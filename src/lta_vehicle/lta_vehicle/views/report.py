@@ -91,7 +91,7 @@ def render_drawing(sheet: VehicleSheet) -> str:
         f'<h2 id="title-views">Views</h2><div class="drawing" tabindex="0">{views}'
         f'{draw_gondola(sheet.vehicle)}</div><figcaption>To scale, with parts as boxes. Point at '
         'a part for its name and mass. Dashed: rotor mounts, if the file has no parts.'
-        '</figcaption></figure>'
+        '<span class="swipe"> Swipe for the rest.</span></figcaption></figure>'
     )
 
 

@@ -188,7 +188,9 @@ def test_the_verdict_says_how_far_apart_the_positions_are():
         ComparisonRequest(align='none', tolerances={'odom/*': 1e-9}),
     )
     said = format_verdict(found)
-    assert said.endswith(' The positions are up to 5 m apart, at 4.0 s, and 5 m at the end.')
+    assert said.endswith(
+        ' The positions are up to 5 m apart, at 4.0 s, and 5 m at 10.0 s, the last time of both.'
+    )
 
 
 def test_a_bag_is_gone_through_a_few_times_whatever_it_holds(tmp_path, monkeypatch):

@@ -23,7 +23,11 @@ from lta_discovery.calibration.first_step import calibrate_first, FirstStep
 from lta_discovery.calibration.priors import apply_calibration, free_flight_lifts
 from lta_discovery.calibration.report import build_report
 from lta_discovery.calibration.result import CalibratedValue, Calibration
-from lta_discovery.calibration.verdict import format_lift_warning, list_differences
+from lta_discovery.calibration.verdict import (
+    format_lift_warning,
+    list_differences,
+    pendulum_rates,
+)
 from lta_discovery.flights.bags import read_bags
 from lta_discovery.flights.role_assignment import restrict_to_interval, Role
 from lta_discovery.flights.usable_flights import select_usable_flights
@@ -286,6 +290,23 @@ def test_a_calibration_that_confirming_flights_contradict_is_not_advised(vehicle
         'The confirming flights contradict the calibration, so keep the vehicle file. Estimated '
         'from the training flights alone: Surge: 30 % of the commanded force arrives.'
     )
+    assert f'--vehicle {bad.vehicle} ' in build_report(bad, 'a file').closing[-1]
+    assert '--vehicle calibrated.yaml ' in build_report(sound, 'a file').closing[-1]
+
+
+def test_a_pendulum_is_named_by_its_rate_where_nothing_tells_what_makes_it_so(
+    vehicle: Vehicle,
+) -> None:
+    """A centre of gravity twice as deep: 1.41 times the rate."""
+    nominal = NominalVehicle.from_vehicle(vehicle)
+    found = make_calibration(nominal)
+    before, _ = pendulum_rates(nominal)
+    faster = nominal.with_value('cg_height', 'z', float(nominal.cg[2]))
+    after, _ = pendulum_rates(faster)
+    known = replace(found, calibrated=faster, pendulum_deviations=(0.02, math.inf))
+    percent = 100.0 * (after / before - 1.0)
+    assert list_differences(known) == [f'the roll pendulum is {percent:.0f} % faster']
+    assert list_differences(replace(known, pendulum_deviations=(0.2, 0.2))) == []
 
 
 def test_the_headline_does_not_contradict_the_tile_below_it(vehicle: Vehicle) -> None:
@@ -303,7 +324,7 @@ def test_the_headline_does_not_contradict_the_tile_below_it(vehicle: Vehicle) ->
     report = build_report(make_calibration(nominal, bias), None)
     assert report.tiles[0].value == '0'
     assert report.headline == 'The vehicle file is within its tolerances.'
-    assert len(report.closing) == 1
+    assert len(report.closing) == 2
 
 
 def rotor_wrench(nominal: NominalVehicle, rotor: int, duty: float) -> np.ndarray:

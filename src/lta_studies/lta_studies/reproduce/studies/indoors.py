@@ -66,8 +66,8 @@ INDOOR_TRACK_CAPTION: Final = (
     'Ground tracks from above with the same seed; the yellow fan is the light of the lamp.'
 )
 INDOOR_BAR_CAPTION: Final = (
-    'Path, time and success of each strategy with 95 % intervals. Stars: flights printed in the '
-    'paper.'
+    'Share of {seeds} flights that reach the lamp, and path and time of those that do, with 95 % '
+    'intervals. Stars: flights printed in the paper.'
 )
 
 
@@ -200,7 +200,8 @@ def plot_indoor_flights(
     """Plot the flights from above, and the comparison with the paper."""
     indoors = groups['']
     pictures = [
-        StudyPicture('bars', 'Indoors, compared with the paper', INDOOR_BAR_CAPTION,
+        StudyPicture('bars', 'Indoors, compared with the paper',
+                     INDOOR_BAR_CAPTION.format(seeds=request.seeds),
                      plot_paper_comparison(list(indoors.cells)),
                      format_lta_command('sweep', 'light_indoors'))
     ]  # fmt: skip
