@@ -115,8 +115,8 @@ def _names_rotor(name: ColumnName) -> bool:
     """Return whether a number, a place or a word makes a speed that of a rotor."""
     numbered = any(word[-1].isdigit() for word in (*name.stem, name.axis) if word)
     # The vertical speed is that of the vehicle
-    said = name.words & (ROTATING_WORDS | PLACE_WORDS - {*BODY_WORDS})
-    return bool(numbered or said) and not name.words & TRAVEL_WORDS
+    nouns = name.words & (ROTATING_WORDS | PLACE_WORDS - {*BODY_WORDS})
+    return bool(numbered or nouns) and not name.words & TRAVEL_WORDS
 
 
 def _choose_unit(
