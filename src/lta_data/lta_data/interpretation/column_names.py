@@ -151,6 +151,8 @@ UNCERTAINTY_WORDS: Final = frozenset([
     'covariance', 'covariances', 'cov', 'variance', 'stddev', 'bias', 'biases', 'error', 'errors',
     'err', 'residual', 'residuals', 'innovation', 'innovations',
 ])  # fmt: skip
+# Of what is known better: gyro_no_bias_x
+CORRECTED_WORDS: Final = frozenset(['no', 'without', 'corrected', 'compensated'])
 # What a learned controller puts out; a1, a2, a3 can be an acceleration, too
 ACTIONS: Final = frozenset(['a', 'act', 'action', 'actions'])
 # A command of a place is that of the actuator there: cmd_left
@@ -287,6 +289,11 @@ def match_role(words: Iterable[str]) -> str:
     if 'state' in there and 'estimate' in there:
         return 'estimate'
     return next((role for role, role_words in ROLE_WORDS.items() if there & role_words), '')
+
+
+def tells_uncertainty(words: frozenset[str]) -> bool:
+    """Return whether words name how well a quantity is known, and not the quantity itself."""
+    return bool(words & UNCERTAINTY_WORDS) and not words & CORRECTED_WORDS
 
 
 def needs_translation(names: Sequence[ColumnName]) -> bool:

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 import pytest
 from rich.console import Console
 from scipy.spatial.transform import Rotation
+import yaml
 
 from .lab_flights import DOWN, lab_flight, three, write_csv
 
@@ -36,6 +37,7 @@ class Form(NamedTuple):
 
     write: Callable[[Flight], dict[str, Array]]
     parts: str = 'pq'
+    others: frozenset[str] | None = None  # topics beside the motion; None for any
 
 
 def turned(f: Flight) -> Rotation:
@@ -82,6 +84,11 @@ def crazyflie(f: Flight) -> dict[str, Array]:
     return time | place(f, 'stateEstimate.') | angles(f, names, (1, -1, 1))
 
 
+ERRORS = ('x_error', 'y_error', 'z_error', 'height_error', 'altitude_error', 'motor_error')
+TRAVEL_SPEEDS = (
+    'ground_speed', 'gps_speed', 'gps_0_speed', 'air_speed', 'wind_speed', 'vertical_speed',
+    'speed',
+)  # fmt: skip
 FORMS = {
     # A sign of an angle
     'Crazyflie names alone': Form(crazyflie),
@@ -124,7 +131,8 @@ FORMS = {
     ),
     'x_dot and phi_dot': Form(
         lambda f: timed(f) | place(f) | angles(f, 'phi theta psi', scale=1.0)
-        | three('', world_velocity(f), ('x_dot', 'y_dot', 'z_dot')), 'pqv',
+        | three('', world_velocity(f), ('x_dot', 'y_dot', 'z_dot'))
+        | three('', f['w'], ('phi_dot', 'theta_dot', 'psi_dot')), 'pqvw',
     ),
     'a pose as a matrix': Form(
         lambda f: timed(f) | {f'T{i}{j}': turned(f).as_matrix()[:, i, j]
@@ -136,6 +144,25 @@ FORMS = {
         lambda f: timed(f) | place(f, 'pos_') | quaternion(f, 'attq_')
         | three('pos_error_', np.sin(f['p'])) | three('error_', np.cos(f['p']))
         | quaternion({**f, 'q': f['q'] * 0.0 + [0.0, 0.0, 0.0, 1.0]}, 'q_error_')
+    ),
+    'errors of what sensors and controllers have': Form(
+        lambda f: timed(f) | place(f) | quaternion(f) | three('', 0.1 * np.cos(f['p']), ERRORS[:3])
+        | {name: 0.5 + 0.1 * np.sin(f['t']) for name in ERRORS[3:]}
+        | {'voltage_error': 12.0 + np.sin(f['t'])}, others=frozenset(),
+    ),
+    'the error of a heading beside a place': Form(
+        lambda f: timed(f) | place(f) | quaternion(f) | {'yaw_error': 0.1 * np.sin(f['t'])}
+        | three('euler_error_', np.sin(f['p'])), others=frozenset(),
+    ),
+    'speeds of the vehicle, not of its rotors': Form(
+        lambda f: timed(f) | place(f) | quaternion(f)
+        | dict.fromkeys(TRAVEL_SPEEDS, f['v'][:, 0]),
+        others=frozenset(),
+    ),
+    'speeds of rotors': Form(
+        lambda f: timed(f) | place(f) | quaternion(f)
+        | dict.fromkeys(('left_speed', 'right_speed'), 300.0 + 10.0 * f['v'][:, 0]),
+        others=frozenset(['motors']),
     ),
     # Angles, rates and velocities by other names
     'German': Form(lambda f: timed(f) | place(f)
@@ -202,6 +229,10 @@ FORMS = {
                         **three('q', in_ned(f)[:, [3, 0, 1, 2]], '0123'),
                         **three('w', f['w'] * DOWN)), 'pqvw',
     ),
+    'a velocity north, east, down without a place': Form(
+        lambda f: timed(f, **three('vel_', world_velocity(f) @ TO_NED.T, 'ned'),
+                        **three('q', in_ned(f), 'xyzw')), 'qv', others=frozenset(),
+    ),
     'a place north, east, down beside an attitude in our axes': Form(
         lambda f: timed(f, **three('', f['p'] @ TO_NED.T, 'ned')) | angles(f)
         | dict(zip('pqr', f['w'].T, strict=True)), 'pqw',
@@ -267,7 +298,13 @@ def test_a_log_in_any_convention_is_read_as_it_was_written(form: Form, tmp_path:
     assert draft.choices.questions == []
     series = import_draft(draft, source, tmp_path)
     np.testing.assert_allclose(np.ptp(series.index), np.ptp(f['t']), atol=1e-3)
-    np.testing.assert_allclose(stack_components(series, 'pose.pose.position'), f['p'], atol=0.01)
+    if form.others is not None:
+        topics = {entry['topic'] for entry in yaml.safe_load(draft.text)['topics']}
+        assert topics - {'ground_truth/odom'} == form.others
+    if 'p' in form.parts:
+        np.testing.assert_allclose(
+            stack_components(series, 'pose.pose.position'), f['p'], atol=0.01
+        )
     attitude = Rotation.from_quat(stack_components(series, 'pose.pose.orientation'))
     assert np.degrees((attitude.inv() * turned(f)).magnitude()).max() < 1.0
     if 'v' in form.parts:
@@ -307,7 +344,10 @@ def test_a_unit_in_which_a_hover_would_be_a_flight_is_asked(tmp_path: Path) -> N
     assert [name for name, _ in question.options] == ['cm', 'mm']
 
 
-@pytest.mark.parametrize(('scale', 'gyro'), [(1.0, 'gyro_'), (DEGREES, 'gyro_'), (1.0, 'g')])
+@pytest.mark.parametrize(('scale', 'gyro'), [
+    (1.0, 'gyro_'), (DEGREES, 'gyro_'), (1.0, 'g'), (1.0, 'gyro_no_bias_'),
+    (1.0, 'gyro_bias_corrected_'), (1.0, 'gyro_error_compensated_'),
+])  # fmt: skip
 def test_an_inertial_sensor_may_have_other_axes_than_the_tracker(
     scale: float, gyro: str, tmp_path: Path
 ) -> None:
@@ -407,6 +447,33 @@ def test_a_question_about_the_floor_says_what_the_heights_are(tmp_path: Path) ->
     (question,) = draft_mapping(source, {}).choices.questions
     low, high = np.percentile(f['p'][:, 2], [2.0, 98.0])
     assert f'z is {low:.3g} to {high:.3g} m' in question.reason
+
+
+@pytest.mark.parametrize('shift', [50.0, 1500.0])
+@pytest.mark.parametrize('name', ['height', 'altitude'])
+def test_a_height_above_30_can_be_in_metres(name: str, shift: float, tmp_path: Path) -> None:
+    f = lab_flight()
+    table = timed(f) | place(f) | quaternion(f) | {name: f['p'][:, 2] + shift}
+    (question,) = draft_mapping(write_csv(tmp_path / 'log.csv', table), {}).choices.questions
+    assert question.key == 'range.range.unit'
+    assert {'m', 'mm'} <= {unit for unit, _ in question.options}
+
+
+@pytest.mark.parametrize(('axes', 'drift', 'asked'), [
+    ('ned', [0.5, 0.1, 0.0], False), ('xyz', [0.1, 0.5, 0.0], True),
+])  # fmt: skip
+def test_a_steady_velocity_across_a_turning_vehicle_is_no_motion_ahead(
+    axes: str, drift: list[float], asked: bool, tmp_path: Path
+) -> None:
+    """Wind drives a vehicle that turns: names tell the frame, or the user does."""
+    f = lab_flight()
+    velocity = drift + 0.02 * f['v']
+    source = write_csv(tmp_path / 'log.csv', timed(f) | quaternion(f)
+                       | three('vel_', velocity, axes))  # fmt: skip
+    draft = draft_mapping(source, {})
+    keys = [one.key for one in draft.choices.questions]
+    assert ('ground_truth/odom.velocity.frame' in keys) is asked
+    assert ('frame: world' in draft.text) is not asked
 
 
 def test_a_heading_alone_says_nothing_of_the_vertical(tmp_path: Path) -> None:

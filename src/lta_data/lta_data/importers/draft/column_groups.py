@@ -33,7 +33,7 @@ from lta_data.interpretation.column_names import (
     match_role,
     needs_translation,
     parse_column_name,
-    UNCERTAINTY_WORDS,
+    tells_uncertainty,
     UNIT_WORDS,
 )
 import numpy as np
@@ -75,9 +75,10 @@ def group_columns(
 
     `has_linear`: the table has a command of surge, sway or heave beside these columns.
     """
-    named = [parse_column_name(column) for column in table]
+    parsed = [parse_column_name(column) for column in table]
+    named = [name for name in parsed if not tells_uncertainty(name.words)]
     commands = [*find_named_axes(named, has_linear=has_linear).values()]
-    names = [name for name in named if name not in commands and not name.words & UNCERTAINTY_WORDS]
+    names = [name for name in named if name not in commands]
     stems: dict[tuple[tuple[str, ...], str], dict[str, ColumnName]] = {}
     matrices = [*_group_matrices(names, table)]
     in_matrix = {column for group in matrices for column in group.columns}

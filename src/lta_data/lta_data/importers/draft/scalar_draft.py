@@ -13,6 +13,7 @@ from lta_data.importers.protocol import Numbers
 from lta_data.interpretation.column_group import Columns
 from lta_data.interpretation.column_names import (
     ACTUATOR_WORDS,
+    BODY_WORDS,
     ColumnName,
     is_placed_command,
     NUMBERED,
@@ -23,13 +24,17 @@ from lta_data.interpretation.column_names import (
 )
 import numpy as np
 
+# Of a height that can be in m; above it, a laboratory counts mm [m]
+HIGHEST_FLIGHT: Final = 3000.0
 # Words -> topic, part, candidate units with the values that a flight log has in each
 SCALARS: Final = (
     ('vbat voltage volt volts vbatt batt battery', 'battery', 'voltage',
      {'V': (2.5, 61.0), 'mV': (2500.0, 61000.0)}),
     ('current curr amps', 'battery', 'current', {'A': (0.0, 60.0), 'mA': (60.0, 60000.0)}),
-    ('range tof lidar sonar zrange height altitude', 'range', 'range',
+    ('range tof lidar sonar zrange', 'range', 'range',
      {'m': (0.01, 30.0), 'mm': (30.0, 30000.0), 'cm': (30.0, 400.0)}),
+    ('height altitude', 'range', 'range',
+     {'m': (0.01, HIGHEST_FLIGHT), 'mm': (30.0, 30000.0), 'cm': (30.0, 400.0)}),
     ('pressure baro press', 'pressure', 'pressure',
      {'Pa': (3e4, 1.1e5), 'hPa': (300.0, 1100.0)}),
 )  # fmt: skip
@@ -50,6 +55,9 @@ STANDING_SHARE: Final = 0.05  # share of the pulses at which motors stand, in a 
 REVERSED_SHARE: Final = 0.1
 ACTUATOR_NAME: Final = re.compile(r'[a-z][a-z0-9_]*')
 ROTOR_SPEED_WORDS: Final = frozenset(['rpm', 'speed', 'rotorspeed', 'omega'])
+# What has a speed: a rotor, or the vehicle through air or over ground
+ROTATING_WORDS: Final = frozenset(['thruster', 'thrusters', 'fan', 'fans', 'propellers', 'props'])
+TRAVEL_WORDS: Final = frozenset(['ground', 'gps', 'gnss', 'air', 'wind', 'vehicle', 'body'])
 
 
 def draft_scalars(
@@ -97,11 +105,18 @@ def _commands_rotor(name: ColumnName, choices: DraftChoices) -> bool:
     """Return whether a column commands an actuator: as the user says, else by its name."""
     if answer := choices.find_answer(f'{name.column}.command'):
         return answer not in ('none', *BODY_AXES)
-    # A speed alone is that of the vehicle
-    speeds = ROTOR_SPEED_WORDS if name.axis or len(name.words) > 1 else {'rpm', 'rotorspeed'}
     if UNIT_WORDS.get(name.unit, ('',))[0] == 'm/s':
         return False
+    speeds = ROTOR_SPEED_WORDS if _names_rotor(name) else {'rpm', 'rotorspeed'}
     return bool(name.words & (ACTUATOR_WORDS | FORCES | speeds) or is_placed_command(name.column))
+
+
+def _names_rotor(name: ColumnName) -> bool:
+    """Return whether a number, a place or a word makes a speed that of a rotor."""
+    numbered = any(word[-1].isdigit() for word in (*name.stem, name.axis) if word)
+    # The vertical speed is that of the vehicle
+    nouns = name.words & (ROTATING_WORDS | PLACE_WORDS - {*BODY_WORDS})
+    return bool(numbered or nouns) and not name.words & TRAVEL_WORDS
 
 
 def _choose_unit(

@@ -42,7 +42,7 @@ IMPOSSIBLE: Final = 60.0  # speed of no vehicle in a laboratory [m/s]
 COUNTS_OF_GRAVITY: Final = (2048, 4096, 8192, 16384)
 COUNTS_TOLERANCE: Final = 0.05
 GRAVITY_TOLERANCE: Final = 0.12  # a slow vehicle accelerates little; 8192 is no number of mm/s2
-CLEARLY_STEADY: Final = 0.15  # more of the way along one direction decides on the frame
+CLEARLY_AHEAD: Final = 0.15  # more of the way along x decides on the frame
 FLIGHT_SPEEDS: Final = (0.02, 20.0)  # usual speeds of a vehicle in flight [m/s]
 
 
@@ -288,7 +288,11 @@ def draft_velocity(
     scale = named[1] if named else 1.0
     key = f'{topic}.velocity.frame'
     frame, why = 'body', 'nothing to compare it with'
-    if raw.position is not None:
+    in_compass_axes = group.axes in (NORTH_EAST_DOWN, EAST_NORTH_DOWN)
+    is_named = in_compass_axes and raw.position is None
+    if is_named:
+        frame, why = 'world', 'the names north, east, down'
+    elif raw.position is not None:
         speed = differentiate(raw.position * scales['position'], raw.seconds)
         fits = {'world': fit_scale(raw.velocity, speed, raw.seconds, FILTER_DELAY)}
         if turn is not None:
@@ -319,21 +323,23 @@ def draft_velocity(
             options = [('none', 'left out'), *((one, '') for one in fits)]
             question = f'The velocity contradicts the position: {why}.'
             frame = choices.decide(key, options, question)
-        elif frame == 'world' and group.axes in (NORTH_EAST_DOWN, EAST_NORTH_DOWN):
+        elif frame == 'world' and in_compass_axes:
             why = f'{why}; as its names say'
         elif len(close) > 1 and _differs(turn) and key not in choices.answers:
             options = [(one, f'{100 * fits[one].share:.0f} % explained') for one in close]
             frame = choices.decide(key, options, 'The velocity fits in both frames.')
     elif turn is not None and _differs(turn) and 'velocity.frame' not in choices.settled:
-        steady = {'body': _measure_steadiness(raw.velocity)}
-        steady['world'] = _measure_steadiness(turn.inv().apply(np.nan_to_num(raw.velocity)))
-        frame = max(steady, key=lambda one: steady[one])
-        why = f'the vehicle moves where it points ({100 * steady[frame]:.0f} % of the way)'
-        if steady[frame] < FORWARD_SHARE or min(steady.values()) > steady[frame] - CLEARLY_STEADY:
+        ahead = {'body': _measure_way_ahead(raw.velocity)}
+        ahead['world'] = _measure_way_ahead(turn.inv().apply(np.nan_to_num(raw.velocity)))
+        frame = max(ahead, key=lambda one: ahead[one])
+        why = f'the vehicle moves where it points ({100 * ahead[frame]:.0f} % of the way)'
+        if ahead[frame] < FORWARD_SHARE or min(ahead.values()) > ahead[frame] - CLEARLY_AHEAD:
             options = [('body', ''), ('world', '')]
             question = 'No position tells whether the velocity is in body or world axes.'
             frame, why = choices.decide(key, options, question), choices.explain(key)
-    frame = choices.settled.setdefault('velocity.frame', choices.override(key, frame))
+    frame = choices.override(key, frame)
+    settled = choices.settled.setdefault('velocity.frame', frame)
+    frame = frame if is_named else settled
     if frame == 'none':
         choices.add_reason(f'{topic}: velocity', group.columns, 'left out', why)
         return scale
@@ -348,13 +354,13 @@ def draft_velocity(
     return scale
 
 
-def _measure_steadiness(velocity: Numbers) -> float:
-    """Return how steadily a velocity has one direction, at most 1."""
+def _measure_way_ahead(velocity: Numbers) -> float:
+    """Return how much of the way goes along x, -1 to 1; along y, it can be wind, or the world."""
     speed = np.linalg.norm(velocity, axis=1)
     moving = speed > 0.5 * np.nanpercentile(speed, 90.0)
     if not moving.any():
         return 0.0
-    return float(np.linalg.norm((velocity[moving] / speed[moving, None]).mean(axis=0)))
+    return float((velocity[moving, 0] / speed[moving]).mean())
 
 
 def _differs(turn: Rotation | None) -> bool:
