@@ -19,8 +19,8 @@ import re
 import subprocess
 from typing import Any, Final
 
+from lta_bag.reader import read_bag
 from lta_config.errors import BadInput
-from lta_data.bag.reader import read_bag
 from peer import Peer
 from waiting import PATIENCE
 

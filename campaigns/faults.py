@@ -19,9 +19,9 @@ import time
 from typing import Any, Final
 
 from diagnostic_msgs.msg import DiagnosticArray
+from lta_bag.reader import read_bag
 from lta_config.topics import load_topic_table
 from lta_control.messages import from_duties
-from lta_data.bag.reader import read_bag
 from lta_emulation.crazyflie.server import CrazyflieServer
 from lta_emulation.emulated_hardware import build_simulated_body
 from lta_graph.ros.message_validation import find_message_type

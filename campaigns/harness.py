@@ -30,7 +30,7 @@ import traceback
 from typing import Any, Final, NamedTuple
 import uuid
 
-from lta_bridge.provenance import read_commit
+from lta_bag.provenance import read_commit
 from rich.progress import track
 
 from campaigns import ROOT

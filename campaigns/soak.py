@@ -17,9 +17,9 @@ from typing import Final, NamedTuple
 
 from command import Lta, Started
 from domain import free_domain
+from lta_bag.reader import read_bag
 from lta_bridge.log_time_assigner import read_stamp
 from lta_config.topics import load_topic_table, robot_topic
-from lta_data.bag.reader import read_bag
 from lta_graph.ros.listener import DiagnosticsListener
 import numpy as np
 from numpy.typing import NDArray

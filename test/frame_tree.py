@@ -4,7 +4,7 @@
 
 from bisect import bisect_right
 
-from lta_data.bag.reader import Bag
+from lta_bag.reader import Bag
 import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 

@@ -12,6 +12,7 @@ from typing import Final
 UNIT: Final = Path(__file__).resolve().parent / 'unit'
 PACKAGE_TESTS: Final = {
     'lta_analysis': ('data/bag/test_table.py', 'flight/test_notebook_calls.py'),
+    'lta_bag': ('bag',),
     'lta_bridge': ('bridge',),
     'lta_bringup': ('graph/test_bringup.py',),
     'lta_cli': ('cli', 'security'),

@@ -13,7 +13,7 @@ trap 'rm -rf "$work"' EXIT INT TERM
 cp "$root/tools/wheel/setup.py" "$root/LICENSE" "$work/"
 # The commit is part of the wheel, whose results name it; machines of a cluster compare it.
 (set +u && . "$root/tools/workspace.sh" && "$root/.venv/bin/python" -P -c \
-    'from lta_bridge.provenance import read_commit; print(read_commit())') >"$work/commit"
+    'from lta_bag.provenance import read_commit; print(read_commit())') >"$work/commit"
 cd "$work"
 if ! LTA_ROOT=$root "$root/.venv/bin/python" setup.py --quiet bdist_wheel --dist-dir "$out" \
     >"$work/log" 2>&1; then

@@ -7,8 +7,8 @@ from heapq import merge
 from pathlib import Path
 from typing import Any, Final
 
-from lta_bridge.bag.metadata import build_offered_qos
-from lta_bridge.bag.writer import BagWriter
+from lta_bag.metadata import build_offered_qos
+from lta_bag.writer import BagWriter
 from lta_config.topics import load_topic_table, robot_topic
 from lta_data.importers.entry_plan import CdrTemplate, WRENCH
 from lta_flight.flight_run import SIMULATED_ROBOT

@@ -27,7 +27,7 @@ def _eat(*_: object) -> None:
 
 
 def _slow(*_: object) -> None:
-    from lta_bridge.bag.writer import BagWriter
+    from lta_bag.writer import BagWriter
 
     write, stalls = BagWriter.write, [STALL]
 

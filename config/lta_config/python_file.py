@@ -7,8 +7,16 @@ from pathlib import Path
 import sys
 import traceback
 from types import ModuleType
+from typing import Final
 
 from lta_config.errors import BadInput
+
+PYTHON_SUFFIX: Final = '.py'
+
+
+def is_strategy_file(name: str) -> bool:
+    """Return whether the name of a strategy is that of a Python file."""
+    return name.endswith(PYTHON_SUFFIX) or '/' in name
 
 
 def run_python_file(path: Path, what: str) -> ModuleType:

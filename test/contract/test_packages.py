@@ -25,6 +25,7 @@ FIRST_FLIGHT = 'docs/tutorials/first_flight.md'
 FOLDERS = [ROOT / 'config', *sorted(path.parent for path in ROOT.glob('src/*/setup.py'))]
 NAMES = {
     'lta_analysis',
+    'lta_bag',
     'lta_bridge',
     'lta_bringup',
     'lta_cli',

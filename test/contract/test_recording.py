@@ -5,7 +5,7 @@
 from pathlib import Path
 import re
 
-from lta_bridge.bag.background_writer import FLUSH_PERIOD, REFRESH_PERIOD
+from lta_bag.background_writer import FLUSH_PERIOD, REFRESH_PERIOD
 from lta_bridge.nodes.recorder import LOOK_PERIOD
 from lta_bridge.parameters import RecorderSettings, RobotOrigin
 from lta_graph.launches import FLEET, FLY

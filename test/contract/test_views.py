@@ -8,7 +8,7 @@ import re
 import xml.etree.ElementTree as ET
 
 import foxglove.layouts as sdk
-from lta_bridge.bag.schemas import load_jazzy_types
+from lta_bag.schemas import load_jazzy_types
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.topics import load_topic_table, robot_topic
 import pytest

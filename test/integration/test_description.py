@@ -5,8 +5,8 @@
 from xml.etree import ElementTree
 
 from frame_tree import resolve_all
+from lta_bag.reader import read_bag
 from lta_bridge.description.urdf import list_fixed_frames
-from lta_data.bag.reader import read_bag
 from lta_model.vehicle import load_vehicle
 from nav_msgs.msg import Odometry
 import pytest

@@ -9,8 +9,8 @@ import signal
 import subprocess
 import time
 
+from lta_bag.reader import read_bag
 from lta_config.topics import load_topic_table, robot_topic
-from lta_data.bag.reader import read_bag
 from lta_graph.health import find_stalling_roles
 import pytest
 

@@ -8,9 +8,9 @@ import signal
 import time
 
 from frame_tree import nanoseconds, resolve_all
+from lta_bag.reader import read_bag
 from lta_config.parameter_override import parse_assignment
 from lta_config.topics import load_topic_table
-from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import open_flight
 from lta_flight.flight_spec import load_spec
 from lta_flight.progress import FlightProgress

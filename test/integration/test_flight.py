@@ -6,9 +6,9 @@ import json
 from pathlib import Path
 
 from frame_tree import resolve_all
+from lta_bag.reader import read_bag
 from lta_config.files import find_file, load_yaml
 from lta_config.topics import load_topic_table, robot_topic
-from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import open_flight
 from lta_graph.quality import LOCKSTEP_HISTORY_NS
 import pytest

@@ -7,7 +7,7 @@ from pathlib import Path
 import signal
 import subprocess
 
-from lta_data.bag.reader import read_bag
+from lta_bag.reader import read_bag
 from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.stamps import to_stamp
 import pytest
@@ -22,7 +22,7 @@ from .peer import complaints, Peer, start, TABLE
 
 ROW = TABLE['odom']
 START = TABLE.start_ns
-NO_VERSIONS = 'from lta_bridge import provenance; provenance.version = lambda name: "0"; '
+NO_VERSIONS = 'from lta_bag import provenance; provenance.version = lambda name: "0"; '
 LATCHED = QoSProfile(depth=3, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 BEST_EFFORT = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
 

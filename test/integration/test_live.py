@@ -10,11 +10,11 @@ import re
 import signal
 
 import foxglove
-from lta_bridge.bag.schemas import load_jazzy_types
+from lta_bag.reader import read_bag
+from lta_bag.schemas import load_jazzy_types
 from lta_bridge.live.server import LiveServer
 from lta_config.files import share_folder
 from lta_config.topics import load_topic_table, robot_topic
-from lta_data.bag.reader import read_bag
 from ports import free_port
 import pytest
 from rosbags.typesys import get_types_from_msg

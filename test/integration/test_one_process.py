@@ -8,9 +8,9 @@ from pathlib import Path
 import signal
 import time
 
+from lta_bag.reader import read_bag
 from lta_config.files import share_folder
 from lta_config.topics import load_topic_table, robot_topic
-from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import open_flight
 from lta_graph.reach import PROFILE_VARIABLE
 from lta_graph.ros.one_process import deliver_in_memory

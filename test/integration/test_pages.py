@@ -6,9 +6,9 @@ import json
 from pathlib import Path
 import sys
 
-from lta_bridge.bag.writer import BagWriter
+from lta_bag.reader import read_bag
+from lta_bag.writer import BagWriter
 from lta_cli import app
-from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import open_flight
 from lta_flight.replay.replay_request import ReplayRequest
 from lta_flight.replay.report import build_report

@@ -8,10 +8,10 @@ import os
 from pathlib import Path
 import subprocess
 
-from lta_bridge.bag.metadata import build_offered_qos
-from lta_bridge.bag.writer import BagWriter
+from lta_bag.metadata import build_offered_qos
+from lta_bag.reader import read_bag
+from lta_bag.writer import BagWriter
 from lta_bridge.log_time_assigner import read_stamp
-from lta_data.bag.reader import read_bag
 from lta_flight.flight_spec import load_spec
 from lta_flight.progress import FlightProgress
 from lta_flight.simulate import simulate_once

@@ -38,6 +38,7 @@ STOP = 120.0  # s from SIGINT to the end, on a machine that others use as well
 NAMESPACE = '/probe'
 PACKAGES = {'lta_config', *(path.parent.name for path in ROOT.glob('src/*/setup.py'))}
 CARRIED = {  # what a drone's own computer needs
+    'lta_bag',
     'lta_bridge',
     'lta_config',
     'lta_control',

@@ -16,10 +16,11 @@ import shutil
 import sys
 import tempfile
 
-from lta_bridge.bag.metadata import build_offered_qos
-from lta_bridge.bag.schemas import encode_message
-from lta_bridge.bag.writer import BagWriter
-from lta_bridge.provenance import collect_provenance
+from lta_bag.metadata import build_offered_qos
+from lta_bag.provenance import collect_provenance
+from lta_bag.reader import read_bag
+from lta_bag.schemas import encode_message
+from lta_bag.writer import BagWriter
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.topics import load_topic_table
 from lta_control.gains_file import load_gains
@@ -34,7 +35,6 @@ from lta_control.phases import Mission
 from lta_control.reserve import FlightPermission, ReserveResponseSettings
 from lta_control.sighting import build_sight
 from lta_control.strategies import find_navigation_strategy
-from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import open_flight
 from lta_flight.closed_loop import ClosedLoop, round_axes, to_lamp_position
 from lta_flight.flight_stack import FlightStack

@@ -7,8 +7,8 @@ from pathlib import Path
 import resource
 import sys
 
-from lta_bridge.bag import BagWriter, build_offered_qos
-from lta_bridge.bag.schemas import load_jazzy_types
+from lta_bag import BagWriter, build_offered_qos
+from lta_bag.schemas import load_jazzy_types
 from lta_config.compilation.flat import render_core_source
 from lta_config.compilation.kernel_cache import load_kernel
 from lta_control import autopilot

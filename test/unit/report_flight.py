@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from functools import cache
 import math
 
-from lta_bridge.bag import BagWriter
-from lta_bridge.bag.schemas import load_jazzy_types
+from lta_bag import BagWriter
+from lta_bag.schemas import load_jazzy_types
 from lta_config.files import find_file
 import numpy as np
 

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any, final, TYPE_CHECKING
 
 from lta_analysis.console import print_lines
+from lta_bag.bag_folder import find_bag
 from lta_config.errors import BadInput
-from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.info import BagInfo, print_bag_info, summarize_bag
 from lta_data.bag.recorded_flight import open_flight, RecordedFlight
 from lta_report.progress_bar import ProgressBar

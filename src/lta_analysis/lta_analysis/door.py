@@ -25,7 +25,7 @@ from typing import (
 
 from lta_analysis.console import plain_console, print_lines
 from lta_analysis.result import StudyResult
-from lta_bridge.provenance import read_commit
+from lta_bag.provenance import read_commit
 from lta_config.errors import BadInput
 from lta_report.browser import find_chromium
 from lta_report.report import Report

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, final, get_args, Literal, TYPE_CHECKING
 
 from lta_analysis.console import print_lines
+from lta_bag.bag_folder import find_bag
 from lta_bridge.live.origin_gate import LIVE_PORT
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
@@ -16,7 +17,6 @@ from lta_config.files import list_shipped_names
 from lta_config.schema.import_file import Format
 from lta_config.topics import is_name
 from lta_control.strategies import STRATEGIES
-from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.recorded_flight import open_flight, RecordedFlight, select_robot
 from lta_data.importers.draft.choices import Answers
 from lta_flight.flight_run import EXIT_STATUSES, FlightRun, SIMULATED_ROBOT
@@ -358,7 +358,7 @@ class FlightPageRequest(Action, command='report'):
     def run(self, console: Console) -> Outcome[Path]:
         """Write page, figures and film, and return the path of the page."""
         from lta_analysis.door import check_picture_output
-        from lta_data.bag.reader import read_bag
+        from lta_bag.reader import read_bag
         from lta_flight.report.page import write_page
         from lta_report.browser import find_chromium
         from lta_report.screenshots import check_video_output, write_pictures, write_video

@@ -363,7 +363,7 @@ class TrimRequest(Action, command='vehicle trim', json=True):
 
     def run(self, console: Console) -> Outcome[dict[str, Any]]:
         """Print the estimate, and return it."""
-        from lta_data.bag.bag_folder import find_bag
+        from lta_bag.bag_folder import find_bag
         from lta_data.bag.recorded_flight import open_flight
         from lta_data.scene import parse_provenance_file
         from lta_vehicle.flight_record import read_flight_record

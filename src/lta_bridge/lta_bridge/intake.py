@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 import time
 from typing import final
 
-from lta_bridge.bag.background_writer import BackgroundWriter
+from lta_bag.background_writer import BackgroundWriter
 from lta_bridge.log_time_assigner import LogTimeAssigner
 from lta_config.topics import absolute_topic, TopicTable
 from lta_graph.health import HealthLevel

@@ -5,9 +5,9 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import final
 
-from lta_bridge.bag.background_writer import BackgroundWriter
-from lta_bridge.bag.metadata import has_mixed_durability, OfferedQos, QosDuration
-from lta_bridge.bag.schemas import is_defined_type
+from lta_bag.background_writer import BackgroundWriter
+from lta_bag.metadata import has_mixed_durability, OfferedQos, QosDuration
+from lta_bag.schemas import is_defined_type
 from lta_bridge.intake import MessageIntake
 from lta_graph.health import HealthFact, HealthLevel
 from lta_graph.ros.node import GraphNode

@@ -4,8 +4,8 @@
 
 from typing import Literal
 
+from lta_bag.provenance import collect_provenance
 from lta_bridge.live.origin_gate import LIVE_PORT, LOCAL
-from lta_bridge.provenance import collect_provenance
 from lta_bridge.teleop.steering import TeleopRates
 from lta_bridge.teleop.sticks import GamepadLayout
 from lta_config.errors import BadInput

@@ -18,8 +18,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
 
+from lta_bag.bag_folder import find_bag
 from lta_config.errors import BadInput
-from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.recorded_flight import open_flight
 from lta_discovery.calibration.prepared_flights import prepare_calibration, PreparedCalibration
 from lta_discovery.flights.bags import read_bags

@@ -17,7 +17,7 @@ import shutil
 import tempfile
 from typing import final, Literal, Self, TYPE_CHECKING
 
-from lta_bridge.bag.writer import prepare_empty_folder
+from lta_bag.writer import prepare_empty_folder
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
 from lta_control.strategies import find_navigation_strategy

@@ -5,9 +5,9 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from lta_bridge.bag.metadata import build_offered_qos
-from lta_bridge.bag.schemas import encode_message
-from lta_bridge.bag.writer import BagWriter
+from lta_bag.metadata import build_offered_qos
+from lta_bag.schemas import encode_message
+from lta_bag.writer import BagWriter
 from lta_bridge.description.messages import iterate_descriptions
 from lta_bridge.log_time_assigner import LogTimeAssigner
 from lta_config.topics import robot_topic, TopicTable

@@ -14,10 +14,10 @@ import math
 from pathlib import Path
 from typing import Final, final
 
+from lta_bag.bag_folder import find_bag
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table
-from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.channels import iterate_channels
 from lta_data.bag.recorded_flight import open_flight, RecordedFlight
 from lta_data.bag.table import DENSE

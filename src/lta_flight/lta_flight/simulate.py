@@ -14,9 +14,9 @@ from pathlib import Path
 import time
 from typing import final, TYPE_CHECKING
 
-from lta_bridge.bag.storage import StorageFault
-from lta_bridge.bag.writer import BagWriter, prepare_empty_folder
-from lta_bridge.provenance import collect_provenance
+from lta_bag.provenance import collect_provenance
+from lta_bag.storage import StorageFault
+from lta_bag.writer import BagWriter, prepare_empty_folder
 from lta_config.errors import BadInput
 from lta_config.parameter_override import format_value
 from lta_config.topics import load_topic_table

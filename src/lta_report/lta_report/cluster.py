@@ -9,7 +9,7 @@ import platform
 from typing import Any, Final, NamedTuple
 import warnings
 
-from lta_bridge.provenance import read_commit
+from lta_bag.provenance import read_commit
 from lta_config.errors import BadInput
 from lta_config.version import VERSION
 
@@ -195,7 +195,7 @@ def build_lta_reader() -> Callable[[], tuple[str, str]]:
 
         try:
             version: str = import_module('lta_config.version').VERSION
-            commit: str = import_module('lta_bridge.provenance').read_commit()
+            commit: str = import_module('lta_bag.provenance').read_commit()
         except ImportError:
             return '', ''
         return version, commit

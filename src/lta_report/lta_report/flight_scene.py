@@ -14,10 +14,10 @@ from html import escape
 import itertools
 from typing import Final, final
 
-from lta_bridge.description.scene import BASE, draw_body, ENVELOPE, vehicle_reach
-from lta_bridge.description.shapes import EllipsoidShape, NO_SHIFT, Shape, ShapeEntity
 from lta_config.errors import BadInput
 from lta_config.schema.vehicle_file import VehicleFile
+from lta_model.drawing.scene import BASE, draw_body, ENVELOPE, vehicle_reach
+from lta_model.drawing.shapes import EllipsoidShape, NO_SHIFT, Shape, ShapeEntity
 from lta_model.mass_properties import half_axes
 from lta_model.vehicle import Vehicle
 from lta_report.html_elements import embed_data

@@ -17,7 +17,7 @@ from pathlib import Path
 import shlex
 from typing import Any, Final
 
-from lta_bridge.bag.writer import prepare_empty_folder
+from lta_bag.writer import prepare_empty_folder
 from lta_config.atomic_file import create_part_folder, replace_atomically, reserve_folder
 from lta_config.errors import BadInput
 

@@ -8,13 +8,13 @@ from pathlib import Path
 import struct
 from types import SimpleNamespace
 
-from lta_bridge.bag import storage
+from lta_bag import storage
+from lta_bag.reader import read_bag
 from lta_bridge.playback import answer_bag
 from lta_bridge.playback.answer_bag import AnswerBag
 from lta_bridge.playback.node_selection import NodeSelection
 from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table
-from lta_data.bag.reader import read_bag
 import pytest
 
 TABLE = load_topic_table()

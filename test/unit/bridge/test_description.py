@@ -14,13 +14,19 @@ from lta_bridge.description.messages import (
     iterate_descriptions,
     list_cone_triangles,
 )
-from lta_bridge.description.scene import (
+from lta_bridge.description.urdf import (
+    build_urdf,
+    list_fixed_frames,
+    list_sensor_frames,
+    to_rpy,
+)
+from lta_model.drawing.scene import (
     draw_body,
     draw_static_scene,
     draw_walls,
     half_power_angle,
 )
-from lta_bridge.description.shapes import (
+from lta_model.drawing.shapes import (
     BillboardText,
     BoxShape,
     CylinderShape,
@@ -29,12 +35,6 @@ from lta_bridge.description.shapes import (
     PolylineShape,
     rotation_between,
     X,
-)
-from lta_bridge.description.urdf import (
-    build_urdf,
-    list_fixed_frames,
-    list_sensor_frames,
-    to_rpy,
 )
 from lta_model.light.lamp import direct_illuminance
 from lta_model.scenario import load_scenario

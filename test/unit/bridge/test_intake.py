@@ -5,7 +5,7 @@
 from collections import Counter
 import struct
 
-from lta_bridge.bag import build_offered_qos
+from lta_bag import build_offered_qos
 from lta_bridge.intake import MessageIntake
 from lta_bridge.messages import to_offered_qos
 from lta_config.topics import load_topic_table

@@ -5,9 +5,9 @@
 from itertools import pairwise
 from types import SimpleNamespace
 
-from lta_bridge.bag.metadata import build_offered_qos
-from lta_bridge.bag.schemas import load_jazzy_types
-from lta_bridge.bag.writer import BagWriter
+from lta_bag.metadata import build_offered_qos
+from lta_bag.schemas import load_jazzy_types
+from lta_bag.writer import BagWriter
 from lta_bridge.playback import message_iterator
 from lta_bridge.playback.answer_times import PendingAnswers
 from lta_bridge.playback.message_iterator import LAST_ANSWER_TIME, MessageIterator, Playback

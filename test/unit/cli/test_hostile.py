@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Whatever a bag carries, it is read or refused in one sentence; it never brings Python down."""
 
+from lta_bag.bag_folder import extract_provenance, find_bag_files, read_metadata
 from lta_config.errors import BadInput
-from lta_data.bag.bag_folder import extract_provenance, find_bag_files, read_metadata
 from lta_data.scene import read_scene
 import pytest
 

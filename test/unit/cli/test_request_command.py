@@ -9,7 +9,7 @@ from pathlib import Path
 import lta_analysis
 from lta_analysis.door import as_function
 from lta_analysis.result import StudyResult
-from lta_bridge.provenance import read_commit
+from lta_bag.provenance import read_commit
 from lta_cli.app import build_app
 from lta_cli.request_command import build_command
 from lta_config.errors import BadInput

@@ -7,7 +7,7 @@ import re
 import runpy
 import sys
 
-from lta_bridge.bag.writer import BagWriter
+from lta_bag.writer import BagWriter
 from lta_config.topics import load_topic_table
 from lta_flight.flight_spec import build_loop, load_spec
 from lta_flight.messages import LoopRecorder

@@ -5,9 +5,9 @@
 from xml.etree import ElementTree
 
 from frame_tree import FrameTree, nanoseconds, resolve_all
+from lta_bag.reader import read_bag
 from lta_config.parameter_override import parse_assignment
 from lta_config.topics import load_topic_table
-from lta_data.bag import read_bag
 from lta_flight.flight_spec import load_spec
 from lta_flight.progress import FlightProgress
 from lta_flight.simulate import simulate_once

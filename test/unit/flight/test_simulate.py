@@ -4,10 +4,11 @@
 
 import json
 
-from lta_bridge import provenance
+from lta_bag import provenance
+from lta_bag.reader import read_bag
 from lta_config.parameter_override import parse_assignment
 from lta_config.topics import load_topic_table, robot_topic
-from lta_data.bag import open_flight, read_bag
+from lta_data.bag import open_flight
 from lta_flight import simulate as simulation
 from lta_flight.flight_spec import load_spec
 from lta_flight.report.results import compute_results

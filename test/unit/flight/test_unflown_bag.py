@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Only the bag of a flight that never began is removed."""
 
-from lta_bridge.bag.writer import BagWriter
+from lta_bag.writer import BagWriter
 from lta_flight.flight import remove_unflown_bags
 import pytest
 

@@ -5,8 +5,8 @@
 from dataclasses import replace
 import sys
 
-from lta_bridge.bag import BagWriter
-from lta_bridge.bag.schemas import load_jazzy_types
+from lta_bag import BagWriter
+from lta_bag.schemas import load_jazzy_types
 from lta_cli import app
 from lta_config.files import find_file
 from lta_flight.replay.comparison import compare_topic, TopicMessages

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Recordings whose clock was set: no command takes memory or time for what lies between."""
 
-from lta_bridge.bag import BagWriter
-from lta_data.bag.reader import read_bag
+from lta_bag import BagWriter
+from lta_bag.reader import read_bag
 from lta_flight.flight_spec import load_spec
 from lta_flight.progress import FlightProgress
 from lta_flight.simulate import simulate_once

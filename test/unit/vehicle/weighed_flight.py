@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A recorded hover of the closed loop, of a vehicle that is not as heavy as its file says."""
 
-from lta_bridge.bag.writer import BagWriter
+from lta_bag.writer import BagWriter
 from lta_config.files import find_file
 from lta_config.parameter_override import parse_assignment
 from lta_config.topics import load_topic_table

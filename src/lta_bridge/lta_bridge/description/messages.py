@@ -12,8 +12,10 @@ from typing import Any, Final
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point
-from lta_bridge.description.scene import draw_static_scene
-from lta_bridge.description.shapes import (
+from lta_bridge.description.urdf import build_urdf, list_fixed_frames
+from lta_graph.ros.transforms import build_transform
+from lta_model.drawing.scene import draw_static_scene
+from lta_model.drawing.shapes import (
     BillboardText,
     BoxShape,
     CylinderShape,
@@ -26,8 +28,6 @@ from lta_bridge.description.shapes import (
     Three,
     Turn,
 )
-from lta_bridge.description.urdf import build_urdf, list_fixed_frames
-from lta_graph.ros.transforms import build_transform
 from lta_model.scenario import Scenario
 from lta_model.vehicle import Vehicle
 from std_msgs.msg import ColorRGBA, String

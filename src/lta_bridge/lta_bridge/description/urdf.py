@@ -15,8 +15,8 @@ import math
 from typing import Final, final, NamedTuple
 from xml.etree import ElementTree
 
-from lta_bridge.description.scene import BASE, draw_body
-from lta_bridge.description.shapes import (
+from lta_model.drawing.scene import BASE, draw_body
+from lta_model.drawing.shapes import (
     BoxShape,
     Colour,
     CylinderShape,

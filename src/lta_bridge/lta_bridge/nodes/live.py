@@ -14,7 +14,7 @@ from collections.abc import Callable
 from typing import Final, Unpack
 
 import foxglove
-from lta_bridge.bag.schemas import generate_definition
+from lta_bag.schemas import generate_definition
 from lta_bridge.live.server import LiveServer
 from lta_bridge.log_time_assigner import LogTimeAssigner, read_stamp
 from lta_bridge.parameters import LiveSettings

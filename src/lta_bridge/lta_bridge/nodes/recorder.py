@@ -15,16 +15,16 @@ from pathlib import Path
 import time
 from typing import Unpack
 
-from lta_bridge.bag.background_writer import BackgroundWriter
-from lta_bridge.bag.storage import StorageFault
-from lta_bridge.bag.writer import BagWriter
+from lta_bag.background_writer import BackgroundWriter
+from lta_bag.provenance import merge_provenance
+from lta_bag.storage import StorageFault
+from lta_bag.writer import BagWriter
 from lta_bridge.crazyflie.safety import LEAVE
 from lta_bridge.intake import MessageIntake
 from lta_bridge.messages import RecordedTopics
 from lta_bridge.parameters import RecorderSettings, RobotOrigin
 from lta_bridge.playback.answer_bag import build_replay_origin
 from lta_bridge.playback.recording import open_recording
-from lta_bridge.provenance import merge_provenance
 from lta_config.errors import BadInput
 from lta_config.limits import limit_memory
 from lta_config.topics import ALL_TOPICS, select_topics

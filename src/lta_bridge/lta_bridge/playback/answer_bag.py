@@ -11,14 +11,14 @@ from pathlib import Path
 import time
 from typing import final
 
-from lta_bridge.bag.background_writer import FLUSH_PERIOD
-from lta_bridge.bag.metadata import build_offered_qos
-from lta_bridge.bag.storage import StorageFault
-from lta_bridge.bag.writer import BagWriter
+from lta_bag.background_writer import FLUSH_PERIOD
+from lta_bag.metadata import build_offered_qos
+from lta_bag.provenance import describe_environment
+from lta_bag.storage import StorageFault
+from lta_bag.writer import BagWriter
 from lta_bridge.log_time_assigner import read_stamp
 from lta_bridge.playback.node_selection import NodeSelection
 from lta_bridge.playback.recording import RobotBagRecording
-from lta_bridge.provenance import describe_environment
 from lta_config.errors import BadInput
 from lta_config.topics import robot_topic, TopicTable
 from lta_graph.quality import select_quality

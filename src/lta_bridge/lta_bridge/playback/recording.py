@@ -14,10 +14,10 @@ from pathlib import Path
 import struct
 from typing import final, NamedTuple
 
-from lta_bridge.bag.mcap_file import PROVENANCE
-from lta_bridge.bag.version_1 import refuse_old_bag
+from lta_bag.mcap_file.output import PROVENANCE
+from lta_bag.provenance import extract_robot_origin
+from lta_bag.version_1 import refuse_old_bag
 from lta_bridge.log_time_assigner import read_stamp
-from lta_bridge.provenance import extract_robot_origin
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.limits import READER_MEMORY
 from lta_config.topics import TopicTable

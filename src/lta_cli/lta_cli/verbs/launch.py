@@ -10,10 +10,10 @@ import sys
 from typing import Annotated
 
 from lta_analysis.console import plain_console
+from lta_bag.reader import read_bag
 from lta_config.atomic_file import reserve_folder
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
-from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import list_robots
 from lta_flight.flight import describe_line, is_refusal, parse_status
 from lta_flight.flight_run import EXIT_STATUSES

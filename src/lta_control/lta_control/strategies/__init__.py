@@ -5,8 +5,9 @@
 from importlib import import_module
 
 from lta_config.errors import BadInput, unknown_name_error
+from lta_config.python_file import is_strategy_file
 from lta_control.strategies.protocol import NavigationStrategy
-from lta_control.strategies.strategy_file import is_strategy_file, load_strategy_file
+from lta_control.strategies.strategy_file import load_strategy_file
 
 STRATEGY_MODULES = (  # such as homing.py, which has HOMING_STRATEGY
     'bearing_angle',

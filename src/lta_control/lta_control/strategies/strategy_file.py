@@ -9,11 +9,10 @@ from pathlib import Path
 from typing import Any, Final
 
 from lta_config.errors import BadInput
-from lta_config.python_file import describe_python_error, run_python_file
+from lta_config.python_file import describe_python_error, PYTHON_SUFFIX, run_python_file
 from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy, SteeringCommand
 from lta_control.strategies.settings import StrategySettings
 
-SUFFIX: Final = '.py'
 TRIAL_DIODES: Final = 8  # of the trial's light
 # What every strategy must answer: no light, light to the left, light ahead after a while
 TRIAL: Final = tuple(
@@ -24,11 +23,6 @@ TRIAL: Final = tuple(
 )  # fmt: skip
 
 
-def is_strategy_file(name: str) -> bool:
-    """Return whether the name of a strategy is that of a Python file."""
-    return name.endswith(SUFFIX) or '/' in name
-
-
 def load_strategy_file(name: str) -> NavigationStrategy:
     """
     Return the `STRATEGY` of a Python file, named like the file.
@@ -36,7 +30,7 @@ def load_strategy_file(name: str) -> NavigationStrategy:
     Raise `BadInput` if the file cannot be read or run, or what it defines is not a strategy.
     """
     path = Path(name)
-    if path.suffix != SUFFIX:
+    if path.suffix != PYTHON_SUFFIX:
         raise BadInput(
             f"The strategy '{name}' is not a Python file; name a file that ends in .py."
         )

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import final
 
-from lta_bridge.bag.version_1 import describe_old_topics
-from lta_data.bag.reader import Bag, read_bag
+from lta_bag.reader import Bag, read_bag
+from lta_bag.version_1 import describe_old_topics
 from lta_data.bag.recorded_flight import list_robots
 from lta_report.formatting import format_count
 from rich.console import Console

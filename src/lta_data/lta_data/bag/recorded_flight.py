@@ -19,10 +19,11 @@ from itertools import islice
 from pathlib import Path
 from typing import Any, Final, final, NamedTuple
 
-from lta_bridge.bag.version_1 import refuse_old_bag
-from lta_bridge.provenance import extract_robot_origin
+from lta_bag.bag_folder import find_bag, find_newest_bag
+from lta_bag.provenance import extract_robot_origin
+from lta_bag.reader import Bag, read_bag
+from lta_bag.version_1 import refuse_old_bag
 from lta_config.errors import BadInput, unknown_name_error
-from lta_data.bag.bag_folder import find_bag, find_newest_bag
 from lta_data.bag.column_builder import ColumnBuilder, MessageColumns, MessageType
 from lta_data.bag.columns import (
     extract_stamp,
@@ -32,7 +33,6 @@ from lta_data.bag.columns import (
     stack_points,
 )
 from lta_data.bag.flight_views import build_dataset, draw_columns
-from lta_data.bag.reader import Bag, read_bag
 from lta_data.bag.table import (
     align_tables,
     build_even_clock,

@@ -19,7 +19,7 @@ from functools import cache
 import re
 from typing import Any, Final
 
-from lta_bridge.bag.schemas import load_jazzy_types
+from lta_bag.schemas import load_jazzy_types
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.message_files import read_field_units
 from lta_data.bag.columns import Columns, LAMP_PEAKS, name_column

@@ -5,7 +5,6 @@
 from collections.abc import Mapping, Sequence
 from typing import Final, NamedTuple
 
-from lta_bridge.description.scene import draw_static_scene
 from lta_config.constants import DEGREES_PER_RADIAN
 from lta_config.errors import BadInput
 from lta_data.compare.channel_comparison import ChannelComparison
@@ -20,6 +19,7 @@ from lta_data.compare.sampling import (
 from lta_data.even_grid import SampledSignal
 from lta_data.scene import read_scene, RecordedScene
 from lta_model.attitude import EulerAngles, to_quaternions
+from lta_model.drawing.scene import draw_static_scene
 from lta_report.drawing import create_figure, decimate_line, padded_range
 from lta_report.flight_scene import (
     build_scene_track,

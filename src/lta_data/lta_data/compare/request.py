@@ -10,9 +10,9 @@ from pathlib import Path
 import re
 from typing import Annotated, final
 
+from lta_bag.bag_folder import find_bag
 from lta_config.errors import BadInput
 from lta_config.quantity import SI_UNITS
-from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.recorded_flight import open_flight, RecordedFlight
 from lta_data.compare.channel_comparison import ChannelComparison
 from lta_data.compare.comparison import compare_flights, ComparisonRequest, count_ticks

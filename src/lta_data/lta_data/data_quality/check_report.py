@@ -8,9 +8,9 @@ from pathlib import Path
 from textwrap import fill
 from typing import Any, Final, final
 
-from lta_data.bag.bag_folder import find_bag
+from lta_bag.bag_folder import find_bag
+from lta_bag.reader import read_bag
 from lta_data.bag.channels import read_flight
-from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import list_robots, open_flight
 from lta_data.data_quality.duplicate_runs import find_duplicate_runs
 from lta_data.data_quality.recording import QualityFinding, Severity

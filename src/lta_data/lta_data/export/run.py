@@ -19,7 +19,7 @@ from pathlib import Path
 import re
 from typing import Any, Final, final, NamedTuple, Protocol
 
-from lta_bridge.bag.writer import prepare_empty_folder
+from lta_bag.writer import prepare_empty_folder
 from lta_config.atomic_file import replace_atomically
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.topics import load_topic_table

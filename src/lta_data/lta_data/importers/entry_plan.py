@@ -15,7 +15,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, final, Literal, NamedTuple
 
-from lta_bridge.bag.schemas import load_jazzy_types
+from lta_bag.schemas import load_jazzy_types
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.quantity import SI_UNITS
 from lta_config.schema.import_file import (

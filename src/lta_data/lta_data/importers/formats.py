@@ -10,9 +10,9 @@ import re
 from typing import final, NamedTuple
 import zlib
 
+from lta_bag.bag_folder import PACKED_ADVICE
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.schema.import_file import ImportMapping as MappingFile
-from lta_data.bag.bag_folder import PACKED_ADVICE
 from lta_data.importers.protocol import LogReader
 from lta_data.importers.readers import (
     array_files,

@@ -8,7 +8,7 @@ import hashlib
 from pathlib import Path
 from typing import Final
 
-from lta_bridge.provenance import read_commit
+from lta_bag.provenance import read_commit
 from lta_config.files import find_file
 from lta_config.schema.import_file import ImportMapping
 from lta_config.version import VERSION

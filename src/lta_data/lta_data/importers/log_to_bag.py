@@ -8,8 +8,8 @@ from heapq import merge
 from operator import itemgetter
 from pathlib import Path
 
-from lta_bridge.bag.metadata import build_offered_qos
-from lta_bridge.bag.writer import BagWriter
+from lta_bag.metadata import build_offered_qos
+from lta_bag.writer import BagWriter
 from lta_data.importers.converter import ConvertedMessages, TopicConverter, ValueOutOfBounds
 from lta_data.importers.mapping_choice import MappingChoice
 from lta_data.importers.protocol import join_tables, LogReader, LogTable, Reached

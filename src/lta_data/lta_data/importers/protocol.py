@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, replace
 from typing import final, NamedTuple, Protocol
 from zlib import crc32
 
-from lta_bridge.bag.metadata import OfferedQos
-from lta_bridge.bag.schemas import MessageDefinition
+from lta_bag.metadata import OfferedQos
+from lta_bag.schemas import MessageDefinition
 import numpy as np
 from numpy.typing import NDArray
 

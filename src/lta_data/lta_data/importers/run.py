@@ -8,11 +8,11 @@ from pathlib import Path
 import time
 from typing import final
 
-from lta_bridge.bag.storage import StorageFault
-from lta_bridge.bag.writer import prepare_empty_folder
+from lta_bag.bag_folder import find_bag
+from lta_bag.storage import StorageFault
+from lta_bag.writer import prepare_empty_folder
 from lta_config.errors import BadInput, to_one_line
 from lta_config.schema.import_file import load_mapping
-from lta_data.bag.bag_folder import find_bag
 from lta_data.importers.formats import detect_format, find_format
 from lta_data.importers.log_clocks import Clocks, estimate_clocks, set_clocks, share_clocks
 from lta_data.importers.log_provenance import build_provenance

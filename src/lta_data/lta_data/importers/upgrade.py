@@ -15,16 +15,16 @@ from pathlib import Path
 import shutil
 from typing import Any, Final, final
 
-from lta_bridge.bag.schemas import generate_definition, load_jazzy_types
-from lta_bridge.bag.storage import StorageFault
-from lta_bridge.bag.version_1 import find_old_topics
-from lta_bridge.bag.writer import BagWriter
+from lta_bag.reader import Bag, read_bag
+from lta_bag.schemas import generate_definition, load_jazzy_types
+from lta_bag.storage import StorageFault
+from lta_bag.version_1 import find_old_topics
+from lta_bag.writer import BagWriter
 from lta_config.errors import BadInput
 from lta_config.files import parse_yaml
 from lta_config.message_files import read_field_units
 from lta_config.topics import load_topic_table
 from lta_config.version import VERSION
-from lta_data.bag.reader import Bag, read_bag
 from lta_data.importers.readers.rosbags_bag import list_raw_topics
 from lta_report.formatting import format_count
 import numpy as np

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import final
 
-from lta_bridge.provenance import read_commit
+from lta_bag.provenance import read_commit
 from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_discovery.calibration.calibrated_file import (

@@ -14,8 +14,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Final, final
 
-from lta_bridge.bag.writer import BagWriter
-from lta_bridge.provenance import collect_provenance
+from lta_bag.provenance import collect_provenance
+from lta_bag.writer import BagWriter
 from lta_config.errors import unknown_name_error
 from lta_config.files import find_file
 from lta_config.topics import load_topic_table

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, final, Literal
 
+from lta_bag.bag_folder import find_bag, find_bag_files
 from lta_config.errors import BadInput
 from lta_config.schema.vehicle_file import VehicleFile
-from lta_data.bag.bag_folder import find_bag, find_bag_files
 from lta_data.bag.channels import read_flight
 from lta_data.bag.recorded_flight import open_flight
 from lta_data.data_quality.duplicate_runs import find_duplicate_runs

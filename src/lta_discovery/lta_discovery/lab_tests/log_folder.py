@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Final, final, NamedTuple
 
+from lta_bag.bag_folder import find_bag
 from lta_config.errors import BadInput
 from lta_config.schema.import_file import load_mapping
-from lta_data.bag.bag_folder import find_bag
 from lta_data.importers.draft.choices import DraftQuestion, DraftVehicle
 from lta_data.importers.draft.draft_mapping import (
     COLUMN_FORMATS,

@@ -12,9 +12,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, final, NamedTuple
 
+from lta_bag.reader import Bag
 from lta_config.topics import Topic
 from lta_data.bag.columns import extract_field_columns, extract_stamp, LAMP_PEAKS, stack_points
-from lta_data.bag.reader import Bag
 import numpy as np
 from numpy.typing import NDArray
 

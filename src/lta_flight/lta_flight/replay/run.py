@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import final
 
-from lta_bridge.bag.writer import prepare_empty_folder
+from lta_bag.bag_folder import find_bag
+from lta_bag.writer import prepare_empty_folder
 from lta_bridge.parameters import FOREVER
 from lta_config.errors import BadInput
-from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.recorded_flight import open_flight, RecordedFlight
 from lta_flight.flight import DomainLock, is_refusal, parse_final_status
 from lta_flight.replay.node_settings import parse_settings

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, final, Literal
 
-from lta_bridge.provenance import describe_environment
+from lta_bag.provenance import describe_environment
 from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table, robot_topic
 from lta_data.bag.recorded_flight import RecordedFlight

@@ -8,9 +8,9 @@ from pathlib import Path
 import shlex
 from typing import Final
 
+from lta_bag.bag_folder import find_bag_files
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.constants import DEGREES_PER_RADIAN
-from lta_data.bag.bag_folder import find_bag_files
 from lta_data.bag.recorded_flight import open_flight, RecordedFlight
 from lta_flight.report.panels import FLIGHT_PANELS, FlightPanel
 from lta_flight.report.results import compute_results, FlightResults

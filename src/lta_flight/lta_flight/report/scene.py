@@ -4,11 +4,11 @@
 
 from typing import Final
 
-from lta_bridge.description.scene import draw_static_scene
 from lta_data.bag.recorded_flight import list_robots, open_flight
 from lta_data.bag.table import get_column
 from lta_flight.report.results import find_phases
 from lta_flight.report.view import FlightView
+from lta_model.drawing.scene import draw_static_scene
 from lta_model.mass_properties import half_axes
 from lta_model.vehicle import Vehicle
 from lta_report.curves import Array, interpolate

@@ -18,6 +18,7 @@ import zlib
 
 from lta_config.errors import BadInput
 from lta_config.parameter_override import format_value, parse_quantity, parse_value
+from lta_config.python_file import is_strategy_file
 from lta_config.quantity import Quantity, SI_UNITS
 from lta_config.schema.sweep_file import (
     CASE_COLUMN,
@@ -26,7 +27,6 @@ from lta_config.schema.sweep_file import (
     SweepFile,
     UniformDistribution,
 )
-from lta_control.strategies.strategy_file import is_strategy_file
 from lta_flight.flight_spec import build_loop, FlightSpec, load_spec, SPEC_FILES
 import numpy as np
 from numpy.random import Generator

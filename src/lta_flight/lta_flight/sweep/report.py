@@ -8,7 +8,6 @@ from dataclasses import replace
 from statistics import median, quantiles
 from typing import Any, Final
 
-from lta_bridge.description.scene import draw_static_scene
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.schema.sweep_file import Distribution
 from lta_flight.flight_spec import build_vehicle_scenario_stack, to_set_args
@@ -24,6 +23,7 @@ from lta_flight.sweep.pictures import (
 from lta_flight.sweep.plan import MOST_TRACKED_FLIGHTS, SweepPlan
 from lta_flight.sweep.run import describe_origin, SweepRun
 from lta_flight.sweep.statistics import collect_result_values, format_value, REACHED, reached_share
+from lta_model.drawing.scene import draw_static_scene
 from lta_report.flight_scene import FanFlight, render_fan
 from lta_report.formatting import format_count, format_number, Tile
 from lta_report.palette import ESTIMATE, TRUTH

@@ -9,7 +9,7 @@ from pathlib import Path
 import time
 from typing import Any, Final, final
 
-from lta_bridge.provenance import read_commit
+from lta_bag.provenance import read_commit
 from lta_config.atomic_file import replace_atomically
 from lta_config.errors import BadInput
 from lta_config.files import find_file

@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from typing import Any, Final
 
-from lta_bridge.description.scene import draw_static_scene
 from lta_config.command_line import format_lta_command
+from lta_model.drawing.scene import draw_static_scene
 from lta_report.flight_scene import FanFlight, render_fan
 from lta_report.formatting import format_count, Tile
 from lta_report.palette import ESTIMATE, TRUTH

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Channels: each quantity by name and unit, derived ones by hand calculation."""
 
-from lta_bridge.bag.schemas import load_jazzy_types
+from lta_bag.schemas import load_jazzy_types
 from lta_config.topics import load_topic_table
 from lta_data.bag import open_flight
 from lta_data.bag.channels import read_flight

@@ -150,7 +150,7 @@ def test_bag_without_namespace_or_messages(record, types):
 
 
 def test_topic_without_messages_is_empty(record, tmp_path):
-    from lta_bridge.bag import BagWriter
+    from lta_bag import BagWriter
 
     with BagWriter(tmp_path / 'b', {}) as bag:
         bag.add_topic('/lta1/odom', 'nav_msgs/msg/Odometry', [])
@@ -161,8 +161,8 @@ def test_topic_without_messages_is_empty(record, tmp_path):
 
 
 def test_a_topic_that_cannot_be_read_leaves_the_others_as_they_are(tmp_path, types):
-    from lta_bridge.bag import BagWriter
-    from lta_bridge.bag.schemas import load_jazzy_types
+    from lta_bag import BagWriter
+    from lta_bag.schemas import load_jazzy_types
 
     with BagWriter(tmp_path / 'b', {}) as bag:
         bag.add_topic('/lta1/broken', 'sensor_msgs/msg/Imu', [])

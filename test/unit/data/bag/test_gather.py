@@ -6,14 +6,14 @@ from functools import cache
 
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from lta_bridge.bag.schemas import generate_definition, load_jazzy_types
+from lta_bag.mcap_file.decoder import MessageDecoder
+from lta_bag.schemas import generate_definition, load_jazzy_types
 from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table
 from lta_data.bag import column_builder
 from lta_data.bag.cdr_layout import derive_layout, LayoutMismatch
 from lta_data.bag.column_builder import ColumnBuilder, MessageType
 from lta_data.bag.columns import extract_field_columns, extract_stamp
-from lta_data.bag.mcap_file.decoder import MessageDecoder
 from mcap.records import Schema
 import numpy as np
 import pytest

@@ -5,8 +5,8 @@
 from dataclasses import asdict
 from io import StringIO
 
+from lta_bag.bag_folder import find_bag
 from lta_data.bag import summarize_bag
-from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.info import BagInfo, print_bag_info
 from rich.console import Console
 

@@ -9,13 +9,14 @@ and motors, two each of photodiodes, light/peaks and energy/status.
 
 from pathlib import Path
 
-from lta_bridge.bag import BagWriter
-from lta_bridge.bag.schemas import load_jazzy_types
+from lta_bag import BagWriter
+from lta_bag.reader import read_bag
+from lta_bag.schemas import load_jazzy_types
 from lta_bridge.playback.recording import open_recording
 from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_config.topics import load_topic_table
-from lta_data.bag import open_flight, read_bag, summarize_bag
+from lta_data.bag import open_flight, summarize_bag
 from lta_data.importers.readers.rosbags_bag import list_raw_topics, open_mcap_log
 from lta_data.importers.upgrade import upgrade_bag
 import numpy as np

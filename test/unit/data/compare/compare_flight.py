@@ -10,8 +10,8 @@ size lies on everything. What the second recorder does differently is told to `w
 from dataclasses import replace
 import math
 
-from lta_bridge.bag import BagWriter
-from lta_bridge.bag.schemas import load_jazzy_types
+from lta_bag import BagWriter
+from lta_bag.schemas import load_jazzy_types
 from lta_data.flight import Flight
 import numpy as np
 

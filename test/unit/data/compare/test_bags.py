@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Comparing bags: offsets, frames, faults and partings that are known by hand."""
 
-from lta_bridge.bag import BagWriter
-from lta_bridge.bag.schemas import load_jazzy_types
+from lta_bag import BagWriter
+from lta_bag.schemas import load_jazzy_types
 from lta_config.errors import BadInput
 from lta_data.bag import open_flight
 from lta_data.compare.channel_comparison import select_topic_pairs

@@ -5,8 +5,8 @@
 import json
 import sys
 
-from lta_bridge.bag import BagWriter
-from lta_bridge.bag.schemas import load_jazzy_types
+from lta_bag import BagWriter
+from lta_bag.schemas import load_jazzy_types
 from lta_cli import app
 import pytest
 

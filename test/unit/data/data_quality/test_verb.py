@@ -5,7 +5,7 @@
 import json
 import re
 
-from lta_bridge.bag.schemas import load_jazzy_types
+from lta_bag.schemas import load_jazzy_types
 from lta_data.bag import open_flight
 from lta_data.bag.channels import read_flight
 import numpy as np

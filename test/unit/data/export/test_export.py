@@ -5,10 +5,10 @@
 import json
 
 import lta_analysis
-from lta_bridge.bag import BagWriter
+from lta_bag import BagWriter
+from lta_bag.reader import read_bag
 from lta_cli.app import build_app
 from lta_config.errors import BadInput
-from lta_data.bag import read_bag
 from lta_data.export import run
 from lta_data.export.run import export_recording, ExportRequest
 import numpy as np

@@ -4,8 +4,8 @@
 
 from pathlib import Path
 
+from lta_bag.reader import read_bag
 from lta_config.errors import BadInput
-from lta_data.bag.reader import read_bag
 from lta_data.importers.draft.draft_mapping import draft_mapping
 from lta_data.importers.draft.draft_report import list_missing_parts
 from lta_data.importers.run import import_logs, ImportProgress, ImportRequest

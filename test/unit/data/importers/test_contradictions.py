@@ -5,7 +5,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from lta_data.bag.reader import read_bag
+from lta_bag.reader import read_bag
 from lta_data.bag.recorded_flight import open_flight
 from lta_data.bag.table import stack_components
 from lta_data.importers.draft.draft_mapping import draft_mapping

@@ -211,7 +211,7 @@ def test_other_delimiters_padded_names_and_lines_before_them(bring, tmp_path):
 def test_the_bag_says_where_it_comes_from(bring, tmp_path):
     source = text(tmp_path / 'flight.log.csv', 't,x,y,z', '5,1,2,3')
     found = bring(source, POSE, robot='hawk', vehicle='rgblimp')
-    from lta_data.bag.reader import read_bag
+    from lta_bag.reader import read_bag
 
     told = read_bag(found.imported.bag).provenance
     assert told['source'] == 'flight.log.csv'

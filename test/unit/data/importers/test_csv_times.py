@@ -19,7 +19,7 @@ def test_rows_keep_the_order_of_the_file(bring, tmp_path):
     mapping = POSE + '  - topic: range\n    range: {column: h, unit: mm}\n'
     source = text(tmp_path / 'a.csv', 't,x,y,z,h', '9,1,2,3,4', '8,1,2,3,', '7,1,2,3,5')
     found = bring(source, mapping)
-    from lta_data.bag.reader import read_bag
+    from lta_bag.reader import read_bag
 
     met = [(topic, time) for topic, time, _ in read_bag(found.imported.bag).iterate_messages()]
     second = 1_000_000_000

@@ -7,10 +7,10 @@ from pathlib import Path
 import re
 from typing import get_args
 
+from lta_bag.reader import read_bag
 from lta_cli import app
 from lta_config.files import list_shipped_names, parse_yaml, validate_content
 from lta_config.schema.import_file import FIELD_AXES, Format, ImportMapping, load_mapping
-from lta_data.bag.reader import read_bag
 from lta_data.importers.entry_plan import EXTRA, MESSAGE_SHAPES, plan_entry
 from lta_data.importers.formats import LOG_FORMATS
 import pytest

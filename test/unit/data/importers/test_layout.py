@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Messages laid out at once, against those that rosbags makes one by one."""
 
-from lta_bridge.bag.schemas import load_jazzy_types
+from lta_bag.schemas import load_jazzy_types
 from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table
 from lta_data.importers.entry_plan import (

@@ -10,9 +10,9 @@ from; where nothing tells a reading, the draft asks or leaves it out.
 from collections.abc import Callable
 from pathlib import Path
 
+from lta_bag.reader import read_bag
 from lta_config.errors import BadInput
 from lta_data.bag.channels import read_flight
-from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import open_flight
 from lta_data.bag.table import stack_components
 from lta_data.data_quality.registry import run_checks

@@ -8,10 +8,10 @@ import re
 from types import MappingProxyType
 from typing import Any, final, NamedTuple
 
+from lta_bag.bag_folder import find_bag
 from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_config.schema.import_file import TextFormat
-from lta_data.bag.bag_folder import find_bag
 from lta_data.flight import Channel
 from lta_data.importers.draft.bag_topics import BagDraft, count_changing_commands, draft_bag_topics
 from lta_data.importers.draft.bodies import select_body_rows

@@ -20,14 +20,14 @@ from dataclasses import replace
 from itertools import islice
 from typing import Any, cast, final, NamedTuple
 
-from lta_bridge.bag.metadata import OfferedQos
-from lta_bridge.bag.schemas import load_jazzy_types, MessageDefinition
+from lta_bag.mcap_file.decoder import MISDEFINED, parse_definition
+from lta_bag.metadata import OfferedQos
+from lta_bag.schemas import load_jazzy_types, MessageDefinition
 from lta_config.errors import BadInput
 from lta_config.files import parse_yaml
 from lta_config.schema.import_file import ImportMapping as MappingFile
 from lta_config.schema.import_file import OrientationField, ScalarField, TopicMapping, VectorField
 from lta_data.bag.columns import extract_field_columns, extract_stamp
-from lta_data.bag.mcap_file.decoder import MISDEFINED, parse_definition
 from lta_data.importers.entry_plan import MESSAGE_SHAPES, MessagePart
 from lta_data.importers.protocol import LogTable, Numbers
 from mcap.records import Channel, Schema

@@ -14,12 +14,12 @@ from functools import partial
 from pathlib import Path
 from typing import Any, final
 
-from lta_bridge.bag.schemas import load_jazzy_types
-from lta_bridge.bag.version_1 import refuse_old_bag
+from lta_bag.reader import Bag, read_bag
+from lta_bag.schemas import load_jazzy_types
+from lta_bag.version_1 import refuse_old_bag
 from lta_config.errors import BadInput
 from lta_config.limits import limit_memory
 from lta_config.schema.import_file import ImportMapping as MappingFile
-from lta_data.bag.reader import Bag, read_bag
 from lta_data.importers.protocol import PassThroughMessage, RawTopic, Reached
 from lta_data.importers.readers.bag_tables import (
     BagTableLog,

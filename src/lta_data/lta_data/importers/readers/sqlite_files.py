@@ -17,10 +17,10 @@ from tempfile import mkdtemp
 from typing import Final, final, NamedTuple
 import weakref
 
+from lta_bag.bag_folder import natural_sort_key
 from lta_config.errors import BadInput
 from lta_config.files import load_yaml, parse_yaml
 from lta_config.limits import CHUNK_BYTES, INFLATED_FREELY, INFLATION
-from lta_data.bag.bag_folder import natural_sort_key
 import zstandard
 
 METADATA = 'metadata.yaml'

@@ -5,7 +5,8 @@
 import math
 from typing import Final
 
-from lta_bridge.description.shapes import (
+from lta_model import mass_properties
+from lta_model.drawing.shapes import (
     BillboardText,
     BoxShape,
     Colour,
@@ -21,7 +22,6 @@ from lta_bridge.description.shapes import (
     to_triple,
     Z,
 )
-from lta_model import mass_properties
 from lta_model.light.lamp import BeaconLamp
 from lta_model.scenario import Scenario
 from lta_model.scenario_light import LampScene

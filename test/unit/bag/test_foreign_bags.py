@@ -9,11 +9,11 @@ project.
 
 from pathlib import Path
 
-from lta_data.bag import read_bag
+from lta_bag.reader import read_bag
 from mcap.reader import make_reader
 import pytest
 
-DATA = Path(__file__).resolve().parents[5] / 'shared' / 'data' / 'outdoor_mcap'
+DATA = Path(__file__).resolve().parents[4] / 'shared' / 'data' / 'outdoor_mcap'
 
 
 @pytest.fixture

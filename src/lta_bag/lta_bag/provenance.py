@@ -11,8 +11,8 @@ import platform
 import subprocess
 
 from lta_config.files import find_file, load_yaml, parse_yaml, share_folder
+from lta_config.python_file import is_strategy_file
 from lta_config.version import VERSION
-from lta_control.strategies.strategy_file import is_strategy_file
 import yaml
 
 CODE = (':/src', ':/config')  # folders that affect results, unlike documentation

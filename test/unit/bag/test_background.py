@@ -8,9 +8,9 @@ import os
 import threading
 from types import SimpleNamespace
 
-from lta_bridge.bag import background_writer, BagWriter, storage, StorageFault
-from lta_bridge.bag.background_writer import BackgroundWriter
-from lta_data.bag.reader import read_bag
+from lta_bag import background_writer, BagWriter, storage, StorageFault
+from lta_bag.background_writer import BackgroundWriter
+from lta_bag.reader import read_bag
 import pytest
 from waiting import PATIENCE
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import final, Literal, TypedDict
 
-from lta_bridge.bag.mcap_file import McapFile
-from lta_bridge.bag.schemas import MessageDefinition
-from lta_bridge.bag.storage import to_storage_fault
+from lta_bag.mcap_file.output import McapFile
+from lta_bag.schemas import MessageDefinition
+from lta_bag.storage import to_storage_fault
 from lta_config.atomic_file import replace_atomically
 import yaml
 

@@ -12,8 +12,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import final, Self
 
-from lta_bridge.bag.mcap_file import McapFile
-from lta_bridge.bag.metadata import (
+from lta_bag.mcap_file.output import McapFile
+from lta_bag.metadata import (
     build_bag_metadata,
     format_offered_qos,
     METADATA_FILE,
@@ -21,8 +21,8 @@ from lta_bridge.bag.metadata import (
     TopicRecord,
     write_metadata,
 )
-from lta_bridge.bag.schemas import generate_definition, MessageDefinition
-from lta_bridge.bag.storage import check_room, fsync_file, StorageFault
+from lta_bag.schemas import generate_definition, MessageDefinition
+from lta_bag.storage import check_room, fsync_file, StorageFault
 from lta_config.atomic_file import remove_dead_parts
 from lta_config.errors import BadInput
 

@@ -8,9 +8,9 @@ import signal
 import subprocess
 import sys
 
-from lta_bridge.bag import BagWriter
+from lta_bag import BagWriter
+from lta_bag.reader import read_bag
 from lta_config.errors import BadInput
-from lta_data.bag import read_bag
 from mcap.reader import make_reader
 from mcap.writer import CompressionType, IndexType, Writer
 import numpy as np
@@ -143,9 +143,9 @@ def test_provenance_outlives_either_of_its_places(torn, tmp_path):
 KILLED = """
 import itertools, sys, time
 from pathlib import Path
-from lta_data.bag.mcap_file.scan import scan_mcap_file
-from lta_data.bag.mcap_file.contents import read_summary
-from lta_bridge.bag import BagWriter
+from lta_bag.mcap_file.scan import scan_mcap_file
+from lta_bag.mcap_file.contents import read_summary
+from lta_bag import BagWriter
 bag = BagWriter(Path(sys.argv[1]), {'seed': '9'})
 bag.add_topic('/b', 'std_msgs/msg/Bool', [])
 for i in itertools.count():

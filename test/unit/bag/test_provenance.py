@@ -5,8 +5,8 @@
 from pathlib import Path
 import subprocess
 
-from lta_bridge import provenance as origin
-from lta_bridge.provenance import collect_provenance, extract_robot_origin, merge_provenance
+from lta_bag import provenance as origin
+from lta_bag.provenance import collect_provenance, extract_robot_origin, merge_provenance
 from lta_config.files import share_folder
 from lta_config.schema.vehicle_file import load_vehicle_file
 import pytest

@@ -15,9 +15,9 @@ import threading
 import time
 from typing import final
 
-from lta_bridge.bag.mcap_file import CHUNK_SIZE
-from lta_bridge.bag.metadata import OfferedQos
-from lta_bridge.bag.writer import BagWriter
+from lta_bag.mcap_file.output import CHUNK_SIZE
+from lta_bag.metadata import OfferedQos
+from lta_bag.writer import BagWriter
 
 # Wall seconds. SIGKILL loses at most FLUSH_PERIOD + NAP of messages; each flush costs the memory
 # of a chunk's index, about 3 kB with the topics of a flight.

@@ -4,7 +4,7 @@
 
 from dataclasses import dataclass
 
-from lta_bridge.bag import BagWriter
+from lta_bag import BagWriter
 from mcap.reader import make_reader
 from mcap.writer import CompressionType, Writer
 import numpy as np

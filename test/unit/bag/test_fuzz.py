@@ -5,8 +5,8 @@
 from collections import Counter
 import tracemalloc
 
+from lta_bag.reader import read_bag
 from lta_config.limits import CHUNK_BYTES
-from lta_data.bag import read_bag
 import numpy as np
 import pytest
 

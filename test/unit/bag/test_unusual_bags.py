@@ -2,11 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Strange recordings: each oddity is one sentence, and the rest is read."""
 
-from lta_bridge.bag import BagWriter
+from lta_bag import BagWriter
+from lta_bag.mcap_file import chunks
+from lta_bag.mcap_file.decoder import explain_undecodable
+from lta_bag.reader import read_bag
 from lta_config.errors import BadInput
-from lta_data.bag import read_bag, summarize_bag
-from lta_data.bag.mcap_file import chunks
-from lta_data.bag.mcap_file.decoder import explain_undecodable
+from lta_data.bag import summarize_bag
 from mcap.data_stream import RecordBuilder
 from mcap.reader import make_reader
 from mcap.records import Channel, Chunk, Header, Message, Schema

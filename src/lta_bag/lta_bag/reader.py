@@ -12,9 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO, final, NamedTuple
 
-from lta_config.errors import BadInput, unknown_name_error
-from lta_config.limits import CHUNK_BYTES
-from lta_data.bag.bag_folder import (
+from lta_bag.bag_folder import (
     ADVICE,
     describe_absent_files,
     extract_provenance,
@@ -23,7 +21,7 @@ from lta_data.bag.bag_folder import (
     read_metadata,
     wrong_format_error,
 )
-from lta_data.bag.mcap_file.chunks import (
+from lta_bag.mcap_file.chunks import (
     DamagedRecord,
     decompress,
     iterate_messages,
@@ -32,15 +30,17 @@ from lta_data.bag.mcap_file.chunks import (
     unpack_chunk,
     unpack_cut_chunk,
 )
-from lta_data.bag.mcap_file.contents import (
+from lta_bag.mcap_file.contents import (
     McapContents,
     MessageRegion,
     name_lost_channels,
     read_at,
     read_summary,
 )
-from lta_data.bag.mcap_file.decoder import explain_undecodable, MessageDecoder
-from lta_data.bag.mcap_file.scan import describe_damage, scan_mcap_file
+from lta_bag.mcap_file.decoder import explain_undecodable, MessageDecoder
+from lta_bag.mcap_file.scan import describe_damage, scan_mcap_file
+from lta_config.errors import BadInput, unknown_name_error
+from lta_config.limits import CHUNK_BYTES
 from mcap.records import Channel, Schema
 from mcap.writer import MCAP0_MAGIC
 

@@ -13,8 +13,7 @@ from dataclasses import dataclass
 import re
 from typing import BinaryIO, Final, final, NamedTuple
 
-from lta_config.limits import CHUNK_BYTES, NOTE_BYTES
-from lta_data.bag.mcap_file.chunks import (
+from lta_bag.mcap_file.chunks import (
     DamagedRecord,
     iterate_records,
     MESSAGE,
@@ -22,7 +21,8 @@ from lta_data.bag.mcap_file.chunks import (
     unpack_chunk,
     unpack_cut_chunk,
 )
-from lta_data.bag.mcap_file.contents import McapContents, MessageRegion
+from lta_bag.mcap_file.contents import McapContents, MessageRegion
+from lta_config.limits import CHUNK_BYTES, NOTE_BYTES
 from mcap.opcode import Opcode
 from mcap.writer import MCAP0_MAGIC
 

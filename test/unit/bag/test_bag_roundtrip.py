@@ -5,8 +5,8 @@
 import struct
 import zlib
 
-from lta_bridge.bag import BagWriter, build_offered_qos
-from lta_bridge.bag.schemas import encode_message, generate_definition
+from lta_bag import BagWriter, build_offered_qos
+from lta_bag.schemas import encode_message, generate_definition
 from lta_graph.ros.message_validation import decode_message
 from lta_graph.ros.raw_subscriptions import load_message_class
 from mcap.reader import make_reader

@@ -11,10 +11,10 @@ import struct
 from typing import BinaryIO, final
 import zlib
 
-from lta_bridge.bag.mcap_file import PROVENANCE
+from lta_bag.mcap_file.chunks import DamagedRecord, iterate_records, RECORD
+from lta_bag.mcap_file.output import PROVENANCE
 from lta_config.errors import strip_control_codes, to_one_line
 from lta_config.limits import MOST_CHANNELS, NOTE_BYTES, SUMMARY_BYTES
-from lta_data.bag.mcap_file.chunks import DamagedRecord, iterate_records, RECORD
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode

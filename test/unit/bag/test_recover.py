@@ -4,9 +4,9 @@
 
 import shutil
 
-from lta_bridge.bag import BagWriter, build_offered_qos
+from lta_bag import BagWriter, build_offered_qos
+from lta_bag.reader import read_bag
 from lta_config.errors import BadInput
-from lta_data.bag import read_bag
 from lta_data.importers.run import import_logs, ImportProgress, ImportRequest
 from mcap.reader import make_reader
 from mcap.writer import CompressionType, Writer

@@ -10,11 +10,11 @@ import subprocess
 import sys
 import tracemalloc
 
-from lta_bridge.bag import BagWriter, build_offered_qos, storage, StorageFault
-from lta_bridge.bag.background_writer import FLUSH_PERIOD
-from lta_bridge.bag.schemas import generate_definition
+from lta_bag import BagWriter, build_offered_qos, storage, StorageFault
+from lta_bag.background_writer import FLUSH_PERIOD
+from lta_bag.reader import read_bag
+from lta_bag.schemas import generate_definition
 from lta_config.errors import BadInput
-from lta_data.bag import read_bag
 from mcap.reader import make_reader
 from mcap.records import Message
 from mcap.stream_reader import StreamReader
@@ -27,7 +27,7 @@ FALSE = b'\0\1\0\0\0'
 RECORD = """
 import itertools, sys, time
 from pathlib import Path
-from lta_bridge.bag import BagWriter
+from lta_bag import BagWriter
 with BagWriter(Path(sys.argv[1]), {'seed': '9'}) as bag:
     bag.add_topic('/b', 'std_msgs/msg/Bool', [])
     for i in itertools.count():
@@ -113,7 +113,7 @@ def test_killed_process_keeps_what_was_flushed(tmp_path):
 LIMITED = """
 import resource, signal, sys
 from pathlib import Path
-from lta_bridge.bag import BagWriter, StorageFault
+from lta_bag import BagWriter, StorageFault
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 bag = BagWriter(Path(sys.argv[1]), {'seed': '9'})
 bag.add_topic('/b', 'std_msgs/msg/Bool', [])

@@ -16,8 +16,8 @@ from pathlib import Path
 import sys
 from typing import cast, final, IO
 
-from lta_bridge.bag.schemas import MessageDefinition
-from lta_bridge.bag.storage import RecordFile, StorageFault
+from lta_bag.schemas import MessageDefinition
+from lta_bag.storage import RecordFile, StorageFault
 from mcap.data_stream import RecordBuilder
 from mcap.records import DataEnd, Footer
 from mcap.writer import MCAP0_MAGIC, Writer
