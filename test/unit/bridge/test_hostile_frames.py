@@ -226,6 +226,15 @@ def test_a_flood_of_questions_is_answered_a_little_and_counted():
     assert link.fact.values['unanswered'] == str(1000 - OPEN_REQUESTS)
 
 
+def test_what_cannot_be_used_is_counted_though_good_light_follows():
+    link = Linked()
+    link.go_on()
+    bad = build_frame('LTA_LIGHT_BLOCK', diodes=3, rows=99)
+    link.go_on(bad)
+    assert link.board.fault == ''
+    assert link.fact.values['unfit'] == '1'
+
+
 @given(st.lists(st.tuples(st.sampled_from('ab'), st.integers(0, 3 * LOYAL_NS)), max_size=30))
 def test_one_of_two_is_believed_at_a_time(words):
     one, now, last = SenderFilter(), 0, {}
