@@ -181,4 +181,6 @@ def list_table(rows: Rows, options: Namespace) -> Iterator[str]:
             )
 
 
-CAMPAIGN: Final = Campaign(lambda options: KINDS, solve_sphere, list_table)
+CAMPAIGN: Final = Campaign(
+    lambda options: KINDS, solve_sphere, list_table, smoke='--kinds preview'
+)

@@ -82,26 +82,6 @@ def test_it_is_one_tree_with_the_mass_of_the_vehicle(name):
     assert float(inertial.find('inertia').get('iyy')) == pytest.approx(vehicle.inertia[1, 1])
 
 
-def test_joints_turn_as_the_frames_of_messages_do():
-    """x of range_link points down, z of a rotor along its thrust, whatever rpy says it by."""
-    vehicle = load_vehicle('gtmab')
-    robot = ElementTree.fromstring(build_urdf(vehicle))
-    turns = {
-        joint.find('child').get('link'): Rotation.from_euler(
-            'xyz', numbers(joint.find('origin').get('rpy'))
-        )
-        for joint in robot.iter('joint')
-    }
-    assert set(turns) == {frame.name for frame in list_fixed_frames(vehicle)}
-    assert turns['range_link'].apply([1.0, 0.0, 0.0]) == pytest.approx([0.0, 0.0, -1.0], abs=1e-5)
-    for rotor in vehicle.rotors:
-        z = turns[f'rotor_{rotor.name}'].apply([0.0, 0.0, 1.0])
-        assert z == pytest.approx(rotor.axis, abs=1e-5)
-    for frame in list_sensor_frames(vehicle):
-        own = Rotation.from_quat(frame.turn)
-        assert (turns[frame.name].inv() * own).magnitude() < 1e-5
-
-
 def test_descriptions_are_urdf_scene_and_fixed_frames():
     vehicle = load_vehicle('gtmab')
     found = dict(iterate_descriptions(vehicle, load_scenario('lamp_room')))
@@ -115,13 +95,6 @@ def test_descriptions_are_urdf_scene_and_fixed_frames():
     assert fixed.transform.translation.z == pytest.approx(frame.place[2])
     turn = fixed.transform.rotation
     assert (turn.x, turn.y, turn.z, turn.w) == pytest.approx(frame.turn)
-
-
-def test_a_real_drone_has_no_scene():
-    assert [name for name, _ in iterate_descriptions(load_vehicle('gtmab'), None)] == [
-        'robot_description',
-        '/tf_static',
-    ]
 
 
 @pytest.mark.parametrize('name', ['lamp_room', 'warehouse', 'windy_field'])

@@ -199,22 +199,6 @@ def test_what_is_due_of_a_whole_recording_is_what_the_table_says():
                 assert turns.count_due(name, now, lag) == TABLE.count_due(name, now, lag), name
 
 
-def test_a_message_is_due_when_published_but_not_before_its_log_time_or_the_one_in_front():
-    items = [
-        RecordedMessage('range', START, stamped(START)),
-        RecordedMessage('range', START + 70 * MS, stamped(START + 50 * MS)),  # logged late
-        RecordedMessage('range', START + 71 * MS, stamped(START + 25 * MS)),  # overtaken
-        RecordedMessage('photodiodes', START + 100 * MS, stamped(START)),  # latency 100 ms
-    ]
-    found = compute_due_times(items, TABLE)
-    assert [at - START for at in found['range'].due] == [0, 70 * MS, 71 * MS]
-    assert [at - START for at in found['photodiodes'].due] == [100 * MS]
-    answers = compute_answer_times(
-        found, TABLE, select_nodes(TABLE, ['demodulator', 'navigator'], [])
-    )
-    assert answers['setpoint/pose'] == found['photodiodes']
-
-
 def test_nothing_is_handed_out_before_the_player_has_said_what_is_due():
     inbox = Inbox(TABLE, 'demodulator', ['photodiodes'], 'photodiodes', True, replayed=True)
     inbox.put('photodiodes', START, 'block')

@@ -38,16 +38,6 @@ def test_without_loss_every_row_is_in_its_place_and_time(samples, first):
     assert (blocks.lost, blocks.torn, blocks.old) == (0, 0, 0)
 
 
-def test_a_gap_takes_its_block_and_the_next_begins_after_it():
-    blocks = BlockAssembler(100, 10e3)
-    numbers = [k for k in range(40) if k not in (10, 11)]
-    found = fill(blocks, numbers)
-    # 150 rows came, 30 did not: block 0 is whole, 50 rows are torn, and it goes on at row 180.
-    assert [block.board_ns // 100_000 for block in found] == [0, 180, 280, 380, 480]
-    assert found[1].samples[:, 0].tolist() == list(range(180, 280))
-    assert (blocks.lost, blocks.torn, blocks.rows) == (30, 1, 38 * ROWS)
-
-
 @given(st.sets(st.integers(0, 60)))
 def test_every_row_is_counted_once(missing):
     blocks = BlockAssembler(100, 10e3)

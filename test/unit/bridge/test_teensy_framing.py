@@ -46,14 +46,6 @@ def test_a_fault_costs_the_frame_that_it_hits_and_no_other(fault):
         assert framing.crc_errors == FRAMES // 10
 
 
-def test_foreign_messages_are_counted_and_are_no_loss():
-    found, framing = read(
-        EmulatedBoard(0, transmit=FrameFaults(foreign=10)).encode_light(LIGHT) + b'\xfd'
-    )
-    assert len(found) == FRAMES
-    assert (framing.unknown, framing.crc_errors, framing.stray) == (FRAMES // 10, 0, 0)
-
-
 def test_noise_between_frames_is_stepped_over():
     chance = np.random.default_rng(2)
     data = EmulatedBoard(0).encode_light(LIGHT)

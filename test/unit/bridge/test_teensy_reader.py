@@ -67,18 +67,6 @@ def test_one_that_came_back_begins_with_the_shortest_wait_again(read):
     assert read(ports, 4)[1] == [0.1, 0.2, 0.1, 0.2]
 
 
-def test_the_last_port_is_closed_at_the_end(read):
-    class Last(Pulled):
-        def read(self, seconds):
-            reader.threading.Event().left = 0
-            return b''
-
-    last = Last()
-    held, _ = read([Pulled(), last], 2)
-    assert not last.open
-    assert (held.unplugged, held.trouble) == (1, '')
-
-
 def test_bytes_gather_for_a_millisecond_and_are_waited_for_fifty(read):
     read([Pulled(well=3), Pulled()], 2)
     assert patience == [0.05] * 3

@@ -2,7 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Recorded commands, flown through a vehicle file."""
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from lta_config.errors import BadInput
 from lta_config.parameter_override import parse_assignment
@@ -85,18 +87,29 @@ topics:
 """
 
 
-def test_commanded_forces_act_with_their_gain(tmp_path: Path, call) -> None:
+Held = Callable[..., Path]
+
+
+@pytest.fixture
+def held(tmp_path: Path, call: Callable[..., tuple[int, Any]]) -> Held:
+    """Return a function that imports three seconds of a row after its time, and gives the bag."""
+
+    def write(row: Callable[[float], str], head: str = 'fz', mapping: str = MAPPING) -> Path:
+        rows = [f'{5.0 + k / 50.0},{row(k / 50.0)}' for k in range(151)]
+        (tmp_path / 'held.csv').write_text('\n'.join([f't,x,y,z,qx,qy,qz,qw,{head}', *rows, '']))
+        (tmp_path / 'pushed.yaml').write_text(mapping)
+        words = ('--mapping', tmp_path / 'pushed.yaml', '--out', tmp_path / 'held')
+        status, said = call('import', tmp_path / 'held.csv', *words)
+        assert status == 0, said.err
+        return tmp_path / 'held'
+
+    return write
+
+
+def test_commanded_forces_act_with_their_gain(tmp_path: Path, held: Held) -> None:
     """Half of 78.5 mN carries the 2 g of GT-MAB and lifts it with 19.6 mN; with air, 758 g."""
-    rows = [f'{5.0 + k / 50.0},0,0,1.5,0,0,0,1,{0.0785:.4f}' for k in range(151)]
-    (tmp_path / 'held.csv').write_text('\n'.join(['t,x,y,z,qx,qy,qz,qw,fz', *rows]) + '\n')
-    (tmp_path / 'pushed.yaml').write_text(MAPPING)
-    status, said = call(
-        'import', str(tmp_path / 'held.csv'), '--mapping', str(tmp_path / 'pushed.yaml'),
-        '--out', str(tmp_path / 'held'),
-    )  # fmt: skip
-    assert status == 0, said.err
-    gain = 'vehicle.effects.wrench_gain.heave=0.5 1'
-    sentence = fly(tmp_path / 'flown', gain, commands=CommandRequest(tmp_path / 'held'))
+    gain, bag = 'vehicle.effects.wrench_gain.heave=0.5 1', held(lambda _: '0,0,1.5,0,0,0,1,0.0785')
+    sentence = fly(tmp_path / 'flown', gain, commands=CommandRequest(bag))
     end = float(sentence.rpartition(' and ')[2].partition(' cm')[0])
     assert end == pytest.approx(100.0 * 0.5 * 0.0196 / 0.758 * 3.0**2, rel=0.08)
 
@@ -107,35 +120,25 @@ def test_an_unknown_command_is_the_one_before() -> None:
     np.testing.assert_array_equal(held, [[0.0, 1.0], [2.0, 1.0], [2.0, 1.0], [3.0, 4.0]])
 
 
-def test_forces_far_beyond_the_weight_are_in_another_unit(tmp_path: Path, call) -> None:
-    rows = [f'{5.0 + k / 50.0},0,0,1.5,0,0,0,1,78.5' for k in range(151)]
-    (tmp_path / 'held.csv').write_text('\n'.join(['t,x,y,z,qx,qy,qz,qw,fz', *rows]) + '\n')
-    (tmp_path / 'pushed.yaml').write_text(MAPPING)
-    assert call(
-        'import', str(tmp_path / 'held.csv'), '--mapping', str(tmp_path / 'pushed.yaml'),
-        '--out', str(tmp_path / 'held'),
-    )[0] == 0  # fmt: skip
+def test_forces_far_beyond_the_weight_are_in_another_unit(held: Held) -> None:
+    bag = held(lambda _: '0,0,1.5,0,0,0,1,78.5')
     with pytest.raises(BadInput, match=r"'wrench_command' reach 78.5 N or N m, .* right unit"):
-        read_commands(tmp_path / 'held', load_vehicle('gtmab'), None, 0.0, None)
+        read_commands(bag, load_vehicle('gtmab'), None, 0.0, None)
 
 
-def test_a_recorded_twist_of_markers_is_not_that_of_the_body(tmp_path: Path, call) -> None:
+def test_a_recorded_twist_of_markers_is_not_that_of_the_body(held: Held) -> None:
     """Markers turned by 90 degrees: what they report as ahead, is to the left."""
-    rows = [f'{5.0 + k / 50.0},0,{0.2 * k / 50.0},1.5,0,0,0.70710678,0.70710678,0.2,0'
-            for k in range(151)]  # fmt: skip
-    head = 't,x,y,z,qx,qy,qz,qw,vx,fz'
-    (tmp_path / 'held.csv').write_text('\n'.join([head, *rows]) + '\n')
     part = '    velocity: {columns: [vx, fz, fz], unit: m/s, frame: body}\n  - topic: wrench'
-    (tmp_path / 'pushed.yaml').write_text(MAPPING.replace('  - topic: wrench', part))
-    assert call(
-        'import', str(tmp_path / 'held.csv'), '--mapping', str(tmp_path / 'pushed.yaml'),
-        '--out', str(tmp_path / 'held'),
-    )[0] == 0  # fmt: skip
+    bag = held(
+        lambda time: f'0,{0.2 * time},1.5,0,0,0.70710678,0.70710678,0.2,0',
+        'vx,fz',
+        MAPPING.replace('  - topic: wrench', part),
+    )
     turn = {'marker_offset': {'yaw': read_quantity('90 deg')}}
     plain = load_vehicle('gtmab')
     turned = Vehicle(plain.file.model_copy(update={'effects': turn}))
     for vehicle, along in ((plain, (0.2, 0.0, 0.0)), (turned, (0.0, 0.2, 0.0))):
-        read = read_commands(tmp_path / 'held', vehicle, None, 0.0, None)
+        read = read_commands(bag, vehicle, None, 0.0, None)
         assert read.motion[VELOCITY] == pytest.approx(along, abs=1e-6)
 
 

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 from lta_config.errors import BadInput
 from lta_model.effects import initial_memory
-from lta_model.effects.motors import BATTERY_COMPENSATION, BATTERY_SAG, THRUST_POLYNOMIAL
+from lta_model.effects.motors import BATTERY_COMPENSATION
 from lta_model.state import pack_state, SURROUNDINGS, VOLTAGE
 from lta_model.vehicle import load_vehicle
 from lta_sim.kernels.kernel import advance, evaluate_model
@@ -49,15 +49,6 @@ def test_what_the_stock_firmware_gives_at_3_7_volts(duty, ratio):
     assert pwm(duty) == pytest.approx(ratio, abs=0.01)
 
 
-def test_by_hand():
-    # 2.1+ at 2 V: -0.0247654 + 0.1304758 - 0.1071700 + 0.0542143 = 0.0527547 N, of 0.12 N.
-    assert pwm(0.0527547 / 0.12, 4.0) == pytest.approx(0.5, abs=1e-6)
-    # upgrade kit at 3 V: 0.0067281 + 0.0303468 + 0.0923688 + 0.0765682 = 0.2060119 N of 0.18 N,
-    # and at 2.5 V: 0.0067281 + 0.0252890 + 0.0641450 + 0.0443103 = 0.1404724 N.
-    assert pwm(0.1404724 / 0.18, 4.0, 'upgrade kit') == pytest.approx(0.625, abs=1e-6)
-    assert pwm(1.0, 2.7, 'upgrade kit') == 1.0
-
-
 @pytest.mark.parametrize('which', FIRMWARE)
 @pytest.mark.parametrize('volts', [2.0, 3.0, 3.7, 4.2, 8.4])
 def test_it_inverts_the_cubic(which, volts):
@@ -91,16 +82,6 @@ def test_the_edges():
     assert pwm(0.5, 2.001) > 0.9
     assert pwm(0.5, 0.0) == pwm(0.5, NOMINAL)  # nobody knows the voltage
     assert pwm(0.5, 3.3, nominal=0.0) == 0.5  # off
-
-
-def test_the_thrust_stays_while_the_battery_sags():
-    """Compensation, sag and the cubic one after the other give the share of the full thrust."""
-    full, _, *coefficients = FIRMWARE['2.1+']
-    for volts in (0.0, 3.2, 3.7, 4.2):
-        sagged = BATTERY_SAG.output((NOMINAL, 1.0), (), pwm(0.55, volts), around(volts))
-        motor = (NOMINAL, 0.774, *coefficients)
-        thrust = THRUST_POLYNOMIAL.output(motor, (), sagged, around(volts))
-        assert thrust == pytest.approx(0.55 * full, rel=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -1,11 +1,11 @@
 # Copyright 2026 The LTA maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""Analytic against finite differences: rates against flights, power against energy."""
+"""Finite differences: the energy against the power of the wrenches, and small motions."""
 
 from lta_model.effects import EFFECTS
-from lta_model.effects.protocol import KernelEffect, VehicleMotion
+from lta_model.effects.protocol import KernelEffect
 from lta_model.mass_properties import rigid_mass_matrix
-from lta_model.state import MEMORY, RIGID
+from lta_model.state import RIGID
 from lta_sim.kernels import kernel
 from lta_sim.simulated_vehicle import SIM_LAYOUT
 import numpy as np
@@ -14,49 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from . import crowded
 
-# Loads that jump where they are first touched, and duties that jump by a threshold.
-JUMPING = {'walls', 'floor_contact'}
-BLOCKS = (slice(0, 3), slice(3, 7), slice(7, 10), slice(10, 13), MEMORY)
 CALM = np.zeros(8)
-
-
-def names_without(*absent):
-    return [name for name in EFFECTS if name not in absent]
-
-
-def slope(state, model, command, around, h):
-    """Return d/dt of a flight by central differences of fourth order."""
-
-    def across(step):
-        later = kernel.advance(state, model, command, around, step, 1)
-        earlier = kernel.advance(state, model, command, around, -step, 1)
-        return (later - earlier) / (2.0 * step)
-
-    return (4.0 * across(h) - across(2.0 * h)) / 3.0
-
-
-@pytest.mark.parametrize('seed', range(20))
-def test_the_rate_is_the_slope_of_the_flight(seed):
-    generator = np.random.default_rng(seed)
-    _, _, model = crowded.vehicle(generator, names_without(*JUMPING))
-    flight = crowded.anywhere(generator)
-    rate, expected = (
-        kernel.state_derivative(flight[0], model, *flight[1:]),
-        slope(flight[0], model, *flight[1:], 2e-5),
-    )
-    for block in BLOCKS:
-        scale = np.max(abs(rate[block]))
-        np.testing.assert_allclose(rate[block], expected[block], rtol=0.0, atol=1e-9 * scale)
-
-
-def seen(generator, model):
-    """Return a random motion of that vehicle as its effects see it, and thrusts."""
-    state, command, around = crowded.anywhere(generator)
-    turn = Rotation.from_quat(state[3:7]).as_matrix()
-    airspeed = state[7:10] - turn.T @ around[:3]
-    arrays = (state[:3], turn.ravel(), state[7:10], state[10:13], airspeed, model.body, command)
-    motion = VehicleMotion(*(tuple(array.tolist()) for array in (*arrays, around)))
-    return motion, tuple(generator.uniform(-1.0, 1.0, 8).tolist())
 
 
 def energy(state, body, given):

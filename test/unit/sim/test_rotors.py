@@ -277,8 +277,3 @@ def test_tilt_against_the_exact_rotation(angle, thrust):
         across = np.linalg.norm(off - along * np.array(axis))
         assert across == pytest.approx(abs(thrust) * angle**3 / 6.0, rel=angle**2, abs=1e-15)
         np.testing.assert_allclose(wrench[3:], np.cross(place, wrench[:3]), atol=1e-16)
-
-
-def test_rotors_that_do_not_exist_have_no_tilt():
-    p = (0.1,) * (2 * ACTUATORS)
-    assert ROTOR_MISALIGNMENT.wrench(p, (), seen(), (0.5,) * ACTUATORS) == (0.0,) * 6

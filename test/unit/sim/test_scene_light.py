@@ -88,14 +88,6 @@ def test_who_leaves_by_the_door_is_in_bounds():
     assert flown((5.1, 0, 1), (25.1, 0, 1)) == [True, False]
 
 
-def test_a_flight_over_the_lamp_has_not_reached_it():
-    """The lamp of the sunny field is at 1 m, and its tolerance is 1 m."""
-    end = FlightTermination(load_scenario('sunny_field'))
-    outcomes = [end.evaluate_outcome(3.5, 0.9, z, 0.0) for z in (6.85, 2.01, 1.99, 0.0)]
-    assert outcomes == [FlightOutcome.FLYING] * 2 + [FlightOutcome.REACHED] * 2
-    assert end.evaluate_outcome(3.5, 1.1, 1.0, 0.0) is FlightOutcome.FLYING
-
-
 def test_the_wind_steps_at_the_door_over_the_width_of_the_hull():
     scenario = load_scenario('hall_door')
     world = World(GTMAB, scenario, load_topic_table(), 1)

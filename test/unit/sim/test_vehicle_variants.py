@@ -68,13 +68,6 @@ def test_a_rotor_without_a_column_has_that_of_its_geometry():
     assert plain.allocation[1][2] == 0.961
 
 
-@pytest.mark.parametrize(('spin', 'sign'), [('clockwise', 1), ('anticlockwise', -1)])
-def test_the_air_turns_a_rotor_back_and_the_motor_the_body(spin, sign):
-    torque = {'per_thrust': given(0.006, 'm'), 'spin': spin}
-    plain = build(('aero.thrust_allocation.up_left', None), ('rotors.up_left.torque', torque))
-    np.testing.assert_allclose(plain.allocation[0], (0, 0, 1, 0.19, 0, sign * 0.006), atol=1e-15)
-
-
 @pytest.mark.parametrize('reversible', [False, True])
 def test_the_torque_of_a_motor_comes_on_top_of_the_column_of_its_jet(reversible):
     """The wind tunnel's jets have no swirl: without it a multirotor in a hull could not turn."""

@@ -22,7 +22,7 @@ import numpy as np
 import pytest
 
 from . import flat_balloon as balloon
-from .lamp_room import build, fly, G, GTMAB, HOVER, OFF
+from .lamp_room import build, fly, G, HOVER, OFF
 
 
 def test_it_stands_still_before_take_off():
@@ -103,14 +103,6 @@ def test_rotors_that_do_not_reverse_never_push_backwards():
     fly(still, 100, OFF)
     np.testing.assert_array_equal(world.state, still.state)
     np.testing.assert_array_equal(world.duties, OFF)
-
-
-def test_a_reversible_rotor_does():
-    reversing = {f'rotors/{name}/reversible': True for name in GTMAB['rotors']}
-    world = build(vehicle=reversing, scene={'start/heading_spread': '0 deg'})
-    fly(world, 100, (0.3, 0.3, -1.0, -1.0))
-    assert world.duties.tolist() == [0.3, 0.3, -1.0, -1.0]
-    assert world.state[7] < -0.1
 
 
 def test_duties_beyond_full_are_full():

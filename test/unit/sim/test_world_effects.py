@@ -152,14 +152,6 @@ def test_a_late_command_takes_over_when_it_arrives():
     np.testing.assert_array_equal(world.duties, FLYING)
 
 
-def test_a_delay_of_whole_periods_only_shifts():
-    late, _, _ = flown(9, vehicle=given('command_delay', delay=0.03))
-    prompt = build(seed=3)
-    fly(prompt, 3)
-    fly(prompt, 6, FLYING)
-    np.testing.assert_array_equal(late.state, prompt.state)
-
-
 def test_commands_overtake_each_other_only_forwards():
     """As the delay shrinks, the latest command that has arrived is obeyed."""
     times = {0.0: -0.025, 0.01: -0.015, 0.02: 0.018, 0.03: 0.028}

@@ -250,11 +250,6 @@ def test_what_is_said_of_the_motors():
 GTMAB = CrazyfliePowerModel.from_energy(load_vehicle('gtmab').file.energy)
 
 
-def test_at_rest_it_is_that_of_radio_electronics_and_light_board():
-    """97 + 23 + 190 mW (seed paper) at 3.8 V."""
-    assert GTMAB.cell_current((0.0,) * 4, 3.8) == pytest.approx(-0.310 / 3.8)
-
-
 def test_four_motors_take_what_the_bench_measured():
     """Row by row within 0.3 A: what the energy monitor is told to expect of the model."""
     idle = BENCH[0].current

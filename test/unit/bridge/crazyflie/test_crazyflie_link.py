@@ -74,29 +74,16 @@ def test_cflib_connects_reads_arms_drives_and_stops(protocol, linked):
         link.close()
 
 
-def test_setpoints_and_the_hand_over_reach_the_drone(linked):
-    with CrazyflieServer(Firmware(BenchBody())) as server:
-        link = linked(server)
-        link.request_arming(True)
-        wait_until(lambda: server.firmware.supervisor.accepts_setpoints, 'the arming')
-        link.send_hover_setpoint(0.3, 0.5, 1.2)
-        commander = server.firmware.commander
-        wish = wait_until(lambda: commander.select_command(level=False).hover, 'the setpoint')
-        assert wish == pytest.approx((0.3, 0.0, 0.5, 1.2), abs=1e-6)
-        link.hand_over(land=True)
-        wait_until(lambda: commander.select_command(level=False).land, 'the order to land')
-        link.close()
-
-
-def test_what_lands_by_itself_goes_on_when_the_link_is_closed(linked):
+def test_what_lands_by_setpoint_and_hand_over_goes_on_when_the_link_is_closed(linked):
     """cflib parts with a thrust of zero: motors would stand at whatever height."""
     with CrazyflieServer(Firmware(BenchBody())) as server:
         link = linked(server)
         link.request_arming(True)
         commander = server.firmware.commander
         wait_until(lambda: server.firmware.supervisor.accepts_setpoints, 'the arming')
-        link.send_hover_setpoint(0.0, 0.0, 1.0)
-        wait_until(lambda: commander.select_command(level=False).hover, 'the setpoint')
+        link.send_hover_setpoint(0.3, 0.5, 1.2)
+        wish = wait_until(lambda: commander.select_command(level=False).hover, 'the setpoint')
+        assert wish == pytest.approx((0.3, 0.0, 0.5, 1.2), abs=1e-6)
         link.hand_over(land=True)
         wait_until(lambda: commander.select_command(level=False).land, 'the order to land')
         heard, receive = [], server.firmware.receive
@@ -253,21 +240,21 @@ def test_datagrams_that_are_lost_swapped_and_doubled_do_not_keep_it_away():
         link.close()
 
 
-def test_parameters_are_brought_to_what_the_vehicle_needs_or_refused(linked):
+@pytest.mark.parametrize(
+    ('name', 'value', 'write', 'sentence'),
+    [
+        ('lta.new', 1, True, r'has no parameter lta.new \(why\)'),
+        ('lta.app', 4, False, r'lta.app is 3, but must be 4 \(why\)'),
+        ('firmware.revision0', 2, True, r'firmware\.revision0 of the firmware is read-only'),
+    ],
+)
+def test_a_parameter_that_cannot_be_brought_to_its_value_is_refused(
+    linked, name, value, write, sentence
+):
     with CrazyflieServer(Firmware(BenchBody())) as server:
-        link = linked(server)
-        with pytest.raises(LinkFailed, match=r'has no parameter lta.new \(why\)'):
-            enforce_parameters(
-                link, {'lta.new': ExpectedParameter(value=1, write=True, why='why')}
-            )
-        with pytest.raises(LinkFailed, match=r'lta.app is 3, but must be 4 \(why\)'):
-            enforce_parameters(
-                link, {'lta.app': ExpectedParameter(value=4, write=False, why='why')}
-            )
-        with pytest.raises(LinkFailed, match=r'firmware\.revision0 of the firmware is read-only'):
-            enforce_parameters(
-                link, {'firmware.revision0': ExpectedParameter(value=2, write=True, why='why')}
-            )
+        link, wanted = linked(server), ExpectedParameter(value=value, write=write, why='why')
+        with pytest.raises(LinkFailed, match=sentence):
+            enforce_parameters(link, {name: wanted})
         link.close()
 
 
@@ -413,20 +400,12 @@ def test_a_file_may_name_a_required_parameter_with_its_value(tmp_path):
     assert load_crazyflie(same, 'gtmab').expected['powerDist.idleThrust'].write
 
 
-@pytest.mark.parametrize(
-    'uri',
-    [
-        'radio://0/80/2M/E7E7E7E7E7',
-        'radio://0/80',
-        'radio://ABCDEF0123/80/250K/E7?rate_limit=100',
-        'usb://0',
-        'udp://127.0.0.1:19850',
-        'tcp://drone:5000',
-        'serial://ttyACM0',
-    ],
-)
-def test_a_uri_that_cflib_knows_is_taken(uri):
-    CflibLink(uri, (), time.time_ns)
+def test_a_uri_that_cflib_knows_is_taken():
+    for uri in (
+        'radio://0/80/2M/E7E7E7E7E7', 'radio://0/80', 'radio://ABCDEF0123/80/250K/E7?rate_limit=100',
+        'usb://0', 'udp://127.0.0.1:19850', 'tcp://drone:5000', 'serial://ttyACM0',
+    ):  # fmt: skip
+        CflibLink(uri, (), time.time_ns)
 
 
 def test_every_shipped_file_is_wired_to_rotors_that_exist():

@@ -17,8 +17,7 @@ import pytest
 HOVER = CrtpPacket(7, 0, b'\x0a' + struct.pack('<ffff', 0.0, 0.0, 0.0, 0.45))
 NOTIFY = CrtpPacket(7, 1, b'\0' + bytes(4))
 LAND = CrtpPacket(8, 0, b'\x08' + bytes(14))
-ARM, DISARM = CrtpPacket(9, 1, b'\x01\x01'), CrtpPacket(9, 1, b'\x01\x00')
-EMERGENCY, WATCHDOG = CrtpPacket(9, 1, b'\x03'), CrtpPacket(9, 1, b'\x04')
+ARM = CrtpPacket(9, 1, b'\x01\x01')
 
 
 STILL = (0.0,) * 4
@@ -75,16 +74,6 @@ def word(drone, now):
     (answer,) = drone.receive(CrtpPacket(9, 0, b'\x0c'), now)
     assert answer.data[0] == 0x8C
     return int.from_bytes(answer.data[1:], 'little')
-
-
-def test_a_setpoint_in_time_is_flown_again_after_levelling_out(drone):
-    hovering(drone)
-    run(drone, 1.0, 2.0)
-    drone.receive(DISARM, 2.0)  # heeded by no other state so late: a fact of the firmware
-    run(drone, 2.0, 2.2)
-    assert drone.supervisor.state is SupervisorState.LEVEL_OUT
-    assert drone.body.duties == (0.5,) * 4
-    assert run(drone, 2.2, 2.5, HOVER) == pytest.approx(2.2, abs=AT_ONCE)
 
 
 def test_upside_down_in_flight_it_crashes_and_recovers_upright(drone):

@@ -6,7 +6,7 @@ import math
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lta_bridge.crazyflie.bridge_core import BridgeCore, CrazyflieCommand, PositionEstimate, UNTOLD
+from lta_bridge.crazyflie.bridge_core import BridgeCore, CrazyflieCommand, UNTOLD
 from lta_bridge.crazyflie.device_clock import parse_ping_time
 from lta_bridge.crazyflie.drone_operation import describe_health
 from lta_bridge.crazyflie.duties_packet import unpack_duties
@@ -19,7 +19,7 @@ from lta_bridge.crazyflie.log_table import (
     STAMPED,
 )
 from lta_bridge.crazyflie.messages import CrazyfliePowerModel, from_reading
-from lta_bridge.crazyflie.safety import LOST_POSITION, LOW_VOLTAGE_TIME, SafetyStage
+from lta_bridge.crazyflie.safety import LOW_VOLTAGE_TIME, SafetyStage
 from lta_bridge.crazyflie.safety import SafetyRequest as AskedBy
 from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 from lta_model.vehicle import load_vehicle
@@ -93,20 +93,6 @@ def flying():
         flight.tick()
     assert flight.bridge.state.stage is SafetyStage.FLYING
     return flight
-
-
-def test_an_estimator_that_falls_silent_lands_though_commands_go_on():
-    flight = flying()
-    flight.bridge.update_position(PositionEstimate(0.4, 0.0, flight.now))
-    for _ in range(round(LOST_POSITION * 1e9 / TICK)):
-        flight.tick()
-    assert flight.bridge.state.stage is SafetyStage.FLYING
-    flight.tick()
-    assert flight.bridge.state.stage is SafetyStage.LANDING
-    assert flight.bridge.state.why.startswith('the newest position estimate is')
-    for _ in range(50):
-        flight.tick()
-    assert flight.bridge.state.stage is SafetyStage.DISARMED
 
 
 def of_block(block):

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Calibrations hidden in flights of the independent simulator, which shares no code."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 import math
 from pathlib import Path
@@ -50,6 +51,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from ..hidden_flight import flown  # noqa: TID252 - `test` is Python's own
+from ..step_pilot import StepPilot  # noqa: TID252
 
 ROLES = ('train', 'train', 'confirm')
 SECONDS = (35.0, 45.0)
@@ -116,47 +118,23 @@ def test_a_hidden_calibration_is_found(calibrated: tuple[CalibrationCase, Calibr
     assert found.method == 'likelihood'
 
 
-class SteppingPilot:
-    """A pilot who commands one step after a second."""
-
-    def __init__(self, axis: int, size: float) -> None:
-        self._axis, self._size = axis, size
-
-    def initial_duties(self) -> list[float]:
-        """Return no command."""
-        return [0.0] * 6
-
-    def compute_duties(self, time: float, state: list[float]) -> list[float]:
-        """Return the command at a time."""
-        return [self._size * (k == self._axis and time >= 1.0) for k in range(6)]
-
-
-class PushingPilot:
-    """A pilot who commands a weak yaw moment after a second, as a flight needs a command."""
-
-    def initial_duties(self) -> list[float]:
-        """Return no command."""
-        return [0.0] * 6
-
-    def compute_duties(self, time: float, state: list[float]) -> list[float]:
-        """Return the command at a time."""
-        return [0.0] * 5 + [1e-4 * (time >= 1.0)]
+def calibrate_bags(folder: Path, flights: Sequence[CaseFlight]) -> Calibration:
+    """Return the calibration of a GT-MAB by flights, through bags."""
+    vehicle = load_vehicle('gtmab')
+    bags: dict[Role, list[Path]] = {'train': [], 'confirm': []}
+    for flight in flights:
+        write_bag(folder / flight.name, flight.streams, vehicle.rotor_names, {})
+        bags[flight.role].append(folder / flight.name)
+    usable = select_usable_flights(read_bags(bags), vehicle).flights
+    return calibrate_flights(vehicle, 'gtmab', usable, lambda _what, _part: None)
 
 
 def record_poses(
     name: str, blimp: VehicleTruth, pilot: DutyPilot, tilt: float, seconds: float
 ) -> CaseFlight:
     """Return poses and commands of a blimp that is let go with its nose down by an angle."""
-    begin = [
-        0.0,
-        0.0,
-        3.5,
-        *[0.0] * 3,
-        math.cos(0.5 * tilt),
-        0.0,
-        math.sin(0.5 * tilt),
-        *[0.0] * 4,
-    ]
+    half = 0.5 * tilt
+    begin = [0.0, 0.0, 3.5, *[0.0] * 3, math.cos(half), 0.0, math.sin(half), *[0.0] * 4]
     simulator = FlightSimulator(blimp, pilot, actuators=WrenchActuators)
     path = simulator.simulate_flight(begin, seconds)
     time = TICK * np.arange(len(path.commands), dtype=np.float64)
@@ -187,8 +165,7 @@ class ShakenPilot:
 
 def test_a_swing_that_nothing_explains_hides_no_gain_drag_or_lift(tmp_path: Path) -> None:
     """Unknown moments swing the hull by 5 degrees; 0.7 of the heave command acts."""
-    vehicle = load_vehicle('gtmab')
-    file = build_vehicle_truth(vehicle)
+    file, flights = build_vehicle_truth(load_vehicle('gtmab')), []
     gains, drag = (1.0, 1.0, 0.7, 1.0, 1.0, 1.0), (0.05, 0.05, 0.12)
     for number, name in enumerate(('one', 'three')):
         blimp = replace(file, wrench_gains=gains, linear_drag=drag, lift=0.008)
@@ -196,12 +173,10 @@ def test_a_swing_that_nothing_explains_hides_no_gain_drag_or_lift(tmp_path: Path
         pilot = ShakenPilot(WrenchPilot(file, gains, draw), 0.007, 2.3, draw)
         flight = record_poses(name, blimp, pilot, 0.0, 30.0)
         flight.streams['wrench_command'][1][:, 3:5] = 0.0
-        write_bag(tmp_path / name, flight.streams, vehicle.rotor_names, {})
+        flights.append(flight)
         turns = Rotation.from_quat(flight.streams['ground_truth/odom'][1][:, 3:7])
         assert np.degrees(np.arccos(turns.as_matrix()[:, 2, 2])).max() > 5.0
-    bags: dict[Role, list[Path]] = {'train': sorted(tmp_path.iterdir())}
-    flights = select_usable_flights(read_bags(bags), vehicle).flights
-    found = calibrate_flights(vehicle, 'gtmab', flights, lambda _what, _part: None)
+    found = calibrate_bags(tmp_path, flights)
     truth = {f'linear_drag.{axis}': each for axis, each in zip(AXES, drag, strict=False)}
     truth['wrench_gain.heave'] = 0.7
     for name, value in truth.items():
@@ -218,22 +193,18 @@ def test_a_single_swing_shows_a_pendulum_forty_percent_faster_than_the_files(
     tmp_path: Path,
 ) -> None:
     """After 3 s of forecast it is half a swing ahead; in a flight beside it, the gain is 0.3."""
-    vehicle = load_vehicle('gtmab')
-    file = build_vehicle_truth(vehicle)
+    file = build_vehicle_truth(load_vehicle('gtmab'))
     blimp = replace(
         file, cg=(0.004, -0.003, 1.4 * file.cg[2]), marker_arm=(-0.06, -0.03, -0.07), lift=0.04,
         inertia=to_triple([0.64 * each for each in file.inertia]),
         wrench_gains=(0.3, 1.0, 1.0, 1.0, 1.0, 0.9),
     )  # fmt: skip
     pilot = WrenchPilot(file, blimp.wrench_gains, np.random.default_rng([11, 73, 1]))
-    for flight in (
-        record_poses('swing', blimp, PushingPilot(), math.radians(20.0), 14.0),
+    flights = [
         record_poses('free', blimp, pilot, 0.0, 25.0),
-    ):
-        write_bag(tmp_path / flight.name, flight.streams, vehicle.rotor_names, {})
-    bags: dict[Role, list[Path]] = {'train': sorted(tmp_path.iterdir())}
-    flights = select_usable_flights(read_bags(bags), vehicle).flights
-    found = calibrate_flights(vehicle, 'gtmab', flights, lambda _what, _part: None)
+        record_poses('swing', blimp, StepPilot(5, 1e-4), math.radians(20.0), 14.0),
+    ]
+    found = calibrate_bags(tmp_path, flights)
     for name, truth in (
         ('vehicle.pitch', 0.64),
         ('vehicle.yaw', 0.64),
@@ -253,25 +224,20 @@ def test_a_single_swing_shows_a_pendulum_forty_percent_faster_than_the_files(
 @pytest.mark.parametrize('share', [1.0, 1.7])
 def test_a_drag_is_found_in_single_steps(tmp_path: Path, share: float) -> None:
     """Of flights that show one command each, as those of a lab often do."""
-    vehicle = load_vehicle('gtmab')
-    file = build_vehicle_truth(vehicle)
+    file = build_vehicle_truth(load_vehicle('gtmab'))
     blimp = replace(
         file,
         drag=to_triple([share * each for each in file.drag]),
         lift=9.80665 * (file.mass - file.displaced),
         wrench_gains=(2.4, 1.0, 1.0, 1.0, 1.0, 1.0),
     )
-    bags: dict[Role, list[Path]] = {'train': [], 'confirm': []}
-    for role, flight in (
-        ('train', record_poses('ahead', blimp, SteppingPilot(0, 0.05), 0.0, 9.0)),
-        ('train', record_poses('upward', blimp, SteppingPilot(2, 0.03), 0.0, 9.0)),
-        ('train', record_poses('swinging', blimp, PushingPilot(), 0.35, 14.0)),
-        ('confirm', record_poses('ahead, half', blimp, SteppingPilot(0, 0.025), 0.0, 11.0)),
-    ):
-        write_bag(tmp_path / flight.name, flight.streams, vehicle.rotor_names, {})
-        bags[role].append(tmp_path / flight.name)
-    flights = select_usable_flights(read_bags(bags), vehicle).flights
-    found = calibrate_flights(vehicle, 'gtmab', flights, lambda _what, _part: None)
+    flights = [
+        record_poses('ahead', blimp, StepPilot(0, 0.05), 0.0, 9.0),
+        record_poses('upward', blimp, StepPilot(2, 0.03), 0.0, 9.0),
+        record_poses('swinging', blimp, StepPilot(5, 1e-4), 0.35, 14.0),
+        record_poses('ahead, half', blimp, StepPilot(0, 0.025), 0.0, 11.0),
+    ]
+    found = calibrate_bags(tmp_path, [*flights[:3], replace(flights[3], role='confirm')])
     drag, gain = found.find('quadratic_drag.surge'), found.find('wrench_gain.surge')
     assert drag is not None
     assert gain is not None

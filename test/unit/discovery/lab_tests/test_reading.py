@@ -24,6 +24,8 @@ from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
 
+from ..step_pilot import StepPilot  # noqa: TID252 - `test` is Python's own
+
 ROOT = Path(__file__).resolve().parents[4]
 ROTORS = ('up_left', 'up_right', 'forward_left', 'forward_right')
 
@@ -194,14 +196,8 @@ def own_inertia(truth: Any) -> float:
 
 
 EXPONENT, REVERSE = 2.0, 0.6
-FULL: Six = (
-    0.05,
-    1.0,
-    0.08,
-    1.0,
-    1.0,
-    0.005,
-)  # commands at which they push as they should [N, N m]
+# Commands at which they push as they should [N, N m]
+FULL: Six = (0.05, 1.0, 0.08, 1.0, 1.0, 0.005)
 HEAD = 'timestamp_ms,x_mm,y_mm,z_mm,qx,qy,qz,qw,cmd_fx,cmd_fy,cmd_fz,cmd_tau_x,cmd_tau_y,cmd_tau_z'
 
 
@@ -234,28 +230,13 @@ class SquareActuators:
         return a, b, c, d, e, f
 
 
-class StepPilot:
-    """A pilot who commands a step after a second."""
-
-    def __init__(self, test: LabTest) -> None:
-        self.test = test
-
-    def initial_duties(self) -> list[float]:
-        """Return no command."""
-        return [0.0] * 6
-
-    def compute_duties(self, time: float, state: list[float]) -> list[float]:
-        """Return the command at a time."""
-        own = self.test.size * (time >= 1.0)
-        return [own if axis == self.test.axis else 0.0 for axis in AXES]
-
-
 def write_log(path: Path, blimp: VehicleTruth, test: LabTest, draw: np.random.Generator) -> None:
     """Fly a test, and write its file as a tracker does."""
     tilt = [math.cos(0.5 * test.tilt), 0.0, 0.0, 0.0]
     tilt[1 + (test.axis == 'pitch')] = math.sin(0.5 * test.tilt)
     begin = [0.0, 0.0, 2.0, 0.0, 0.0, 0.0, *tilt, 0.0, 0.0, test.rate]
-    flight = FlightSimulator(blimp, StepPilot(test), actuators=SquareActuators)
+    pilot = StepPilot(AXES.index(test.axis), test.size)
+    flight = FlightSimulator(blimp, pilot, actuators=SquareActuators)
     trajectory = flight.simulate_flight(begin, test.seconds)
     time, poses = SensorSet(trajectory, blimp, 'millisecond', draw).measure_poses()
     newest = np.clip((time / TICK + 1e-6).astype(int), 0, len(trajectory.commands) - 1)

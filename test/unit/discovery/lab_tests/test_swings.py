@@ -19,6 +19,8 @@ from numpy.typing import NDArray
 import pytest
 from scipy.signal import find_peaks
 
+from ..step_pilot import StepPilot  # noqa: TID252 - `test` is Python's own
+
 Array = NDArray[np.float64]
 GRAVITY = 9.80665  # m/s2; of the simulator
 RELEASES = (0.4, 0.2, 0.08)  # rad; each log covers a part of the amplitudes
@@ -30,18 +32,6 @@ CASES = {
 }
 
 
-class Silent:
-    """A pilot that commands nothing."""
-
-    def initial_duties(self) -> list[float]:
-        """Return no force and moment."""
-        return [0.0] * 6
-
-    def compute_duties(self, time: float, state: list[float]) -> list[float]:
-        """Return no force and moment."""
-        return [0.0] * 6
-
-
 def hang(truth: VehicleTruth) -> VehicleTruth:
     """Return a vehicle that ballast carries."""
     return replace(truth, lift=GRAVITY * (truth.mass - truth.displaced))
@@ -51,7 +41,7 @@ def swing(truth: VehicleTruth, angle: float, seconds: float) -> SimulatedTraject
     """Return a release from a pitch angle."""
     half = 0.5 * angle
     begin = [0.0, 0.0, 3.0, 0.0, 0.0, 0.0, math.cos(half), 0.0, math.sin(half), 0.0, 0.0, 0.0, 0.0]
-    return FlightSimulator(truth, Silent(), actuators=WrenchActuators).simulate_flight(
+    return FlightSimulator(truth, StepPilot(), actuators=WrenchActuators).simulate_flight(
         begin, seconds
     )
 
