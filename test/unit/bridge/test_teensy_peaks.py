@@ -83,12 +83,3 @@ def test_in_the_dark_no_diode_is_believed():
     assert (came.peaks.snr < DemodulationSettings().threshold).all()
     found = FINDER.find_lamp(came.peaks, DemodulationSettings().threshold, LampPrior())
     assert found == (None, None)
-
-
-def test_peaks_that_nobody_asked_for_and_other_windows_are_one_sentence():
-    link = LightBoard(LIGHT, 8)
-    assert through(lamp(0.0), link) == []
-    assert 'start with light_peaks:=true' in link.fault
-    link = LightBoard(LIGHT, 8, finds_peaks=True)
-    assert through(lamp(0.0)[:500], link) == []
-    assert 'over 500 rows, but the vehicle has 8 diodes and a block has 1000' in link.fault

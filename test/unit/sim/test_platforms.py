@@ -9,7 +9,7 @@ from lta_config.files import list_shipped_names, share_folder
 from lta_model.effects import initial_memory
 from lta_model.limits import level_force, level_speed, tumble_speed
 from lta_model.mass_properties import added_mass
-from lta_model.state import pack_state, SURROUNDINGS, VOLTAGE
+from lta_model.state import pack_state
 from lta_model.vehicle import load_vehicle
 from lta_sim.kernels import kernel
 from lta_windtunnel.sweep_table import read_sweep
@@ -226,17 +226,6 @@ class TestMultirotor:
         assert vehicle.battery_compensated
         assert vehicle.full_thrust == 0.12
         assert vehicle.hover_duty == pytest.approx(0.027 * G / 4 / 0.12, rel=1e-12)
-
-    @pytest.mark.parametrize('volts', [3.1, 3.7, 4.2])
-    def test_it_hovers_at_any_voltage(self, vehicles, volts):
-        vehicle = vehicles['multirotor']
-        model, command = vehicle.build_model(), vehicle.pack_command((vehicle.hover_duty,) * 4)
-        around = np.zeros(SURROUNDINGS)
-        around[VOLTAGE] = volts
-        start = pack_state((0.0, 0.0, 1.0), memory=initial_memory())
-        late = kernel.advance(start, model, command, around, 2.5e-3, 800)
-        lift = kernel.evaluate_model(late, model, command, around).thrusts.sum()
-        assert lift == pytest.approx(0.027 * G, rel=1e-9)
 
     def test_its_motors_hover_between_two_rows_of_the_bench(self, vehicles):
         """Bitcraze's bench: 24.4 g at 50 % of 3.71 V, 41.7 g at 75 % of 3.56 V."""

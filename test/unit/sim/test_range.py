@@ -47,25 +47,18 @@ def test_noise_has_the_deviation(height):
     assert np.mean(sample) == pytest.approx(height, abs=5 * sigma / math.sqrt(size))
 
 
-def test_a_tilted_sensor_reads_the_slant():
-    assert read(0.5, math.cos(math.radians(60.0))) == pytest.approx(1.0, abs=1e-12)
-
-
 @pytest.mark.parametrize(
-    ('height', 'up'),
-    [(4.01, 1.0), (2.1, 0.5), (0.5, 0.0), (0.5, -1.0), (0.5, 1e-300)],
+    ('height', 'up', 'told'),
+    [
+        (0.5, math.cos(math.radians(60.0)), pytest.approx(1.0, abs=1e-12)),  # the slant
+        (4.0, 1.0, 4.0),
+        *((height, 1.0, -math.inf) for height in (0.039, 0.0, -0.01)),
+        *((*lost, math.inf) for lost in ((4.01, 1.0), (2.1, 0.5), (0.5, 0.0), (0.5, -1.0))),
+        (0.5, 1e-300, math.inf),
+    ],
 )
-def test_no_return_is_plus_infinity(height, up):
-    assert read(height, up) == math.inf
-
-
-def test_the_farthest_return_is_still_a_number():
-    assert read(4.0) == 4.0
-
-
-@pytest.mark.parametrize('height', [0.039, 0.0, -0.01])
-def test_too_near_is_minus_infinity(height):
-    assert read(height) == -math.inf
+def test_a_reading_is_the_slant_or_infinite_beyond_the_reach(height, up, told):
+    assert read(height, up) == told
 
 
 def test_bright_light_shortens_the_reach():

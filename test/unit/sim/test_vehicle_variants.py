@@ -50,17 +50,6 @@ def test_the_drag_of_parts_comes_on_top_of_the_wind_tunnel():
     assert 'strip_damping' not in bare.collect_effects()
 
 
-def test_a_round_hull_has_its_whole_drag_at_any_heading(gtmab):
-    """At 45 degrees to its axes the drag along the way is that along an axis, and not 0.71."""
-    model, speed = gtmab.build_model(), 0.8
-    for heading in np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False):
-        state = pack_state((0.0, 0.0, 5.0), memory=initial_memory())
-        state[7:9] = speed * np.cos(heading), speed * np.sin(heading)
-        drags = kernel.effect_wrenches(state, model, np.zeros(4))
-        force = drags['quadratic_drag'][:2] + drags['cross_flow'][:2]
-        np.testing.assert_allclose(force, -0.092 * speed * state[7:9], atol=1e-15)
-
-
 def test_a_rotor_without_a_column_has_that_of_its_geometry():
     """Up left at (0, 19, -34.35) cm: lifts, and rolls by its arm of 19 cm."""
     plain = build(('aero.thrust_allocation.up_left', None))

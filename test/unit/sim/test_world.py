@@ -164,22 +164,6 @@ def test_the_topic_tells_the_wind_over_rough_ground_at_the_hull():
     assert message.vector.y == world.wind[1]
 
 
-def test_all_winds_add_up():
-    gust = {'wind': {'value': [0, 0, 0.3], 'unit': 'm/s'}, 'begin': '0 s', 'length': '0.02 s'}
-    gust['hold'] = '100 s'
-    shear = {
-        'origin': {'value': [0, 0, 0], 'unit': 'm'},
-        'x': {'value': [0, 0.1, 0], 'unit': '1/s'},
-        'y': {'value': [0.1, 0, 0], 'unit': '1/s'},
-        'z': {'value': [0, 0], 'unit': '1/s'},
-    }
-    steady = {'value': [0.2, 0.0, 0.0], 'unit': 'm/s'}
-    world = build(scene={'air/gust': gust, 'air/gradient': shear, 'air/wind': steady})
-    fly(world, 5, HOVER)
-    x, y = world.state[:2].tolist()
-    assert world.wind == pytest.approx((0.2 + 0.1 * y, 0.1 * x, 0.3), rel=1e-9)
-
-
 def test_the_start_is_stationary_and_stays_so():
     """Covariance of the filters: A S + S A' + B B' = 0, A = b (-1 0; 1 -1), B = (sqrt b, 0)."""
     generator = np.random.default_rng(1)

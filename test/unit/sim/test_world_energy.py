@@ -104,14 +104,6 @@ def test_the_panel_looks_up():
     assert build(scene=scene).sense().illuminance == 0.0
 
 
-def test_a_full_cell_takes_no_more():
-    world = build(scene=BRIGHT | {'start/charge': '100 %'})
-    fly(world, 100)
-    # The charger feeds the electronics and itself, and no more: 0.12 W / 0.85 + 0.022 W.
-    assert world.supply.flow.harvested == pytest.approx(0.12 / 0.85 + 0.022, rel=1e-6)
-    assert world.supply.flow.current == pytest.approx(0.0, abs=1e-4)
-
-
 def test_a_shorted_panel_gives_current_without_voltage():
     world = build(seed=2, scene=BRIGHT | {'faults': {'panel_short': '1 s'}})
     readings = fly(world, 221)
