@@ -51,6 +51,11 @@ def test_a_tilted_sensor_reads_the_slant():
     assert read(0.5, math.cos(math.radians(60.0))) == pytest.approx(1.0, abs=1e-12)
 
 
+def test_readings_are_whole_millimetres():
+    assert read(0.12345) == pytest.approx(0.123, abs=1e-12)
+    assert read(0.12351) == pytest.approx(0.124, abs=1e-12)
+
+
 @pytest.mark.parametrize(
     ('height', 'up'),
     [(4.01, 1.0), (2.1, 0.5), (0.5, 0.0), (0.5, -1.0), (0.5, 1e-300)],
