@@ -169,6 +169,13 @@ def test_a_recording_that_was_cut_short_is_refused_with_the_remedy(tmp_path):
             open_recording(tmp_path / 'bag', '', TABLE)
 
 
+def test_a_file_that_was_only_just_begun_is_passed_over(tmp_path):
+    path = bag(tmp_path / 'bag', regular())
+    expected = taken(reel(path))
+    (path / 'bag_1.mcap').touch()
+    assert taken(reel(path)) == expected
+
+
 def test_a_topic_of_another_type_is_left_out_and_said(tmp_path):
     path = bag(tmp_path / 'bag', [*regular(), ('/lta1/range', 'pressure', 10**9, 10**9)])
     recording = open_recording(path, '', TABLE)

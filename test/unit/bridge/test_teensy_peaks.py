@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Peaks that the board finds, beside what a demodulator makes of the same samples."""
 
+from light_frames import build_frame
 from lta_bridge.teensy.light_board import LightBoard, LightPeaks
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.topics import load_topic_table
@@ -83,3 +84,27 @@ def test_in_the_dark_no_diode_is_believed():
     assert (came.peaks.snr < DemodulationSettings().threshold).all()
     found = FINDER.find_lamp(came.peaks, DemodulationSettings().threshold, LampPrior())
     assert found == (None, None)
+
+
+def test_peaks_that_nobody_asked_for_and_other_windows_are_one_sentence():
+    link = LightBoard(LIGHT, 8)
+    assert through(lamp(0.0), link) == []
+    assert 'start with light_peaks:=true' in link.fault
+    link = LightBoard(LIGHT, 8, finds_peaks=True)
+    assert through(lamp(0.0)[:500], link) == []
+    assert 'over 500 rows, but the vehicle has 8 diodes and a block has 1000' in link.fault
+
+
+def test_samples_where_peaks_were_asked_for_and_peaks_of_no_number_are_one_sentence():
+    link = LightBoard(LIGHT, 8, finds_peaks=True)
+    board = EmulatedBoard(BOOT)
+    assert (
+        list(link.receive_bytes(board.encode_light(lamp(0.0)) + board.encode_status(), BOOT + 1))
+        == []
+    )
+    assert 'sends samples instead of peaks; start without light_peaks:=true' in link.fault
+    assert list(through(lamp(0.0), link)) != []
+    assert link.fault == ''
+    frame = build_frame('LTA_LIGHT_PEAKS', diodes=8, window=1000, frequency=np.nan)
+    assert list(link.receive_bytes(frame, BOOT + 1)) == []
+    assert 'sends peaks outside the range of its ADC' in link.fault

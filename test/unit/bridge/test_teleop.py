@@ -265,6 +265,22 @@ def test_keys_that_come_as_an_escape_mean_nothing_torn_or_whole(key):
         os.close(fd)
 
 
+def test_an_escape_alone_holds_no_key_back():
+    person, terminal = os.openpty()
+    device = Keyboard(terminal)
+    for typed in (b'\x1bx', b'\x1b\x1bx'):
+        os.write(person, typed)
+        assert device.read_sticks(1.0) == Sticks(stop=True)
+    for typed in (b'\x1b', b'\x1b[', b'\x1bO'):
+        os.write(person, typed)
+        assert device.read_sticks(2.0) == REST
+        assert device.read_sticks(2.02) == REST
+        os.write(person, b'x')
+        assert device.read_sticks(2.04) == Sticks(stop=True)
+    for fd in (person, terminal):
+        os.close(fd)
+
+
 def test_without_a_terminal_there_are_no_keys(tmp_path):
     with (tmp_path / 'file').open('w+b') as file, pytest.raises(BadInput, match='a terminal'):
         Keyboard(file.fileno())

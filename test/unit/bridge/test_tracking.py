@@ -290,6 +290,11 @@ def test_an_estimate_of_nonsense_or_of_a_clock_that_was_set_back_leaves_the_rest
     assert correction.locate_odom(S, NOWHERE) == NOWHERE
 
 
+def test_a_computed_motion_may_stand_still():
+    sieve, pose = PoseFilter(noisy=False), build_level_pose(1.0, 2.0, 0.5, 0.3)
+    assert all(sieve.accept_pose(S + k * FROZEN_NS // 2, pose) for k in range(6))
+
+
 def test_a_body_is_found_by_its_name_among_those_of_motion_capture():
     there = Pose(position=Point(x=1.0, y=2.0, z=0.5), orientation=Quaternion(z=0.6, w=0.8))
     message = NamedPoses([NamedPose('lta2', Pose()), NamedPose('lta1', there)])

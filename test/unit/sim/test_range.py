@@ -47,6 +47,11 @@ def test_noise_has_the_deviation(height):
     assert np.mean(sample) == pytest.approx(height, abs=5 * sigma / math.sqrt(size))
 
 
+def test_readings_are_whole_millimetres():
+    assert read(0.12345) == pytest.approx(0.123, abs=1e-12)
+    assert read(0.12351) == pytest.approx(0.124, abs=1e-12)
+
+
 @pytest.mark.parametrize(
     ('height', 'up', 'told'),
     [

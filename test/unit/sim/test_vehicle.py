@@ -83,6 +83,20 @@ def test_balance_is_the_sum_of_the_parts(gtmab):
     np.testing.assert_allclose(gtmab.inertia, np.diag(np.diag(gtmab.inertia)), atol=1e-15)
 
 
+def test_parts_off_the_axis_couple_the_axes():
+    """A lump of 7 g at (0.2, 0.1) beside the rest: products of inertia by the point masses."""
+    vehicle = build(
+        ('layers.propulsion_and_control.battery.position', given([20, 10, -36.5], 'cm'))
+    )
+    cg = vehicle.cg
+    assert cg[0] == pytest.approx(0.007 * 0.2 / vehicle.mass)
+    assert cg[1] == pytest.approx(0.007 * 0.1 / vehicle.mass)
+    far, rest = np.array([0.2, 0.1]) - cg[:2], -cg[:2]
+    product = -0.007 * far[0] * far[1] - (vehicle.mass - 0.007) * rest[0] * rest[1]
+    assert vehicle.inertia[0, 1] == pytest.approx(product, rel=1e-9)
+    np.testing.assert_array_equal(vehicle.inertia, vehicle.inertia.T)
+
+
 def test_added_mass_is_lambs(gtmab):
     displaced = RHO * 4 / 3 * math.pi * 0.5 * 0.5 * 0.2995
     added = np.array(gtmab.added_mass)

@@ -14,7 +14,6 @@ from lta_discovery.calibration.corrections import judge_corrections, list_correc
 from lta_discovery.calibration.prepared_flights import (
     find_index,
     fit_calibration,
-    PENDULUM_KNOBS,
     prepare_calibration,
     PreparedCalibration,
 )
@@ -247,7 +246,7 @@ def _find_pendulum_deviations(
     nominal: NominalVehicle, knobs: Sequence[FreeParameter], best: _Estimate
 ) -> tuple[float, float]:
     """
-    Return the standard deviations of the rates of roll and pitch, relative to them.
+    Return the standard deviations of the logarithms of the rates of roll and pitch.
 
     A swing tells the rate, and hardly which of inertia and centre of gravity makes it. Two fits
     differ along this ridge, so that their rates are compared and not their values.
@@ -259,10 +258,9 @@ def _find_pendulum_deviations(
 
     rates, slopes = find_rates(best.shared), np.zeros((2, len(knobs)))
     for k, knob in enumerate(knobs):
-        if knob.name.startswith(PENDULUM_KNOBS):
-            step = RATE_STEP * knob.tolerance
-            moved = best.shared + step * np.eye(len(knobs))[k]
-            slopes[:, k] = (find_rates(moved) - rates) / step
+        step = RATE_STEP * knob.tolerance
+        moved = best.shared + step * np.eye(len(knobs))[k]
+        slopes[:, k] = (find_rates(moved) - rates) / step
     variances = np.einsum('ij,jk,ik->i', slopes, best.within, slopes)
     roll, pitch = np.sqrt(variances + (find_rates(best.others) - rates) ** 2)
     return float(roll), float(pitch)

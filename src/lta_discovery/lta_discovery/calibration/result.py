@@ -86,7 +86,7 @@ class Calibration:
     corrections: tuple[Correction, ...] = ()
     # By forecasts of the confirming flights, the most useful first; none without such flights
     worth: tuple[JudgedCorrection, ...] = ()
-    # Of the rates of the free oscillations in roll and pitch, relative to them
+    # Of the logarithms of the rates of the free oscillations in roll and pitch
     pendulum_deviations: tuple[float, float] = (math.inf, math.inf)
 
     @property

@@ -139,8 +139,10 @@ def _pendulum_clauses(calibration: Calibration) -> Iterator[str]:
     for axis, (before, after), deviation in zip(
         ('roll', 'pitch'), both, calibration.pendulum_deviations, strict=True
     ):
-        change = abs(after / before - 1.0) if before > 0.0 else 0.0
-        if change > max(REPORTED_RATE_CHANGE, CLEAR * deviation):
+        if min(before, after) <= 0.0:  # a vehicle that turns over does not swing
+            continue
+        change = abs(after / before - 1.0)
+        if change > REPORTED_RATE_CHANGE and abs(math.log(after / before)) > CLEAR * deviation:
             word = 'faster' if after > before else 'slower'
             percent = format_number(100.0 * change, 2)
             yield f'the {axis} pendulum is {percent} % {word}'

@@ -51,6 +51,12 @@ def test_the_stamp_wraps_after_four_and_a_half_hours():
     assert clock.line.restarts == 0
 
 
+def test_late_and_swapped_packets_keep_their_own_stamps():
+    clock = DeviceClock()
+    stamps = [clock.compute_packet_time(ms, 10**18 + 1_000 * MS) for ms in (1000, 990, 995)]
+    assert [stamps[0] - one for one in stamps] == [0, 10 * MS, 5 * MS]
+
+
 @pytest.mark.parametrize('back_s', [0.2, 3.0, 9.0])
 def test_a_clock_that_is_set_back_a_little_is_learnt_anew(back_s):
     """One that started anew within its first seconds: at once, not after the line's minute."""

@@ -161,7 +161,7 @@ FORMS = {
     ),
     'speeds of rotors': Form(
         lambda f: timed(f) | place(f) | quaternion(f)
-        | dict.fromkeys(('left_speed', 'right_speed'), 300.0 + 10.0 * f['v'][:, 0]),
+        | dict.fromkeys(('left_speed', 'port_speed', 'speed_fl'), 300.0 + 10.0 * f['v'][:, 0]),
         others=frozenset(['motors']),
     ),
     # Angles, rates and velocities by other names
@@ -474,6 +474,16 @@ def test_a_steady_velocity_across_a_turning_vehicle_is_no_motion_ahead(
     keys = [one.key for one in draft.choices.questions]
     assert ('ground_truth/odom.velocity.frame' in keys) is asked
     assert ('frame: world' in draft.text) is not asked
+
+
+def test_names_north_east_down_of_one_topic_say_nothing_of_another(tmp_path: Path) -> None:
+    f = lab_flight()
+    table = timed(f) | quaternion(f, 'vicon_q') | three('vicon_vel_', world_velocity(f), 'ned')
+    table |= quaternion(f, 'est_q') | three('est_vel_', f['v'] + [0.5, 0.0, 0.0])
+    source = write_csv(tmp_path / 'log.csv', table)
+    entries = yaml.safe_load(draft_mapping(source, {}).text)['topics']
+    frames = {entry['topic']: entry['velocity'].get('frame', 'body') for entry in entries}
+    assert frames == {'ground_truth/odom': 'world', 'odom': 'body'}
 
 
 def test_a_heading_alone_says_nothing_of_the_vertical(tmp_path: Path) -> None:

@@ -307,6 +307,8 @@ def test_a_pendulum_is_named_by_its_rate_where_nothing_tells_what_makes_it_so(
     percent = 100.0 * (after / before - 1.0)
     assert list_differences(known) == [f'the roll pendulum is {percent:.0f} % faster']
     assert list_differences(replace(known, pendulum_deviations=(0.2, 0.2))) == []
+    over = nominal.with_value('cg_height', 'z', -2.0 * float(nominal.cg[2]))
+    assert list_differences(replace(known, calibrated=over)) == []  # it does not swing
 
 
 def test_the_headline_does_not_contradict_the_tile_below_it(vehicle: Vehicle) -> None:

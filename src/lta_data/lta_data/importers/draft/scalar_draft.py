@@ -56,7 +56,11 @@ REVERSED_SHARE: Final = 0.1
 ACTUATOR_NAME: Final = re.compile(r'[a-z][a-z0-9_]*')
 ROTOR_SPEED_WORDS: Final = frozenset(['rpm', 'speed', 'rotorspeed', 'omega'])
 # What has a speed: a rotor, or the vehicle through air or over ground
-ROTATING_WORDS: Final = frozenset(['thruster', 'thrusters', 'fan', 'fans', 'propellers', 'props'])
+ROTATING_WORDS: Final = frozenset([
+    'thruster', 'thrusters', 'fan', 'fans', 'propellers', 'props', 'engine', 'engines',
+    # Where a rotor is
+    'port', 'starboard', 'bow', 'stern', 'fl', 'fr', 'rl', 'rr', 'bl', 'br',
+])  # fmt: skip
 TRAVEL_WORDS: Final = frozenset(['ground', 'gps', 'gnss', 'air', 'wind', 'vehicle', 'body'])
 
 

@@ -338,8 +338,8 @@ def draft_velocity(
             question = 'No position tells whether the velocity is in body or world axes.'
             frame, why = choices.decide(key, options, question), choices.explain(key)
     frame = choices.override(key, frame)
-    settled = choices.settled.setdefault('velocity.frame', frame)
-    frame = frame if is_named else settled
+    if not is_named:  # the names of one topic say nothing of another
+        frame = choices.settled.setdefault('velocity.frame', frame)
     if frame == 'none':
         choices.add_reason(f'{topic}: velocity', group.columns, 'left out', why)
         return scale
