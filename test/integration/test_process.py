@@ -49,6 +49,26 @@ def test_it_says_all_and_leaves_by_its_status(domain_id, act, status, said):
     assert bool(said) == bool(left.stderr)
 
 
+TORN = """from lta_graph.ros import process
+
+        def fail(*_):
+            raise OSError('torn')
+
+        process.spin_for = fail
+        self.publish_health = lambda: print([fact.message for fact in self.health.facts])
+        yield"""
+
+
+def test_what_the_executor_raises_outside_of_callbacks_is_reported(domain_id):
+    left = subprocess.run(
+        [sys.executable, '-c', CODE.format(made='pass', act=TORN)],
+        capture_output=True, text=True, timeout=PATIENCE, check=False,
+    )  # fmt: skip
+    assert left.returncode == 1
+    assert "'broke: OSError: torn'" in left.stdout
+    assert left.stderr.endswith('OSError: torn\n')
+
+
 def test_under_nohup_it_goes_on_when_the_terminal_is_shut(domain_id):
     act = 'import os; os.kill(os.getpid(), 1); assert self.running'
     left = subprocess.run(

@@ -215,7 +215,12 @@ class NodeGroup:
         while self._running:
             for node in list(self._running):
                 self._advance(node)
-            spin_for(self._executor, self._running)
+            try:
+                spin_for(self._executor, self._running)
+            except Exception as error:
+                # Outside of any callback, so that no single node is at fault
+                for node in list(self._running):
+                    self._fail(node, error)
 
     def _advance(self, node: GraphNode) -> None:
         """Let a node take a step; close it at its end."""
