@@ -12,6 +12,7 @@ import time
 from lta_cli.doctor import dds, MACHINE_CHECKS
 from lta_config.compilation.kernel_cache import cache_root
 import pytest
+from signals import heed_signals
 from waiting import PATIENCE
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -59,8 +60,9 @@ def test_ctrl_c_that_an_extension_turns_into_another_error_still_stops(when):
     """Importing some compiled modules of SciPy turns a KeyboardInterrupt into an ImportError."""
     code = SPOILS.format(**{'loading': 'pass', 'running': '0'} | {when: 'spoil()'})
     left = subprocess.run(
-        [sys.executable, '-c', code], capture_output=True, text=True, timeout=PATIENCE, check=False
-    )
+        [sys.executable, '-c', code],
+        capture_output=True, text=True, timeout=PATIENCE, check=False, preexec_fn=heed_signals,
+    )  # fmt: skip
     assert (left.returncode, left.stderr) == (130, 'Stopped.\n')
 
 
