@@ -235,7 +235,7 @@ def write_log(path: Path, blimp: VehicleTruth, test: LabTest, draw: np.random.Ge
     tilt = [math.cos(0.5 * test.tilt), 0.0, 0.0, 0.0]
     tilt[1 + (test.axis == 'pitch')] = math.sin(0.5 * test.tilt)
     begin = [0.0, 0.0, 2.0, 0.0, 0.0, 0.0, *tilt, 0.0, 0.0, test.rate]
-    pilot = StepPilot(AXES.index(test.axis), test.size)
+    pilot = StepPilot(AXES.index(test.axis), test.size) if test.axis else StepPilot()
     flight = FlightSimulator(blimp, pilot, actuators=SquareActuators)
     trajectory = flight.simulate_flight(begin, test.seconds)
     time, poses = SensorSet(trajectory, blimp, 'millisecond', draw).measure_poses()
