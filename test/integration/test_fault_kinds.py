@@ -1,6 +1,6 @@
 # Copyright 2026 The LTA maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""Faults as campaigns inject them, few of them, side by side."""
+"""Some faults of the campaigns, injected in flights that run side by side."""
 
 from concurrent.futures import ThreadPoolExecutor
 

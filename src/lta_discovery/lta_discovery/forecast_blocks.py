@@ -94,8 +94,9 @@ def draw_errors(scores: Sequence[HorizonErrors], where: str) -> Picture:
     )  # fmt: skip
     figure.update_xaxes(title='time ahead [s]')
     figure.update_yaxes(title='position error [cm]', type='log', tickvals=TICKS)
-    counts = sorted({one.forecasts for one in scores})
-    number = ' to '.join(map(str, [*counts[:1], *counts[1:][-1:]]))
+    # Fewer forecasts reach a later horizon
+    least, most = (limit(one.forecasts for one in scores) for limit in (min, max))
+    number = str(most) if least == most else f'{least} to {most}'
     caption = f'RMS over {number} forecasts of {where}.'
     return Picture('errors', 'Forecast errors', caption, figure)
 

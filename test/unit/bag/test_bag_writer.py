@@ -108,6 +108,12 @@ def test_killed_process_keeps_what_was_flushed(tmp_path):
     # The kill may fall between a flush and the line that tells of it.
     assert times == list(range(len(times)))
     assert len(times) in (told[-1] + 1, told[-1] + 101)
+    bag = read_bag(tmp_path / 'bag')
+    assert not bag.is_complete
+    assert bag.provenance == {'seed': '9'}
+    read = [data[4] for _, _, data in bag.iterate_messages()]
+    assert read == [i % 2 for i in range(bag.topics['/b'].count)]
+    assert len(read) > told[-1]
 
 
 LIMITED = """

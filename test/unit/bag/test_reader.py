@@ -2,11 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Whole, torn and damaged recordings: what comes back is what was whole, and the rest is told."""
 
-import os
 import shutil
-import signal
-import subprocess
-import sys
 
 from lta_bag import BagWriter
 from lta_bag.reader import read_bag
@@ -138,41 +134,6 @@ def test_provenance_outlives_either_of_its_places(torn, tmp_path):
         link = writer.add_connection('/x', 'std_msgs/msg/Bool', typestore=types)
         writer.write(link, 5, b'\0\1\0\0\1')
     assert read_bag(tmp_path / 'theirs').provenance == {'operator': 'me'}
-
-
-KILLED = """
-import itertools, sys, time
-from pathlib import Path
-from lta_bag.mcap_file.scan import scan_mcap_file
-from lta_bag.mcap_file.contents import read_summary
-from lta_bag import BagWriter
-bag = BagWriter(Path(sys.argv[1]), {'seed': '9'})
-bag.add_topic('/b', 'std_msgs/msg/Bool', [])
-for i in itertools.count():
-    bag.write('/b', bytes([0, 1, 0, 0, i % 2]), time.time_ns())
-    if i % 100 == 99:
-        bag.flush()
-        print(i + 1, flush=True)
-"""
-
-
-def test_killed_recorder_loses_only_the_tail(tmp_path):
-    process = subprocess.Popen(
-        [sys.executable, '-c', KILLED, str(tmp_path / 'bag')],
-        stdout=subprocess.PIPE,
-        text=True,
-        env=os.environ | {'PYTHONPATH': os.pathsep.join(sys.path)},
-    )
-    with process:
-        told = [int(process.stdout.readline()) for _ in range(5)]
-        process.send_signal(signal.SIGKILL)
-        told += [int(line) for line in process.stdout]
-    bag = read_bag(tmp_path / 'bag')
-    assert not bag.is_complete
-    assert bag.provenance == {'seed': '9'}
-    count = bag.topics['/b'].count
-    assert count >= told[-1] > 0
-    assert [data[4] for _, _, data in bag.iterate_messages()] == [i % 2 for i in range(count)]
 
 
 @pytest.mark.parametrize('mode', [CompressionMode.NONE, CompressionMode.STORAGE])

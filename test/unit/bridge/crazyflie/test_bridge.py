@@ -1,6 +1,6 @@
 # Copyright 2026 The LTA maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""What the bridge makes of battery and setpoints, tells of its state, and feeds a watchdog."""
+"""The Crazyflie bridge: battery, setpoints, reports of its state, and the watchdog it feeds."""
 
 from itertools import pairwise
 import math
