@@ -5,7 +5,9 @@ Hide effects in flights of an independent simulator, and score what discovery na
 
 Each case is a GT-MAB that differs from its file within tolerances, flown three times: two flights
 to learn from, one held out (`challenge/`). Hidden is nothing, one or two effects of the library,
-something that the library does not have, or both; a kind decides what, `any` by chance.
+something that the library does not have, or both; a kind decides what, `any` by chance. `wrench`
+and `rough` hide one effect each: from a log of the pose and a commanded wrench, and from a tracker
+that loses and misplaces the vehicle.
 """
 
 from argparse import ArgumentParser, Namespace
@@ -49,6 +51,8 @@ def list_figures(cases: Sequence[Score]) -> list[tuple[str, list[bool]]]:
         ('one effect of 6 sigma or more: exact', count(select('single', CLEAR), is_exact)),
         ('one effect of 3 to 6 sigma: exact', count(select('single', 3.0, CLEAR), is_exact)),
         ('two effects, both of 6 sigma or more: exact', count(select('pair', CLEAR), is_exact)),
+        ('a commanded wrench, 6 sigma or more: exact', count(select('wrench', CLEAR), is_exact)),
+        ('a rough tracker, 6 sigma or more: exact', count(select('rough', CLEAR), is_exact)),
         ('nothing hidden: something named',
          count(select('clean'), lambda one: bool(one['named']))),
         ('nothing hidden: a force reported', count(select('clean'), is_flagged)),

@@ -303,7 +303,7 @@ def generate_calibration_case(
             'motors' if rotors else 'wrench_command': (time, path.commands),
         }
         streams = {topic: _cut_beginning(*each, unseen) for topic, each in streams.items()}
-        flights.append(CaseFlight(name, role, 'rotors' if rotors else 'wrench', streams))
+        flights.append(CaseFlight(name, role, streams))
     gains = draw_calibration(vehicle, seed, number, rotors)
     shares = tuple(
         truth.thrust * own * gain for own, gain in zip(truth.gains, gains, strict=bool(gains))

@@ -78,7 +78,16 @@ HIDINGS: Final[dict[str, InjectionRule]] = {
     **_sensor_rules('imu_bias', 'imu_bias', 0.3, 0.8),
     **_sensor_rules('gyro_bias', 'gyro_bias', 0.03, 0.1),
     'range_offset.offset': InjectionRule('range_offset', 0.04, 0.2, None, BOTH),
-}
+    # Of an axis of a commanded wrench
+    **{f'wrench_gain.{name}': InjectionRule('wrench_gains', 0.15, 0.5, axis, BOTH)
+       for name, axis in (('surge', 0), ('heave', 2), ('yaw', 5))},
+}  # fmt: skip
+OF_WRENCH: Final = ('wrench_gain',)
+# What the log of a pose and a commanded wrench cannot show
+OF_ROTORS: Final = (
+    'motor_deadband', 'motor_lag', 'thrust_scale', 'rotor_fault', 'imu_bias', 'gyro_bias',
+    'range_offset',
+)  # fmt: skip
 # Parameters whose value is the lost share
 SHARES: Final = ('munk_moment.lost', *(f'rotor_fault.lost_{k + 1}' for k in range(ROTORS)))
 
@@ -88,10 +97,15 @@ def effect_of(knob: str) -> str:
     return knob.partition('.')[0]
 
 
-def draw_hidden_effects(count: int, draw: Draw) -> dict[str, float]:
-    """Draw parameters of different effects, all equally likely, and their values."""
+def draw_hidden_effects(count: int, draw: Draw, of_wrench: bool = False) -> dict[str, float]:
+    """
+    Draw parameters of different effects, all equally likely, and their values.
+
+    `of_wrench`: of a vehicle whose log has its pose and a commanded wrench.
+    """
+    unseen = OF_ROTORS if of_wrench else OF_WRENCH
     # Sorted, so that the draw is reproducible
-    effects = sorted({effect_of(knob) for knob in HIDINGS})
+    effects = sorted({effect_of(knob) for knob in HIDINGS} - {*unseen})
     out = {}
     for effect in draw.choice(effects, count, replace=False):
         knob = str(draw.choice([each for each in HIDINGS if effect_of(each) == effect]))

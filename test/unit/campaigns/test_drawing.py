@@ -9,7 +9,13 @@ from pathlib import Path
 import campaigns.challenge as challenge
 from campaigns.challenge.air import RoomAirMotion, UnsteadyWind
 from campaigns.challenge.case_generator import ChallengeCase, Kind, OtherCaseGenerator
-from campaigns.challenge.effect_injection import HIDINGS, inject_effects, true_values
+from campaigns.challenge.effect_injection import (
+    HIDINGS,
+    inject_effects,
+    OF_ROTORS,
+    OF_WRENCH,
+    true_values,
+)
 from campaigns.challenge.flight import FlightSimulator
 from campaigns.challenge.pilot import SwingingPilot
 from campaigns.challenge.sensors import SensorSet
@@ -24,7 +30,10 @@ VEHICLE = load_vehicle('gtmab')
 SHORT = (5.0, 6.0)
 TOPICS = ('ground_truth/odom', 'imu', 'range', 'pressure', 'battery')
 # Values at which each knob is tried: the middle of its range.
-MIDDLE = {knob: 0.5 * (hiding.least + hiding.most) for knob, hiding in HIDINGS.items()}
+MIDDLE = {
+    knob: 0.5 * (hiding.least + hiding.most) for knob, hiding in HIDINGS.items()
+    if not knob.startswith(OF_WRENCH)
+}  # fmt: skip
 
 
 @pytest.fixture(scope='module')
@@ -83,12 +92,33 @@ def test_kinds_hide_what_they_say_and_can_be_judged() -> None:
         case = drawn(1, kind)  # type: ignore[arg-type]
         answer = case.answer
         assert (answer['kind'], len(answer['hidden'])) == (kind, count)
-        assert (answer['outside'] in UNLISTED, answer['floors'] > 0.0) == (outside, outside)
+        assert (answer['outside'] in UNLISTED, answer['size'] > 0.0) == (outside, outside)
         effects = {one['knob'].partition('.')[0] for one in answer['hidden']}
         assert set(answer['nominal']['given']) == effects
         assert len(effects) == count
         for flight in case.flights:
             assert set(flight.streams) == {*TOPICS, 'motors'}
+
+
+def test_a_commanded_wrench_hides_what_its_log_can_show() -> None:
+    for number in range(8):
+        case = drawn(number, 'wrench', (3.0, 4.0))
+        (hidden,) = case.answer['hidden']
+        assert not hidden['knob'].startswith(OF_ROTORS)
+        assert hidden['knob'].partition('.')[0] in case.answer['nominal']['given']
+        for flight in case.flights:
+            assert set(flight.streams) == {'ground_truth/odom', 'wrench_command'}
+            wrench = flight.streams['wrench_command'][1]
+            assert np.all(wrench[:, [1, 3, 4]] == 0.0)
+            assert np.all(np.ptp(wrench, 0)[[0, 2, 5]] > 0.0)
+
+
+def test_a_rough_tracker_loses_and_misplaces_the_vehicle() -> None:
+    time, poses = drawn(2, 'rough', (60.0, 61.0)).flights[0].streams['ground_truth/odom']
+    gaps, steps = np.diff(time), np.linalg.norm(np.diff(poses[:, :3], axis=0), axis=1)
+    assert np.median(gaps) == pytest.approx(0.03, rel=0.01)
+    assert 0.3 < np.max(gaps) < 4 * 1.5
+    assert 2 <= np.sum(steps[gaps < 0.1] > 0.3) < 30
 
 
 def test_flights_are_vigorous_and_stay_above_the_floor() -> None:
