@@ -42,7 +42,7 @@ def format_study(title: str, report: Report, seconds: float) -> Iterator[str]:
          f'{each["ci95"][0]:.2g} to {each["ci95"][1]:.2g}',
          'none' if each['before'] is None else f'{each["before"]:.3g}',
          f'{one["log_evidence"]:.0f}', ', '.join(one['confusable_with']) or MISSING]
-        for one in [*data['effects'], *data['possible']]
+        for one in [*data['effects'], *data['closest']]
         for name, each in one['parameters'].items()
     ]  # fmt: skip
     rows += [

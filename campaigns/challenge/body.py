@@ -114,10 +114,10 @@ class KirchhoffBody:
             loss = 1.0 + t.stall * tangent**2 / (1.0 + tangent**2)
             force[2] -= t.normal * level**2 * tangent / loss
         if any(t.extra_drag):
-            for k, u in enumerate(v):
+            for k, speed in enumerate((level, level, abs(v[2]))):
                 # The prefactor makes it equal to quadratic drag at the speed MATCHED
-                power = MATCHED ** (2.0 - EXPONENT) * abs(u) ** EXPONENT
-                force[k] -= t.extra_drag[k] * math.copysign(power, u)
+                power = MATCHED ** (2.0 - EXPONENT) * speed ** (EXPONENT - 1.0)
+                force[k] -= t.extra_drag[k] * power * v[k]
         moment = [
             -(square * abs(u) + linear) * u
             for square, linear, u in zip(t.turn_square, t.turn_linear, w, strict=True)

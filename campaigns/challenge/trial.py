@@ -21,6 +21,7 @@ from lta_discovery.posterior.missing_elements import LEARNING, LINEARIZATIONS
 from lta_discovery.state_filter.linear_flight import FlightSystem
 from lta_discovery.state_filter.noise_model import NoiseModel
 from lta_discovery.state_filter.parameter_fit import fit_likelihood
+from lta_model.effects.protocol import AXES
 from lta_model.vehicle import load_vehicle
 import numpy as np
 
@@ -40,6 +41,8 @@ INDISTINGUISHABLE: Final = (
     ('added_mass.surge', 'added_mass.sway'),
     ('tracker_delay.delay', 'clock_offset.offset'),
 )
+# Hidden drag follows the speed to the power of 1.9, as quadratic and linear drag do together
+BESIDE: Final = {f'quadratic_drag.{axis}': f'linear_drag.{axis}' for axis in AXES[:3]}
 CLASSES: Final = {name: group[0] for group in INDISTINGUISHABLE for name in group}
 
 
@@ -104,7 +107,7 @@ def compare_names(
     Return what was named, what was missed, and what is wrong.
 
     `named`: of each element, its name and those that cannot be told from it. Effects of one line
-    of `INDISTINGUISHABLE` count as one.
+    of `INDISTINGUISHABLE` count as one. What may be named beside a hidden effect is in `BESIDE`.
     """
 
     def name_classes(names: Sequence[str]) -> set[str]:
@@ -112,12 +115,13 @@ def compare_names(
 
     right = [name_classes([one]) for one in hidden]
     groups = [name_classes(one) for one in named]
+    allowed = [*right, {BESIDE[one] for one in hidden if one in BESIDE}]
     return {
         'named': [' or '.join(one) for one in named],
         'missed': [one for one, own in zip(hidden, right, strict=True)
                    if not any(own & group for group in groups)],
         'wrong': [one[0] for one, group in zip(named, groups, strict=True)
-                  if not any(own & group for own in right)],
+                  if not any(own & group for own in allowed)],
     }  # fmt: skip
 
 

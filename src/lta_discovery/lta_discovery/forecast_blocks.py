@@ -21,6 +21,7 @@ COLOURS: Final = {
     'calibrated.yaml': SETPOINT,
     'tolerances fitted': LAMP,
     'with what is named': TRUTH,
+    'with what comes closest': TRUTH,
     'vehicle.yaml': GOOD,
 }
 PERFECT: Final = 'perfect model'

@@ -109,6 +109,14 @@ def test_it_sinks_as_fast_as_its_drag_allows(truth: VehicleTruth) -> None:
         assert drag == pytest.approx(-0.359 * speed**2 - 0.1 * 0.4**0.1 * speed**1.9, rel=1e-12)
 
 
+def test_the_hidden_drag_of_a_round_hull_follows_its_level_speed(truth: VehicleTruth) -> None:
+    bare = KirchhoffBody(truth).drag_wrench((0.3, 0.4, 0.0), NONE)
+    more = KirchhoffBody(replace(truth, extra_drag=(0.0, 0.1, 0.0)))
+    force = more.drag_wrench((0.3, 0.4, 0.0), NONE)
+    assert force[1] - bare[1] == pytest.approx(-0.1 * 0.4**0.1 * 0.5**0.9 * 0.4, rel=1e-9)
+    assert force[0] == bare[0]
+
+
 def energy(truth: VehicleTruth, path: SimulatedTrajectory) -> np.ndarray:
     """Return the energy of body, air and weight. [J]."""
     masses = KirchhoffBody(truth).masses

@@ -22,6 +22,7 @@ from lta_discovery.discovery.forecast_comparison import ForecastComparison
 from lta_discovery.discovery.report import build_report
 from lta_discovery.discovery.run import format_learned_vehicle
 from lta_discovery.discovery.study import (
+    CLOSEST,
     Discovery,
     estimate_numbers,
     NAMED,
@@ -33,7 +34,7 @@ from lta_discovery.discovery.study import (
 from lta_discovery.flights.measured_flight import MeasuredFlight, resample_flight
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.posterior.missing_elements import MissingElements, PresentElement
+from lta_discovery.posterior.missing_elements import FoundModel, MissingElements, PresentElement
 from lta_discovery.state_filter.forecast_scores import ErrorRatio, FILE_MODEL
 from lta_discovery.state_filter.forecasts import FlightForecasts
 from lta_discovery.state_filter.linear_flight import FlightSystem
@@ -70,7 +71,7 @@ def make_study(
     errors: Sequence[float] = GOOD,
     coast: float = COAST,
     wrench: float = 1.0,
-    possible: Sequence[PresentElement] = (),
+    closest: Sequence[PresentElement] = (),
 ) -> Discovery:
     """Return a study put together by hand; `wrench`: unexplained one, in noise floors."""
     nominal, parameters = known
@@ -81,16 +82,20 @@ def make_study(
     noise = (replace(guess, wrench=wrench * wrench_floor(nominal)),)
     none = (np.zeros((len(flight.time), 6)),)
     missing = MissingElements(
-        tuple(present), tuple(possible), {DRAG: 0.99, 'quadratic_drag.surge': 0.03},
-        tuple(parameters), values, covariance, noise, none, 0.0 * values, noise, none, 1.0, (), (),
+        FoundModel(tuple(present), values, covariance, noise, none),
+        FoundModel((), 0.0 * values, covariance, noise, none),
+        FoundModel(tuple(closest), values, covariance, noise, none) if closest else None,
+        {DRAG: 0.99, 'quadratic_drag.surge': 0.03}, tuple(parameters), 1.0, (), (),
     )  # fmt: skip
     estimates = tuple(estimate_numbers(nominal, parameters[k], 0.03, 0.002))
-    named, maybe = (
+    named, near = (
         tuple(NamedElement(one, estimates if one.kind == 'effect' else (), {}) for one in each)
-        for each in (present, possible)
+        for each in (present, closest)
     )
-    numbers = any(one.kind == 'effect' for one in present)
+    numbers = any(one.kind == 'effect' for one in [*present, *closest])
     names = MODELS if numbers else MODELS[:2]
+    if closest:
+        names = (*MODELS[:2], CLOSEST, WRITTEN)
     forecasts = {
         name: [forecast(flight, error, coast)]
         for name, error in zip(names, errors[: len(names)], strict=True)
@@ -98,7 +103,7 @@ def make_study(
     learned = parameters[k].apply_to(nominal, 0.03) if numbers else nominal
     return Discovery(
         load_vehicle('gtmab'), nominal, learned,
-        {'A': ('train', flight), 'B': ('holdout', flight)}, ('A',), missing, named, maybe,
+        {'A': ('train', flight), 'B': ('holdout', flight)}, ('A',), missing, named, near,
         ForecastComparison(('B',), forecasts), True, ('A warning.',), FirstStep(),
     )  # fmt: skip
 
@@ -219,25 +224,25 @@ def test_a_calibration_that_forecasts_worse_than_the_file_is_not_advised(
     assert not one.writes_calibrated
 
 
-def test_beside_an_unknown_force_a_name_is_only_possible(
+def test_effects_that_come_closest_to_an_unknown_force_are_written_where_they_help(
     gtmab: Known, clean: FlightSystem
 ) -> None:
     force = PresentElement(('sway by heading',), 'force', 1.0, 41.0)
     drag = PresentElement((DRAG, 'quadratic_drag.surge'), 'effect', 1.0, 20.0)
-    study = make_study(gtmab, clean.flight, [force], possible=[drag])
+    study = make_study(gtmab, clean.flight, [force], closest=[drag])
     one = draw_conclusion(study)
     assert one.verdict == 'unexplained'
     assert one.details[0] == (
-        'Beside it, linear drag (surge) 0.0300 N s/m or quadratic drag (surge) may be missing, '
-        'too; it makes forecasts better.'
+        'Of the library, linear drag (surge) 0.0300 N s/m or quadratic drag (surge) comes closest.'
     )
-    assert not one.writes_file
+    assert one.writes_file
+    assert one.advice == 'Use the corrected vehicle file, vehicle.yaml in the results folder.'
     report = build_report(study, one, 'gtmab', (), ())
     assert isinstance(report.data, dict)
     assert report.data['effects'] == []
-    (maybe,) = report.data['possible']
-    assert (maybe['knobs'], maybe['log_evidence']) == ([DRAG], 20.0)
-    assert 'What may be missing' in render_report(report)
+    (near,) = report.data['closest']
+    assert (near['knobs'], near['log_evidence']) == ([DRAG], 20.0)
+    assert 'What comes closest' in render_report(report)
 
 
 def test_errors_and_their_ratio_are_those_of_the_forecasts(

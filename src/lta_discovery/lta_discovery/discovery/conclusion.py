@@ -14,6 +14,7 @@ from lta_discovery.calibration.calibrated_file import CALIBRATED_FILE
 from lta_discovery.calibration.result import JudgedCorrection
 from lta_discovery.calibration.verdict import format_values, list_differences
 from lta_discovery.discovery.study import (
+    CLOSEST,
     Discovery,
     NAMED,
     NamedElement,
@@ -42,6 +43,7 @@ CONCLUSION_ADVICE: Final = {
     FILE_MODEL: 'Keep the vehicle file.',
     CALIBRATED_FILE: 'Use the calibrated vehicle file, calibrated.yaml in the results folder.',
 }
+USE_CORRECTED: Final = 'Use the corrected vehicle file, vehicle.yaml in the results folder.'
 Verdict = Literal['none', 'named', 'unexplained', 'named+unexplained', 'not_identifiable']
 
 
@@ -78,12 +80,17 @@ def draw_conclusion(study: Discovery) -> Conclusion:
             *calibrated,
             rest or f'These flights show nothing{more} that the vehicle file lacks.',
         )
+        is_closer = (
+            bool(study.closest)
+            and main is not None
+            and main.errors[WRITTEN].position < main.errors[base].position
+        )
         return Conclusion(
             'unexplained' if rest else 'none',
             headline,
-            (*details, *_list_possible(study), *_format_tuning(main)),
-            CONCLUSION_ADVICE[base],
-            writes_file=False,
+            (*details, *_format_closest(study), *_format_tuning(main)),
+            USE_CORRECTED if is_closer else CONCLUSION_ADVICE[base],
+            writes_file=is_closer,
             writes_calibrated=base == CALIBRATED_FILE,
         )
     names = join_words([format_element(one) for one in numbers])
@@ -91,7 +98,7 @@ def draw_conclusion(study: Discovery) -> Conclusion:
     is_better = main is None or main.errors[WRITTEN].position < WORSE * main.errors[base].position
     doubt = next((one.present.names for one in numbers if one.alternatives), ())
     advice = (
-        'Use the corrected vehicle file, vehicle.yaml in the results folder.'
+        USE_CORRECTED
         if is_better
         else f'{CONCLUSION_ADVICE[base]} With what is named it forecasts these flights worse.'
     )
@@ -160,11 +167,11 @@ def _format_unexplained(study: Discovery, forces: list[NamedElement]) -> str:
     if forces:
         names = join_words([one.present.names[0] for one in forces])
         return f'A force acts that no effect of the library describes: {names}.'
-    ratio = average_noise(study.missing.noise).wrench / wrench_floor(study.nominal)
+    ratio = average_noise(study.missing.found.noise).wrench / wrench_floor(study.nominal)
     k = int(np.argmax(ratio))
     if ratio[k] < UNEXPLAINED:
         return ''
-    size = average_noise(study.missing.noise).wrench[k]
+    size = average_noise(study.missing.found.noise).wrench[k]
     unit = 'mN' if k < 3 else 'mN m'
     kind = 'force' if k < 3 else 'moment'
     return (
@@ -182,8 +189,8 @@ def _format_gain(study: Discovery, main: HorizonErrors | None) -> str:
 
 
 def _format_tuning(main: HorizonErrors | None) -> list[str]:
-    """Return what fitting the tolerances gains."""
-    return [] if main is None else [_format_errors(main, '', [TUNED])]
+    """Return what fitting the tolerances gains, and what comes closest to an unknown force."""
+    return [] if main is None else [_format_errors(main, '', [TUNED, CLOSEST])]
 
 
 def _format_errors(main: HorizonErrors, where: str, names: list[str]) -> str:
@@ -194,6 +201,7 @@ def _format_errors(main: HorizonErrors, where: str, names: list[str]) -> str:
         CALIBRATED_FILE: 'with calibrated.yaml',
         TUNED: 'with fitted tolerances',
         NAMED: 'with what is named as well',
+        CLOSEST: 'with what comes closest as well',
     }
     parts = [
         f'{sizes[name]} {words[name]}'
@@ -228,10 +236,10 @@ def _format_correction(one: JudgedCorrection, study: Discovery) -> str:
     )
 
 
-def _list_possible(study: Discovery) -> tuple[str, ...]:
-    """Return what may be missing beside an unknown force, and makes forecasts better."""
-    if not study.possible:
+def _format_closest(study: Discovery) -> tuple[str, ...]:
+    """Return which effects and numbers come closest to an unknown force."""
+    if not study.closest:
         return ()
-    names = join_words([format_element(one) for one in study.possible])
-    subject = 'it makes' if len(study.possible) == 1 else 'each makes'
-    return (f'Beside it, {names} may be missing, too; {subject} forecasts better.',)
+    names = join_words([format_element(one) for one in study.closest])
+    verb = 'comes' if len(study.closest) == 1 else 'come'
+    return (f'Of the library, {names} {verb} closest.',)

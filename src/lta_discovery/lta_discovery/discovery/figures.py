@@ -11,7 +11,7 @@ from typing import Final
 from lta_discovery.calibration.calibrated_file import CALIBRATED_FILE
 from lta_discovery.discovery.conclusion import Conclusion
 from lta_discovery.discovery.forecast_comparison import ForecastComparison
-from lta_discovery.discovery.study import Discovery, NAMED, TUNED
+from lta_discovery.discovery.study import CLOSEST, Discovery, NAMED, TUNED
 from lta_discovery.flights.measured_flight import MeasuredFlight
 from lta_discovery.forecast_blocks import COLOURS, draw_errors_along
 from lta_discovery.formatting import format_error
@@ -46,7 +46,7 @@ def build_pictures(study: Discovery) -> Iterator[Block]:
     """Yield forecasts along the first judged flight, and what stays unexplained in each flight."""
     comparison = study.comparison
     if comparison.scores:
-        best = (NAMED, CALIBRATED_FILE, TUNED)
+        best = (NAMED, CLOSEST, CALIBRATED_FILE, TUNED)
         last = next(name for name in best if name in comparison.forecasts)
         horizon = comparison.main.horizon if comparison.main else comparison.scores[0].horizon
         models = {name: comparison.forecasts[name][0] for name in (FILE_MODEL, last)}
@@ -57,8 +57,8 @@ def build_pictures(study: Discovery) -> Iterator[Block]:
             name,
             study.flights[name][1],
             {
-                TUNED: study.missing.bare_wrenches[k],
-                NAMED if study.named else TUNED: study.missing.wrenches[k],
+                TUNED: study.missing.bare.wrenches[k],
+                NAMED if study.named else TUNED: study.missing.found.wrenches[k],
             },
         )
         for k, name in enumerate(study.learned_from)

@@ -3,8 +3,8 @@
 """Compare the forecasts of flights by several models of one vehicle."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import final
+from dataclasses import dataclass, replace
+from typing import final, Self
 
 from lta_discovery.flights.measured_flight import MeasuredFlight
 from lta_discovery.model.nominal import NominalVehicle
@@ -63,6 +63,16 @@ class ForecastComparison:
     def compare(self, model: str, other: str) -> ErrorRatio:
         """Return the position error of a model by that of another one."""
         return compare_errors(self.forecasts[model], self.forecasts[other])
+
+    def is_better(self, model: str, other: str) -> bool:
+        """Return whether a model forecasts positions better than another one, with 95 %."""
+        return bool(self.scores) and self.compare(model, other).ci95[1] < 1.0
+
+    def without(self, *models: str) -> Self:
+        """Return the comparison without some models."""
+        return replace(
+            self, forecasts={key: one for key, one in self.forecasts.items() if key not in models}
+        )
 
 
 def compare_forecasts(

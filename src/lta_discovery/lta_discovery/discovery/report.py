@@ -16,6 +16,7 @@ from lta_discovery.calibration.report import (
 from lta_discovery.discovery.conclusion import Conclusion, format_names
 from lta_discovery.discovery.figures import build_pictures
 from lta_discovery.discovery.study import (
+    CLOSEST,
     Discovery,
     NAMED,
     NamedElement,
@@ -110,7 +111,7 @@ def _build_named_tables(study: Discovery) -> Iterator[TextTable | TextSection]:
     )
     tables = {
         'What is missing': study.named,
-        'What may be missing beside the unknown force': study.possible,
+        'What comes closest to the unknown force': study.closest,
     }
     meanings = dict[str, str]()
     for heading, elements in tables.items():
@@ -155,9 +156,10 @@ def _build_forecast_blocks(study: Discovery) -> list[Picture | TextTable]:
         return []
     where = 'held-out flights' if study.held_out else 'flights that the search has seen'
     remark = f'The flights are {where}.'
-    if NAMED in study.comparison.forecasts:
-        ratio = format_ratio(study.comparison.compare(NAMED, TUNED))
-        remark += f' What is named multiplies the error of fitted tolerances by {ratio}.'
+    for name, what in ((NAMED, 'is named'), (CLOSEST, 'comes closest')):
+        if name in study.comparison.forecasts:
+            ratio = format_ratio(study.comparison.compare(name, TUNED))
+            remark += f' What {what} multiplies the error of fitted tolerances by {ratio}.'
     return [
         draw_errors(scores, where),
         *build_error_tables({'': scores}, remark),
@@ -178,7 +180,7 @@ def _build_details(study: Discovery) -> Iterator[TextTable]:
     )
     yield TextTable('Candidates', ('element', 'probability'), shares, note, printed=False)
     floor = wrench_floor(study.nominal)
-    pair = [average_noise(each).wrench for each in (missing.bare_noise, missing.noise)]
+    pair = [average_noise(each).wrench for each in (missing.bare.noise, missing.found.noise)]
     rows = [
         [axis, *(f'{format_number(1e3 * one[k])} {"mN" if k < 3 else "mN m"}' for one in pair),
          f'{pair[1][k] / floor[k]:.1f}']
@@ -214,13 +216,13 @@ def _encode(
             for one in study.named
             if not one.estimates
         ],
-        'possible': [_encode_element(one) for one in study.possible],
+        'closest': [_encode_element(one) for one in study.closest],
         'corrections': encode_corrections(study.corrections),
         'probabilities': missing.probabilities,
         'trust': missing.trust,
         'unexplained': {
             key: dict(zip(AXES, average_noise(each).wrench.tolist(), strict=True))
-            for key, each in (('before', missing.bare_noise), ('after', missing.noise))
+            for key, each in (('before', missing.bare.noise), ('after', missing.found.noise))
         },
         'held_out': study.held_out,
         'gaps': [gap for one in study.comparison.scores for gap in _encode_score(one)],
@@ -263,7 +265,7 @@ def _encode_element(one: NamedElement) -> dict[str, Any]:
 
 def _encode_score(one: HorizonErrors) -> list[dict[str, Any]]:
     """Return the errors of position and attitude at a horizon, by the model."""
-    after = NAMED if NAMED in one.errors else TUNED
+    after = next(name for name in (NAMED, CLOSEST, TUNED) if name in one.errors)
     models = {
         'before': FILE_MODEL,
         'calibrated': CALIBRATED_FILE,

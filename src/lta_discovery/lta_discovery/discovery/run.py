@@ -219,7 +219,9 @@ def format_learned_vehicle(text: str, study: Discovery) -> str:
     Raise `BadInput` if the format has no place for a number.
     """
     notes = {
-        (effect, name): note for one in study.named for effect, name, note in _list_notes(one)
+        (effect, name): note
+        for one in (*study.named, *study.closest)
+        for effect, name, note in _list_notes(one)
     }
     source = f'lta discover from {", ".join(study.learned_from)}, commit {read_commit()}'
     change = VehicleUpdate(study.nominal, study.learned)

@@ -30,6 +30,7 @@ from lta_discovery.model.candidates import vector_components
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import apply_parameters, FreeParameter, list_free_parameters
 from lta_discovery.posterior.missing_elements import (
+    FoundModel,
     MissingElements,
     MissingElementSearch,
     PresentElement,
@@ -48,10 +49,10 @@ Progress = Callable[[str, float | None], None]
 # Names of the compared models, beside CALIBRATED_FILE and the vehicle file
 TUNED: Final = 'tolerances fitted'
 NAMED: Final = 'with what is named'
+CLOSEST: Final = 'with what comes closest'
 WRITTEN: Final = 'vehicle.yaml'
 
 NO_CALIBRATION: Final = FirstStep()
-NO_GAIN: Final = 1.0  # error of a forecast by that of another one
 
 
 @final
@@ -93,8 +94,8 @@ class Discovery:
     learned_from: tuple[str, ...]  # names of the flights of the search, in its order
     missing: MissingElements
     named: tuple[NamedElement, ...]  # the most decisive first
-    # What may be missing beside an unknown force, and makes forecasts better
-    possible: tuple[NamedElement, ...]
+    # Effects and numbers that come closest to a force of another form, if forecasts are better
+    closest: tuple[NamedElement, ...]
     comparison: ForecastComparison
     held_out: bool  # whether the forecasts are of flights that nothing was fitted to
     warnings: tuple[str, ...]
@@ -135,9 +136,11 @@ def study_flights(
     missing = MissingElementSearch(vehicle, [one for _, _, one in used], parameters).run(
         lambda part: tell('searching', 0.02 + 0.78 * part)
     )
-    named, possible = (
-        tuple(_describe_element(nominal, missing, one) for one in each)
-        for each in (missing.present, missing.possible)
+    named, closest = (
+        tuple(_describe_element(nominal, missing.parameters, model, one) for one in model.present)
+        if model
+        else ()
+        for model in (missing.found, missing.closest)
     )
     tell('forecasting', 0.8)
     held_out = any(role == 'holdout' for _, role, _ in assigned)
@@ -159,11 +162,9 @@ def study_flights(
         return compare_forecasts(vehicle, training, judged_flights, models, parameters, horizons)
 
     comparison = compare(models)
-    if possible:
-        alone = compare(_build_possible_models(nominal, missing))
-        possible = tuple(
-            one for one in possible if alone.compare(one.present.names[0], TUNED).ci95[1] < NO_GAIN
-        )
+    if closest and not comparison.is_better(CLOSEST, TUNED):
+        closest, learned = (), nominal
+        comparison = comparison.without(CLOSEST, WRITTEN)
     tell('done', 1.0)
     return Discovery(
         vehicle,
@@ -173,7 +174,7 @@ def study_flights(
         tuple(title for title, each in by_title.items() if each in used),
         missing,
         named,
-        possible,
+        closest,
         comparison,
         held_out,
         (*warnings, *remarks),
@@ -216,43 +217,40 @@ def _list_parameters(
     return free_flight_lifts(parameters, nominal) if first.lifts else parameters
 
 
-def list_named_columns(missing: MissingElements) -> list[int]:
+def list_named_columns(
+    parameters: Sequence[FreeParameter], present: Sequence[PresentElement]
+) -> list[int]:
     """Return the parameters of what is present and has a value, by index."""
     names = {
-        part
-        for one in missing.present
-        if one.kind != 'force'
-        for part in vector_components(one.names[0])
+        part for one in present if one.kind != 'force' for part in vector_components(one.names[0])
     }
-    return [
-        k for k, one in enumerate(missing.parameters) if one.name in names and not one.per_flight
-    ]
+    return [k for k, one in enumerate(parameters) if one.name in names and not one.per_flight]
 
 
 def _build_models(
     nominal: NominalVehicle, missing: MissingElements, first: FirstStep
 ) -> tuple[list[ComparedModel], NominalVehicle]:
     """Return the models whose forecasts are compared, and the vehicle that can be written."""
-    named = list_named_columns(missing)
-    parameters = missing.parameters
+    model, parameters = missing.closest or missing.found, missing.parameters
+    named = list_named_columns(parameters, model.present)
     only, all_but_named = np.zeros((2, len(parameters)))
-    only[named] = missing.values[named]
+    only[named] = model.values[named]
     for k, one in enumerate(parameters):
         # What the best model has and no name says is within no tolerance
         if k in named or one.tolerance > 0.0:
-            all_but_named[k] = missing.values[k]
+            all_but_named[k] = model.values[k]
     learned = apply_parameters(nominal, parameters, only)[0]
-    bare = apply_parameters(nominal, parameters, missing.bare_values)[0]
+    bare = apply_parameters(nominal, parameters, missing.bare.values)[0]
     file = nominal if first.calibration is None else first.calibration.nominal
-    models = [ComparedModel(FILE_MODEL, file, missing.bare_noise)]
+    models = [ComparedModel(FILE_MODEL, file, missing.bare.noise)]
     if calibration := first.compared:
         noise = tuple(calibration.noise.values())
         models.append(ComparedModel(CALIBRATED_FILE, calibration.calibrated, noise))
-    models.append(ComparedModel(TUNED, bare, missing.bare_noise))
+    models.append(ComparedModel(TUNED, bare, missing.bare.noise))
     if named:
         whole = apply_parameters(nominal, parameters, all_but_named)[0]
-        models.append(ComparedModel(NAMED, whole, missing.noise))
-        models.append(ComparedModel(WRITTEN, learned, missing.noise))
+        models.append(ComparedModel(CLOSEST if missing.closest else NAMED, whole, model.noise))
+        models.append(ComparedModel(WRITTEN, learned, model.noise))
     return models, learned
 
 
@@ -277,39 +275,22 @@ def _judge_calibration(
     )
 
 
-def _build_possible_models(
-    nominal: NominalVehicle, missing: MissingElements
-) -> list[ComparedModel]:
-    """
-    Return the vehicle with each of the elements that may be present beside a force.
-
-    The first has none of them, but the same tolerances, which the final fit found beside them.
-    """
-    out = []
-    for name in (TUNED, *(one.names[0] for one in missing.possible)):
-        parts = [] if name == TUNED else vector_components(name)
-        values = np.array([
-            value if parameter.name in parts or parameter.tolerance > 0.0 else 0.0
-            for parameter, value in zip(missing.parameters, missing.values, strict=True)
-        ])  # fmt: skip
-        built = apply_parameters(nominal, missing.parameters, values)[0]
-        out.append(ComparedModel(name, built, missing.bare_noise))
-    return out
-
-
 def _describe_element(
-    nominal: NominalVehicle, missing: MissingElements, one: PresentElement
+    nominal: NominalVehicle,
+    parameters: Sequence[FreeParameter],
+    model: FoundModel,
+    one: PresentElement,
 ) -> NamedElement:
-    """Return an element with its values in units of the file."""
+    """Return an element of a fitted model with its values in units of the file."""
     if one.kind == 'force':
         return NamedElement(one, (), {})
     parts = vector_components(one.names[0])
     estimates, assumed = list[ParameterEstimate](), dict[str, float]()
-    for k, parameter in enumerate(missing.parameters):
+    for k, parameter in enumerate(parameters):
         if parameter.name not in parts or parameter.per_flight:
             continue
-        deviation = math.sqrt(max(float(missing.covariance[k, k]), 0.0))
-        estimates += estimate_numbers(nominal, parameter, float(missing.values[k]), deviation)
+        deviation = math.sqrt(max(float(model.covariance[k, k]), 0.0))
+        estimates += estimate_numbers(nominal, parameter, float(model.values[k]), deviation)
         if parameter.name.partition('.')[0] not in nominal.effect_parameters:
             assumed |= {
                 f'{effect}.{name}': value

@@ -73,23 +73,26 @@ class PresentElement:
 
 
 @final
+class FoundModel(NamedTuple):
+    """A fitted model, and what of it the flights show to be present."""
+
+    present: tuple[PresentElement, ...]  # the most decisive first
+    values: Array  # of the parameters, relative to the vehicle file, shape (K,)
+    covariance: Array  # shape (K, K)
+    noise: tuple[NoiseModel, ...]  # of each flight, beside this model
+    wrenches: tuple[Array, ...]  # that it leaves unexplained, each (n, 6) [N, N m]
+
+
+@final
 @dataclass(frozen=True, slots=True)
 class MissingElements:
     """What the flights tell of the elements that a vehicle file may lack."""
 
-    present: tuple[PresentElement, ...]  # the most decisive first; forces alone if there are any
-    possible: tuple[PresentElement, ...]  # what may be present beside forces
+    found: FoundModel  # the best model; of its elements, forces alone are present if any is
+    bare: FoundModel  # the same without any element: within the tolerances of the file
+    closest: FoundModel | None  # where forces are present, the best model that has none
     probabilities: Mapping[str, float]  # of each element that any good model has
     parameters: tuple[FreeParameter, ...]  # shared ones, and those of each flight
-    # Values of the best model, relative to the vehicle file, and their covariance
-    values: Array
-    covariance: Array
-    noise: tuple[NoiseModel, ...]  # of each flight, beside that model
-    wrenches: tuple[Array, ...]  # that this model leaves unexplained, each (n, 6) [N, N m]
-    # The same without any element: within the tolerances of the file
-    bare_values: Array
-    bare_noise: tuple[NoiseModel, ...]
-    bare_wrenches: tuple[Array, ...]
     trust: float  # factor on the tolerances of the file
     models: tuple[ScoredModel, ...]  # the most probable first
     elements: tuple[Element, ...]
@@ -162,7 +165,7 @@ class MissingElementSearch:
             [NoiseModel.guess(self._nominal, one) for one in flights],
             [FlightSystem(vehicle, one, self.parameters) for one in flights],
         )
-        self._bare = self._begin
+        self._with_forces = True
         self._fits = list[ScoredModel]()
         self._elements = list_elements(self.parameters, ())
         self._wrenches = [np.zeros((len(one.time), 6, 0)) for one in flights]
@@ -171,7 +174,34 @@ class MissingElementSearch:
         """Search, and report an estimate of the progress."""
         # Once more about the motion that the first fit shows
         rough = self._fit(self._begin, self._begin.scored)
-        best = self._bare = self._fit(rough, rough.scored)
+        bare = self._fit(rough, rough.scored)
+        best, search, ranked = self._climb(bare, tell)
+        shares, elements = _sum_shares(ranked), search.elements
+        found = self._conclude(best, search, ranked)
+        closest = None
+        forces = tuple(one for one in found.present if one.kind == 'force')
+        if forces:
+            # Terms only resemble the form of an unknown force; what they leave is explained by
+            # effects that are not there. So beside a force no name is sure
+            found = found._replace(present=forces)
+            self._with_forces = False
+            closest = self._conclude(*self._climb(bare, lambda part: None))
+        tell(1.0)
+        return MissingElements(
+            found,
+            _describe_fit(bare, ()),
+            closest,
+            {elements[k].name: shares[k] for k in sorted(shares, key=lambda k: -shares[k])},
+            tuple(self.parameters),
+            ranked[0].trust,
+            tuple(ranked),
+            tuple(elements),
+        )
+
+    def _climb(
+        self, best: '_FittedModel', tell: Callable[[float], None]
+    ) -> tuple['_FittedModel', ModelSearch, list[ScoredModel]]:
+        """Return the best model from one on, with the last search and its ranking."""
         self._fits = [best.scored]
         for number in range(MOST_SEARCH_STEPS):
             tell(1.0 - 0.8 ** (number + 1))
@@ -181,9 +211,9 @@ class MissingElementSearch:
             if better is None:
                 break
             best = better
-        result = self._conclude(self._settle(best), search, ranked)
-        tell(1.0)
-        return result
+        first = next(one for one in ranked if one.elements == best.scored.elements)
+        # Models that are more probable were refuted when they were fitted
+        return self._settle(best), search, ranked[ranked.index(first) :]
 
     def _settle(self, best: '_FittedModel') -> '_FittedModel':
         """
@@ -295,6 +325,9 @@ class MissingElementSearch:
 
         def filter_with_forces(k: int) -> tuple[list[ForceGroup], Array, FilteredFlight]:
             # The columns of all forces need much memory, so they are not kept
+            if not self._with_forces:
+                none = np.zeros((len(flights[k].motion), 6, 0))
+                return [], none, filter_flight(flights[k], noise[k])
             groups, wrenches = compute_wrenches(about.systems[k], flights[k], scene, self._floor)
             whole = flights[k].add_wrenches(wrenches, np.zeros(wrenches.shape[2]))
             return groups, wrenches, filter_flight(whole, noise[k])
@@ -316,17 +349,9 @@ class MissingElementSearch:
 
     def _conclude(
         self, final: '_FittedModel', search: ModelSearch, ranked: Sequence[ScoredModel]
-    ) -> MissingElements:
-        """Return what a fitted model and those beside it tell together."""
-        best = next(one for one in ranked if one.elements == final.scored.elements)
-        # Models that are more probable were refuted when they were fitted
-        ranked = ranked[ranked.index(best) :]
-        weights = np.exp([one.log_posterior - best.log_posterior for one in ranked])
-        weights /= weights.sum()
-        shares = dict[int, float]()
-        for one, weight in zip(ranked, weights, strict=True):
-            for k in one.elements:
-                shares[k] = shares.get(k, 0.0) + float(weight)
+    ) -> FoundModel:
+        """Return what a fitted model and those beside it, the best first, tell together."""
+        best, weights, shares = ranked[0], _weigh(ranked), _sum_shares(ranked)
         present, named = [], best
         for choice in best.model:
             names = [choice.element, *_list_alike(search, best, choice)]
@@ -356,32 +381,35 @@ class MissingElementSearch:
         if named is not best:
             # The values are those of what is named
             final = self._try_to_fit(final, named) or final
-        present.sort(key=lambda one: -one.gain)
-        # Terms only resemble the form of an unknown force; what they leave is explained by effects
-        # that are not there. So beside a force no name is sure
-        forces = [one for one in present if one.kind == 'force']
-        return MissingElements(
-            tuple(forces or present),
-            tuple(one for one in present if forces and one.kind != 'force'),
-            {self._elements[k].name: shares[k] for k in sorted(shares, key=lambda k: -shares[k])},
-            tuple(self.parameters),
-            final.values,
-            final.covariance,
-            tuple(final.noise),
-            tuple(one.wrench for one in final.systems),
-            self._bare.values,
-            tuple(self._bare.noise),
-            tuple(one.wrench for one in self._bare.systems),
-            best.trust,
-            tuple(ranked),
-            tuple(self._elements),
-        )
+        return _describe_fit(final, sorted(present, key=lambda one: -one.gain))
 
     def _is_negligible(self, choice: ElementChoice, values: Array) -> bool:
         """Return whether an effect is too small to be told from an error of the model."""
         one = self._elements[choice.element]
         size = np.abs(values[list(one.columns)]) if one.kind == 'effect' else math.inf
         return bool(np.all(size < NEGLIGIBLE * np.array(one.unit)))
+
+
+def _describe_fit(fit: _FittedModel, present: Sequence[PresentElement]) -> FoundModel:
+    """Return a fitted model with what of it is present."""
+    wrenches = tuple(one.wrench for one in fit.systems)
+    return FoundModel(tuple(present), fit.values, fit.covariance, tuple(fit.noise), wrenches)
+
+
+def _weigh(ranked: Sequence[ScoredModel]) -> Array:
+    """Return the probability of each model among some, the most probable first."""
+    odds = np.exp([one.log_posterior - ranked[0].log_posterior for one in ranked])
+    weights: Array = odds / odds.sum()
+    return weights
+
+
+def _sum_shares(ranked: Sequence[ScoredModel]) -> dict[int, float]:
+    """Return the probability of each element that a model has, by its index."""
+    shares = dict[int, float]()
+    for one, weight in zip(ranked, _weigh(ranked), strict=True):
+        for k in one.elements:
+            shares[k] = shares.get(k, 0.0) + float(weight)
+    return shares
 
 
 def _build_term(k: int, deviation: float) -> FreeParameter:

@@ -110,7 +110,7 @@ def search(flights: list[MeasuredFlight]) -> MissingElements:
 def find_value(result: MissingElements, name: str) -> tuple[float, float]:
     """Return value and standard deviation of a parameter that all flights share."""
     k = next(k for k, one in enumerate(result.parameters) if one.name == name)
-    return float(result.values[k]), float(np.sqrt(result.covariance[k, k]))
+    return float(result.found.values[k]), float(np.sqrt(result.found.covariance[k, k]))
 
 
 def without_sensors(streams: FlightStreams) -> MeasuredFlight:
@@ -123,13 +123,13 @@ def test_an_effect_of_negligible_size_is_not_named(monkeypatch: pytest.MonkeyPat
     flight = without_sensors(flown(CASES['linear_drag.surge'], 1, 24.0))
     for least, count in ((NEGLIGIBLE, 1), (10.0, 0)):
         monkeypatch.setattr(missing_elements, 'NEGLIGIBLE', least)
-        assert len(search([flight]).present) == count
+        assert len(search([flight]).found.present) == count
 
 
 def test_a_drag_that_only_a_tracker_has_seen_is_named_with_its_value() -> None:
     result = search([without_sensors(flown(CASES['linear_drag.surge'], 1, 24.0))])
-    assert [one.names[0] for one in result.present] == ['linear_drag.surge']
-    assert result.present[0].kind == 'effect'
+    assert [one.names[0] for one in result.found.present] == ['linear_drag.surge']
+    assert result.found.present[0].kind == 'effect'
     value, deviation = find_value(result, 'linear_drag.surge')
     assert value == pytest.approx(0.03, abs=3.0 * deviation)
     assert deviation < 0.005
@@ -141,7 +141,7 @@ def test_a_drag_that_only_a_tracker_has_seen_is_named_with_its_value() -> None:
 def test_each_of_several_effects_is_named_with_its_value(name: str) -> None:
     flights = [resample_flight(flown(CASES[name], seed)) for seed in (1, 2)]
     result = search(flights)
-    assert [one.names[0] for one in result.present] == [name]
+    assert [one.names[0] for one in result.found.present] == [name]
     value, deviation = find_value(result, name)
     assert value == pytest.approx(VALUES[name], abs=3.0 * deviation)
 
@@ -155,7 +155,7 @@ def test_a_lag_of_two_stages_is_named_alone() -> None:
         'vehicle.effects.command_delay.delay': {'value': 0.02, 'unit': 's'},
     }
     result = search([resample_flight(flown(changes, seed)) for seed in (1, 2)])
-    assert [one.names[0] for one in result.present] == ['motor_lag']
+    assert [one.names[0] for one in result.found.present] == ['motor_lag']
     value, deviation = find_value(result, 'command_delay.delay')
     assert value == pytest.approx(0.02, abs=3.0 * deviation)
 
@@ -164,4 +164,4 @@ def test_a_lag_of_two_stages_is_named_alone() -> None:
 @pytest.mark.parametrize('seed', [1, 2])
 def test_nothing_is_named_in_a_vehicle_that_is_off_by_its_tolerances(seed: int) -> None:
     flights = [resample_flight(flown(off_by_tolerance(seed), k)) for k in (seed, seed + 10)]
-    assert search(flights).present == ()
+    assert search(flights).found.present == ()
