@@ -24,7 +24,7 @@ CONSTANTS: Final = {name: value for name, value in vars(settings).items() if nam
 FACTORS: Final = (0.5, 2.0)
 SECONDS: Final = (25.0, 30.0)  # s; range of the lengths of the flights
 # Kinds of the cases of discovery, and one of a calibration
-CASES: Final = ('single', 'mixed', 'clean', 'calibration')
+CASES: Final = ('clean', 'mixed', 'calibration')
 
 
 def scale_constant(value: Any, factor: float) -> Any:
