@@ -31,6 +31,7 @@ from lta_discovery.flights.usable_flights import select_usable_flights, UsableFl
 from lta_discovery.model.calibration_parameters import list_calibration_parameters
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import apply_parameters, NET_LIFT_FORCE
+from lta_discovery.state_filter.forecast_noise import HORIZONS
 from lta_discovery.state_filter.forecast_scores import (
     CALIBRATED,
     COASTING,
@@ -38,7 +39,6 @@ from lta_discovery.state_filter.forecast_scores import (
     find_main_score,
     HorizonErrors,
 )
-from lta_discovery.state_filter.forecast_sums import HORIZONS
 from lta_model.effects.protocol import AXES
 from lta_model.vehicle import load_vehicle, Vehicle
 import numpy as np

@@ -13,7 +13,7 @@ from typing import Final, final
 
 from lta_data.even_grid import find_runs
 from lta_discovery.flights.measured_flight import GRID_PERIOD, MeasuredFlight
-from lta_discovery.state_filter.forecast_sums import list_starts
+from lta_discovery.state_filter.forecast_noise import list_starts
 from lta_discovery.state_filter.forecasts import COASTING_PERIODS, LEAST_COASTING
 import numpy as np
 from numpy.typing import NDArray

@@ -15,7 +15,7 @@ sys.path.append(str(ROOT / 'test' / 'unit'))
 
 from discovery.hidden_flight import flown, nominal  # noqa: E402
 from lta_discovery.flights.measured_flight import resample_flight  # noqa: E402
-from lta_discovery.state_filter.forecast_sums import list_starts  # noqa: E402
+from lta_discovery.state_filter.forecast_noise import list_starts  # noqa: E402
 from lta_discovery.state_filter.kalman import filter_flight  # noqa: E402
 from lta_discovery.state_filter.linear_flight import FlightSystem  # noqa: E402
 from lta_discovery.state_filter.noise_model import NoiseModel  # noqa: E402

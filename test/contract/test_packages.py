@@ -84,7 +84,7 @@ ROS = re.compile(
 FENCED = re.compile(r'(rclpy|builtin_interfaces|rcl_interfaces|\w+_msgs|std_srvs)(\.|$)')
 BEYOND = re.compile(r'lta_graph\.ros(\.|$)|lta_\w+\.(nodes|messages)(\.|$)')
 CONDUCTORS = {  # start a graph and listen to it, record a flight as one, or ask what nodes take
-    'src/lta_discovery/lta_discovery/demo/hidden_effect.py',
+    'src/lta_discovery/lta_discovery/demo.py',
     'src/lta_flight/lta_flight/flight.py',
     'src/lta_flight/lta_flight/graph.py',
     'src/lta_flight/lta_flight/replay/node_settings.py',

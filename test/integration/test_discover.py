@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 import subprocess
 
-from lta_discovery.demo.hidden_effect import DemoEffect, fly_hidden
+from lta_discovery.demo import DemoEffect, fly_hidden
 from lta_discovery.model.nominal import NominalVehicle
 from lta_model.vehicle import load_vehicle
 import pytest

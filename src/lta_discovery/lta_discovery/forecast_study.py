@@ -22,8 +22,7 @@ from lta_bag.bag_folder import find_bag
 from lta_config.errors import BadInput
 from lta_data.bag.recorded_flight import open_flight
 from lta_discovery.calibration.prepared_flights import prepare_calibration, PreparedCalibration
-from lta_discovery.flights.bags import read_bags
-from lta_discovery.flights.role_assignment import Role
+from lta_discovery.flights.bags import AssignedFlight, read_bags
 from lta_discovery.flights.usable_flights import CALIBRATION_TIME, select_usable_flights
 from lta_discovery.forecast_blocks import build_error_tables, build_error_tiles, COLOURS
 from lta_discovery.formatting import format_error
@@ -154,7 +153,7 @@ def study_forecasts(
 
 
 def judge_vehicle(
-    vehicle: Vehicle, flights: Sequence[Role], tell: Tell = lambda *_: None
+    vehicle: Vehicle, flights: Sequence[AssignedFlight], tell: Tell = lambda *_: None
 ) -> list[FlightForecasts]:
     """Return the forecasts of flights with a vehicle as its file has it; none if all are short."""
     tell('preparing', 0.1)

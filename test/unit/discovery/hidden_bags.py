@@ -4,7 +4,7 @@
 
 from pathlib import Path
 
-from lta_discovery.demo.hidden_effect import DemoEffect, fly_hidden
+from lta_discovery.demo import DemoEffect, fly_hidden
 import pytest
 
 DRAG = DemoEffect('linear_drag.surge', 0.04, 'N s/m')

@@ -10,7 +10,13 @@ from typing import Final, final
 
 from lta_config.errors import BadInput
 from lta_discovery.calibration.calibrated_file import state_by_duty
-from lta_discovery.calibration.corrections import judge_corrections, list_corrections
+from lta_discovery.calibration.corrections import (
+    compare_with_file,
+    forecast_role,
+    judge_corrections,
+    list_corrections,
+    relative_error,
+)
 from lta_discovery.calibration.prepared_flights import (
     find_index,
     fit_calibration,
@@ -23,9 +29,8 @@ from lta_discovery.calibration.result import (
     JudgedCorrection,
     WIDE,
 )
-from lta_discovery.calibration.scores import compare_with_file, forecast_role, relative_error
 from lta_discovery.calibration.verdict import pendulum_rates
-from lta_discovery.flights.role_assignment import Role
+from lta_discovery.flights.bags import AssignedFlight
 from lta_discovery.model.calibration_parameters import (
     HEADING,
     ordinary_tolerances,
@@ -39,14 +44,17 @@ from lta_discovery.settings import (
     LEARNED_SHARE,
     STRAYED,
 )
-from lta_discovery.state_filter.forecast_noise import adapt_noise, fit_forecast_noise
+from lta_discovery.state_filter.forecast_noise import (
+    adapt_noise,
+    fit_forecast_noise,
+    sum_forecasts,
+)
 from lta_discovery.state_filter.forecast_scores import (
     CALIBRATED,
     FILE_MODEL,
     find_main_score,
     HorizonErrors,
 )
-from lta_discovery.state_filter.forecast_sums import sum_forecasts
 from lta_discovery.state_filter.likelihood import ParameterPrior
 from lta_discovery.state_filter.noise_model import average_noise, NoiseModel
 from lta_discovery.state_filter.parameter_fit import fit_forecasts, fit_likelihood, ParameterFit
@@ -80,7 +88,7 @@ class _Estimate:
 def calibrate_flights(
     vehicle: Vehicle,
     name: str,
-    flights: Sequence[Role],
+    flights: Sequence[AssignedFlight],
     tell: Progress,
     is_judged: bool = False,
 ) -> Calibration:

@@ -1,7 +1,7 @@
 # Copyright 2026 The LTA maintainers
 # SPDX-License-Identifier: Apache-2.0
 """
-Take the corrections of a calibration back, one effect at a time.
+Judge a calibration by forecasts: as a whole, and each of its corrections taken back.
 
 The forecasts without an effect show what it is worth: values that are clear in the readings may
 still improve no forecast, as those of a fit that follows an error of the model.
@@ -9,6 +9,7 @@ still improve no forecast, as those of a fit that follows an error of the model.
 
 from collections.abc import Callable, Mapping, Sequence
 
+from lta_discovery.calibration.prepared_flights import PreparedCalibration
 from lta_discovery.calibration.result import (
     CalibratedValue,
     Correction,
@@ -17,8 +18,20 @@ from lta_discovery.calibration.result import (
 )
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import apply_parameters, FreeParameter
-from lta_discovery.state_filter.forecast_scores import compare_errors
-from lta_discovery.state_filter.forecasts import FlightForecasts
+from lta_discovery.settings import WORSE
+from lta_discovery.state_filter.forecast_scores import (
+    CALIBRATED,
+    compare_errors,
+    FILE_MODEL,
+    HorizonErrors,
+    score_forecasts,
+)
+from lta_discovery.state_filter.forecasts import (
+    FlightForecasts,
+    forecast_flights,
+    list_flight_parameters,
+)
+from lta_discovery.state_filter.noise_model import NoiseModel
 import numpy as np
 from numpy.typing import NDArray
 
@@ -97,3 +110,47 @@ def _condition(change: Array, covariance: Array, back: NDArray[np.bool_]) -> Arr
     gain = np.linalg.lstsq(covariance[np.ix_(back, back)], change[back], rcond=None)[0]
     out[rest] -= covariance[np.ix_(rest, back)] @ gain
     return out
+
+
+def forecast_role(
+    prepared: PreparedCalibration, role: str, nominal: NominalVehicle, noise: NoiseModel
+) -> list[FlightForecasts]:
+    """Return the forecasts of the flights of a role with a vehicle."""
+    flights = prepared.flights[role]
+    own = list_flight_parameters(nominal, prepared.parameters)
+    noises = [noise] * len(flights)
+    return forecast_flights(prepared.vehicle, nominal, flights, own, noises, prepared.horizons)
+
+
+def compare_with_file(
+    file: Sequence[FlightForecasts], calibrated: Sequence[FlightForecasts]
+) -> tuple[HorizonErrors, ...]:
+    """Return the errors of the vehicle file and of a calibration of it."""
+    return score_forecasts({FILE_MODEL: file, CALIBRATED: calibrated})
+
+
+def relative_error(scores: Sequence[HorizonErrors]) -> float:
+    """Return the error of a calibration relative to the file's: below 1 is better."""
+    return _relative_error(scores, 2)
+
+
+def relative_position_error(scores: Sequence[HorizonErrors]) -> float:
+    """Return the error of the positions relative to the file's: below 1 is better."""
+    return _relative_error(scores, 1)
+
+
+def _relative_error(scores: Sequence[HorizonErrors], parts: int) -> float:
+    """Return the relative error of the first parts of `ForecastRms`."""
+    ratios = [
+        after / max(before, 1e-9)
+        for one in scores
+        for after, before in zip(
+            one.errors[CALIBRATED][:parts], one.errors[FILE_MODEL][:parts], strict=True
+        )
+    ]
+    return float(np.sqrt(np.mean(np.square(ratios)))) if ratios else 1.0
+
+
+def is_contradicted(scores: Mapping[str, Sequence[HorizonErrors]]) -> bool:
+    """Return whether the vehicle file forecasts positions of the confirming flights better."""
+    return relative_position_error(scores.get('confirm', ())) > WORSE

@@ -13,20 +13,31 @@ the file stays, and each flight has a lift of its own.
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import final
+import math
+from typing import Final, final
 
 from lta_discovery.calibration.calibration import calibrate_flights
-from lta_discovery.calibration.prepared_flights import fit_quickly, prepare_calibration
-from lta_discovery.calibration.result import CalibratedValue, Calibration
-from lta_discovery.calibration.scores import (
+from lta_discovery.calibration.corrections import (
     compare_with_file,
     forecast_role,
     is_contradicted,
     relative_error,
     relative_position_error,
 )
-from lta_discovery.flights.role_assignment import assign_roles, Role
-from lta_discovery.model.parameters import NET_LIFT_FORCE
+from lta_discovery.calibration.prepared_flights import fit_quickly, prepare_calibration
+from lta_discovery.calibration.result import CalibratedValue, Calibration, WIDE
+from lta_discovery.flights.bags import assign_roles, AssignedFlight
+from lta_discovery.model.calibration_parameters import (
+    BY_EYE,
+    GAIN_NAMES,
+    HEADING,
+    list_marker_parameters,
+    ordinary_tolerances,
+    PER_FLIGHT,
+    prior_deviation,
+)
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter, GAIN_SPREAD, NET_LIFT_FORCE
 from lta_discovery.settings import CALLS, CLEAR, ERROR_RATIOS, LIFT_GAP, MAYBE, MUCH, POOR, USELESS
 from lta_discovery.state_filter.forecast_scores import (
     CALIBRATED,
@@ -60,7 +71,7 @@ class FirstStep:
 
 
 def calibrate_first(
-    vehicle: Vehicle, name: str, flights: Sequence[Role], tell: Progress
+    vehicle: Vehicle, name: str, flights: Sequence[AssignedFlight], tell: Progress
 ) -> FirstStep:
     """
     Calibrate a vehicle if its flights call for it.
@@ -143,7 +154,7 @@ def _mark_reasons(calibration: Calibration, reasons: Sequence[CalibratedValue]) 
     return replace(calibration, values=tuple(values))
 
 
-def _list_suspicions(vehicle: Vehicle, flights: Sequence[Role]) -> list[str]:
+def _list_suspicions(vehicle: Vehicle, flights: Sequence[AssignedFlight]) -> list[str]:
     """
     Return the parameters that a short fit finds far from the file, or between flights.
 
@@ -206,3 +217,78 @@ def _list_different_lifts(calibration: Calibration) -> Iterator[CalibratedValue]
 def is_difference_clear(one: CalibratedValue, least: float) -> bool:
     """Return whether a value is off by more than a size and by more than its interval explains."""
     return one.is_known and abs(one.value - one.before) > max(least, CLEAR * one.deviation)
+
+
+NO_THRUST: Final = 0.05  # relative; a rotor with less has an uncertain thrust
+
+
+def apply_calibration(
+    knobs: Sequence[FreeParameter], nominal: NominalVehicle, values: Sequence[CalibratedValue]
+) -> list[FreeParameter]:
+    """
+    Return the free parameters of a discovery after a calibration, those of the markers included.
+
+    A calibrated number is as well known as in a vehicle that was measured with care, or as its
+    interval says if that is wider. It is no candidate: what calibration explains is no effect.
+
+    `nominal`: the calibrated vehicle.
+    """
+    usual = ordinary_tolerances(nominal)
+    by_name = {one.name: one for one in values}
+    out = []
+    for knob in [*knobs, *list_marker_parameters()]:
+        one = by_name.get(knob.name)
+        is_fitted = knob.name == HEADING and one is not None and one.is_known
+        if one is None or not (knob.is_calibration or knob.name in PER_FLIGHT or is_fitted):
+            out.append(knob)
+            continue
+        own = knob.name in PER_FLIGHT
+        tolerance = max(usual.get(knob.name, 0.0), _posterior_deviation(one))
+        if own:
+            tolerance = _flight_deviation(knob, nominal, values)
+        elif knob.name in GAIN_NAMES:
+            tolerance = max(GAIN_SPREAD * abs(one.value), one.deviation)
+        low = -math.inf if own else knob.low
+        out.append(
+            replace(
+                knob,
+                tolerance=tolerance,
+                typical=0.0,
+                low=low,
+                per_flight=knob.per_flight or own,
+            )
+        )
+    return out
+
+
+def free_flight_lifts(
+    knobs: Sequence[FreeParameter], nominal: NominalVehicle
+) -> list[FreeParameter]:
+    """Return the free parameters with a net lift that each flight may have of its own."""
+    return [
+        replace(knob, tolerance=prior_deviation(knob, nominal), typical=0.0, low=-math.inf)
+        if knob.name == NET_LIFT_FORCE
+        else knob
+        for knob in knobs
+    ]
+
+
+def _flight_deviation(
+    knob: FreeParameter, nominal: NominalVehicle, values: Sequence[CalibratedValue]
+) -> float:
+    """Return the standard deviation of what each flight has of its own."""
+    if knob.name == NET_LIFT_FORCE:
+        # That of other flights does not tell it
+        return prior_deviation(knob, nominal)
+    trends = [one.value for one in values if one.name == knob.name]
+    return max(BY_EYE[knob.name], math.sqrt(sum(each**2 for each in trends) / len(trends)))
+
+
+def _posterior_deviation(one: CalibratedValue) -> float:
+    """Return the standard deviation of a calibrated number, in the unit of its parameter."""
+    if one.name.startswith('vehicle.'):
+        return math.log(one.ci95[1] / one.ci95[0]) / (2.0 * WIDE)
+    if one.name.endswith('.thrust'):
+        # Relative to the calibrated thrust
+        return one.deviation / max(abs(one.value), NO_THRUST)
+    return one.deviation

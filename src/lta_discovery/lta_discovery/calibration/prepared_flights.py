@@ -9,8 +9,8 @@ import math
 from typing import Final, final
 
 from lta_config.errors import BadInput
+from lta_discovery.flights.bags import AssignedFlight
 from lta_discovery.flights.measured_flight import MeasuredFlight
-from lta_discovery.flights.role_assignment import Role
 from lta_discovery.model.calibration_parameters import (
     commanded_axes,
     list_calibration_parameters,
@@ -21,7 +21,7 @@ from lta_discovery.model.calibration_parameters import (
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.settings import ANY_HEADING, ASSUMED_TOLERANCE, HEADING_EVIDENCE, WIDER
-from lta_discovery.state_filter.forecast_sums import choose_horizons
+from lta_discovery.state_filter.forecast_noise import choose_horizons
 from lta_discovery.state_filter.likelihood import SIMULATION_RAN_AWAY
 from lta_discovery.state_filter.linear_flight import FlightSystem
 from lta_discovery.state_filter.noise_model import NoiseModel
@@ -84,7 +84,9 @@ class PreparedCalibration:
         )
 
 
-def prepare_calibration(vehicle: Vehicle, flights: Sequence[Role]) -> PreparedCalibration:
+def prepare_calibration(
+    vehicle: Vehicle, flights: Sequence[AssignedFlight]
+) -> PreparedCalibration:
     """Return the flights of a calibration with what can be calibrated with them."""
     measured_flights = [flight for _, _, flight in flights]
     wrenches = [one.wrench.values for one in measured_flights if one.wrench is not None]

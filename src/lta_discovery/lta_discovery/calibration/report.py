@@ -7,12 +7,12 @@ from dataclasses import asdict
 from typing import Any, Final
 
 from lta_discovery.calibration.calibrated_file import CALIBRATED_FILE
+from lta_discovery.calibration.corrections import is_contradicted
 from lta_discovery.calibration.result import (
     CalibratedValue,
     Calibration,
     JudgedCorrection,
 )
-from lta_discovery.calibration.scores import is_contradicted
 from lta_discovery.calibration.verdict import (
     format_forecast_sentence,
     format_headline,

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 import math
 from typing import Final
 
+from lta_discovery.calibration.corrections import is_contradicted
 from lta_discovery.calibration.result import CalibratedValue, Calibration, Correction
-from lta_discovery.calibration.scores import is_contradicted
 from lta_discovery.formatting import (
     DIVERGED,
     format_error,

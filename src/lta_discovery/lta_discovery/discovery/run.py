@@ -103,7 +103,7 @@ class DiscoveryRequest(ReportRequest, command='discover'):
             )
         with DiscoverProgress(run.console) as progress:
             if self.demo:
-                from lta_discovery.demo.demo import run_discovery_demo
+                from lta_discovery.demo import run_discovery_demo
 
                 return run_discovery_demo(self.seed, run.folder, progress.show_stage)
             return discover_effects(self, progress.show_stage)

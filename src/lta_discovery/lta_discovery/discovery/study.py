@@ -14,17 +14,16 @@ from typing import Final, final, NamedTuple
 
 from lta_discovery.calibration.calibrated_file import CALIBRATED_FILE
 from lta_discovery.calibration.corrections import judge_corrections
-from lta_discovery.calibration.first_step import FirstStep
-from lta_discovery.calibration.priors import apply_calibration, free_flight_lifts
+from lta_discovery.calibration.first_step import apply_calibration, FirstStep, free_flight_lifts
 from lta_discovery.calibration.result import JudgedCorrection, WIDE
 from lta_discovery.discovery.forecast_comparison import (
     compare_forecasts,
     ComparedModel,
     ForecastComparison,
 )
+from lta_discovery.flights.bags import assign_roles, AssignedFlight
 from lta_discovery.flights.measured_flight import MeasuredFlight
 from lta_discovery.flights.outliers import remove_outliers
-from lta_discovery.flights.role_assignment import assign_roles, Role
 from lta_discovery.flights.sentence_merger import merge_sentences
 from lta_discovery.model.candidates import vector_components
 from lta_discovery.model.nominal import NominalVehicle
@@ -35,8 +34,8 @@ from lta_discovery.posterior.missing_elements import (
     MissingElementSearch,
     PresentElement,
 )
+from lta_discovery.state_filter.forecast_noise import choose_horizons
 from lta_discovery.state_filter.forecast_scores import FILE_MODEL
-from lta_discovery.state_filter.forecast_sums import choose_horizons
 from lta_discovery.state_filter.linear_flight import FlightSystem
 from lta_model.effects import EFFECTS
 from lta_model.vehicle import Vehicle
@@ -105,7 +104,7 @@ class Discovery:
 
 def study_flights(
     vehicle: Vehicle,
-    flights: Sequence[Role],
+    flights: Sequence[AssignedFlight],
     tell: Progress = lambda what, part: None,
     first: FirstStep = NO_CALIBRATION,
 ) -> Discovery:
@@ -191,7 +190,7 @@ def _make_unique(names: Sequence[str], roles: Sequence[str]) -> list[str]:
     ]
 
 
-def _remove_outliers(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:
+def _remove_outliers(flights: Sequence[AssignedFlight]) -> tuple[list[AssignedFlight], list[str]]:
     """Remove outliers from the flights, and describe what was removed."""
     out, remarks = [], []
     for name, role, flight in flights:
@@ -204,7 +203,7 @@ def _remove_outliers(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:
 
 def _list_parameters(
     nominal: NominalVehicle,
-    flights: Sequence[Role],
+    flights: Sequence[AssignedFlight],
     first: FirstStep,
 ) -> list[FreeParameter]:
     """Return what may differ from the file."""

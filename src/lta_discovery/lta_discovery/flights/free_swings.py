@@ -16,8 +16,8 @@ import math
 from typing import Final, final, NamedTuple
 
 from lta_data.even_grid import find_runs
+from lta_discovery.flights.bags import AssignedFlight
 from lta_discovery.flights.measured_flight import GRID_PERIOD, MeasuredFlight
-from lta_discovery.flights.role_assignment import Role
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.quaternions import (
     quaternion_exponential,
@@ -84,7 +84,9 @@ def find_swing_law(flight: MeasuredFlight) -> SwingLaw | None:
     return SwingLaw(float(flight.time[0]), rest)
 
 
-def align_swings(flights: Sequence[Role], vehicle: Vehicle) -> tuple[list[Role], list[str]]:
+def align_swings(
+    flights: Sequence[AssignedFlight], vehicle: Vehicle
+) -> tuple[list[AssignedFlight], list[str]]:
     """
     Return flights whose swings have the same tilt and lever arm, and a sentence on each change.
 
@@ -95,7 +97,7 @@ def align_swings(flights: Sequence[Role], vehicle: Vehicle) -> tuple[list[Role],
     return moved, [*remarks, *more]
 
 
-def _align_tilts(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:
+def _align_tilts(flights: Sequence[AssignedFlight]) -> tuple[list[AssignedFlight], list[str]]:
     """Return flights whose swings are about the same tilt, and a sentence if one was turned."""
     laws = [find_swing_law(flight) for _, _, flight in flights]
     rests = [law.rest for law in laws if law is not None]
@@ -106,7 +108,7 @@ def _align_tilts(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:
     # A vehicle with commands hovers about its tilt at rest
     usual = np.median(others or rests, axis=0) if rests else np.zeros(2)
     turned, most = [], 0.0
-    out: list[Role] = []
+    out: list[AssignedFlight] = []
     for (name, role, flight), law in zip(flights, laws, strict=True):
         apart = np.zeros(2) if law is None else law.rest - usual
         if np.linalg.norm(apart) > SAME_TILT:
@@ -125,13 +127,13 @@ def _align_tilts(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:
 
 
 def _align_markers(
-    flights: Sequence[Role], nominal: NominalVehicle
-) -> tuple[list[Role], list[str]]:
+    flights: Sequence[AssignedFlight], nominal: NominalVehicle
+) -> tuple[list[AssignedFlight], list[str]]:
     """Return flights whose swings have the same lever arm, and a sentence if one was moved."""
     arms = [measure_marker_arm(flight, nominal) for _, _, flight in flights]
     usual = _find_usual_arm([arm for arm in arms if arm is not None])
     moved, most = [], 0.0
-    out: list[Role] = []
+    out: list[AssignedFlight] = []
     for (name, role, flight), arm in zip(flights, arms, strict=True):
         shift = np.zeros(3)
         if arm is not None:

@@ -1,6 +1,6 @@
 # Copyright 2026 The LTA maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""Calibrate a vehicle from the logs of a laboratory, and say which tests are missing."""
+"""Calibrate a vehicle from the logs of a laboratory, say which tests are missing, and report."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -10,6 +10,7 @@ from typing import Final, final
 
 from lta_discovery.calibration.calibration import calibrate_flights
 from lta_discovery.calibration.result import Calibration
+from lta_discovery.calibration.run import report_calibration
 from lta_discovery.flights.bags import read_bags
 from lta_discovery.flights.measured_flight import GRID_PERIOD
 from lta_discovery.flights.usable_flights import (
@@ -25,6 +26,8 @@ from lta_discovery.lab_tests.plan import is_thrust_law, LabPlan, plan_lab_tests,
 from lta_discovery.lab_tests.recognition import recognise_tests, RecognisedTest
 from lta_discovery.lab_tests.words import format_instruction, name_parameters
 from lta_model.vehicle import load_vehicle, Vehicle
+from lta_report.formatting import format_count
+from lta_report.report import Report, TextSection, TextTable
 
 Tell = Callable[[str, float | None], None]
 
@@ -165,3 +168,46 @@ def _format_missing(planned: PlannedTest, unknown: Sequence[str], rotors: Sequen
         f"No {planned.test.name}: {names} {'stay' if several else 'stays'} the file's; "
         f'{format_instruction(planned.test)}.'
     )
+
+
+def build_reading_report(reading: LabReading) -> Report:
+    """Return the report of a calibration with the recognised tests and what is missing."""
+    report = report_calibration(reading.vehicle, reading.calibration.vehicle, reading.calibration)
+    confirming = reading.calibration.bags.get('confirm', ())
+    rows = [
+        [
+            name,
+            ', '.join(one.title for one in tests),
+            f'{reading.seconds[name]:.0f} s',
+            'confirms' if name in confirming else 'teaches',
+            '; '.join(one.evidence for one in tests),
+        ]
+        for name, tests in reading.tests.items()
+    ]
+    table = TextTable('Tests', ('log', 'test', 'usable', 'use', 'recognised by'), rows)
+    words = reading.missing or ('Nothing: the tests show all that tests can show.',)
+    missing = TextSection('What is missing', words, bullets=True, printed=True)
+    tests = {
+        name: {
+            'use': 'confirm' if name in confirming else 'train',
+            'seconds': reading.seconds[name],
+            'tests': [one._asdict() for one in tests],
+        }
+        for name, tests in reading.tests.items()
+    }
+    assert isinstance(report.data, dict)
+    return replace(
+        report,
+        command='tests read',
+        blocks=(table, missing, *report.blocks),
+        data={**report.data, 'tests': tests, 'missing': list(reading.missing)},
+        closing=(*report.closing, _format_missing_count(len(reading.missing))),
+        outputs={**report.outputs, **reading.drafts},
+    )
+
+
+def _format_missing_count(count: int) -> str:
+    """Return how much is missing, in a sentence."""
+    if not count:
+        return 'No test is missing.'
+    return f'{format_count(count, "test")} would teach more: see What is missing.'

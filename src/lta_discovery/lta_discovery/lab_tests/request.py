@@ -86,7 +86,7 @@ class LabReadingRequest(ReportRequest, command='tests read', folder='tests-read'
 
     def run(self, run: StudyRun) -> Report:
         """Return the report with the calibrated vehicle file."""
-        from lta_discovery.lab_tests.reading_report import build_reading_report
+        from lta_discovery.lab_tests.reading import build_reading_report
 
         with DiscoverProgress(run.console) as progress:
             reading = read_lab_tests(

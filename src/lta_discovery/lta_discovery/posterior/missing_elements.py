@@ -28,8 +28,12 @@ from lta_discovery.posterior.elements import (
     NO_ELEMENTS,
 )
 from lta_discovery.posterior.force_columns import build_scene, compute_wrenches
-from lta_discovery.posterior.linear_evidence import LinearEvidence
-from lta_discovery.posterior.model_search import log_prior, ModelSearch, ScoredModel
+from lta_discovery.posterior.model_search import (
+    LinearEvidence,
+    log_prior,
+    ModelSearch,
+    ScoredModel,
+)
 from lta_discovery.settings import (
     ALIKE,
     CAPPED_NOISE_FLOORS,
@@ -177,18 +181,18 @@ class MissingElementSearch:
         bare = self._fit(rough, rough.scored)
         best, search, ranked = self._climb(bare, tell)
         shares, elements = _sum_shares(ranked), search.elements
-        found = self._conclude(best, search, ranked)
+        main = self._conclude(best, search, ranked)
         closest = None
-        forces = tuple(one for one in found.present if one.kind == 'force')
+        forces = tuple(one for one in main.present if one.kind == 'force')
         if forces:
             # Terms only resemble the form of an unknown force; what they leave is explained by
             # effects that are not there. So beside a force no name is sure
-            found = found._replace(present=forces)
+            main = main._replace(present=forces)
             self._with_forces = False
             closest = self._conclude(*self._climb(bare, lambda part: None))
         tell(1.0)
         return MissingElements(
-            found,
+            main,
             _describe_fit(bare, ()),
             closest,
             {elements[k].name: shares[k] for k in sorted(shares, key=lambda k: -shares[k])},

@@ -15,7 +15,7 @@ from lta_discovery.model.replay_kernel import (
     RIGID,
 )
 from lta_discovery.replay.sensing import apply_channel_effects
-from lta_discovery.replay.variational_equation import NUDGE, STATE_WIDTH
+from lta_discovery.replay.state_changes import NUDGE, STATE_WIDTH
 from lta_model.state import ACTUATORS, COMMAND, MASS_PLACE, SURROUNDINGS, VOLTAGE
 import numpy as np
 from numpy.typing import NDArray
@@ -248,7 +248,7 @@ class FlightReplay:
 
     def state_jacobians(self, turns: ParameterSteps, states: Array, latent: Array) -> Array:
         """
-        Return the Jacobians of the state rates (`variational_equation`), shape (S, n, 12, 12).
+        Return the Jacobians of the state rates (`state_changes`), shape (S, n, 12, 12).
 
         `states`, shape (S, n, 13), and the mean unexplained wrench `latent`, shape (S, n, 6), are
         those in the middle of each grid period. Only the first parameter set is used.

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 import math
 from typing import Final, final, NamedTuple
 
-from lta_discovery.state_filter.forecast_sums import BLOCK
+from lta_discovery.state_filter.forecast_noise import BLOCK
 from lta_discovery.state_filter.forecasts import FlightForecasts
 from lta_discovery.state_filter.linear_flight import POSE_SIZE
 import numpy as np

@@ -28,8 +28,8 @@ from lta_discovery.model.quaternions import (
 from lta_discovery.parallel import map_parallel
 from lta_discovery.replay.replay import FlightReplay, STEPS_PER_PERIOD
 from lta_discovery.replay.sensing import predict_pose
-from lta_discovery.replay.variational_equation import apply_state_changes, STATE_WIDTH
-from lta_discovery.state_filter.forecast_sums import (
+from lta_discovery.replay.state_changes import apply_state_changes, STATE_WIDTH
+from lta_discovery.state_filter.forecast_noise import (
     FIT_FORECAST_INTERVAL,
     HORIZONS,
     list_starts,

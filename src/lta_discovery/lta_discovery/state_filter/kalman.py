@@ -20,7 +20,7 @@ from typing import Final, final
 from lta_config.compilation.compiler import compile_kernel
 from lta_discovery.flights.measured_flight import GRID_PERIOD
 from lta_discovery.replay.replay import AXIS_COUNT
-from lta_discovery.replay.variational_equation import STATE_WIDTH
+from lta_discovery.replay.state_changes import STATE_WIDTH
 from lta_discovery.state_filter.linear_flight import LinearFlight, POSE_SIZE
 from lta_discovery.state_filter.noise_model import NoiseModel
 import numpy as np

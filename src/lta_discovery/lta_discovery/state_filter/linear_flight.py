@@ -28,7 +28,6 @@ from lta_discovery.replay.linearization_inputs import (
     LinearizationPoint,
     prepare_linearization,
 )
-from lta_discovery.replay.reading_jacobian import reading_jacobians
 from lta_discovery.replay.replay import AXIS_COUNT, FlightReplay, STEPS_PER_PERIOD
 from lta_discovery.replay.sensing import (
     apply_sensor_effects,
@@ -40,10 +39,11 @@ from lta_discovery.replay.sensing import (
     transform_to_map,
     transform_to_tracker,
 )
-from lta_discovery.replay.variational_equation import (
+from lta_discovery.replay.state_changes import (
     apply_state_changes,
     integrate_dynamics,
     NUDGE,
+    reading_jacobians,
     STATE_WIDTH,
 )
 from lta_discovery.state_filter.motion import collect_readings, find_runs, fit_motion

@@ -17,9 +17,9 @@ from typing import Final, final, Generic, NamedTuple, TypeVar
 from lta_config.errors import BadInput
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.parallel import map_parallel
-from lta_discovery.state_filter.forecast_noise import fit_forecast_noise
-from lta_discovery.state_filter.forecast_sums import (
+from lta_discovery.state_filter.forecast_noise import (
     BLOCK,
+    fit_forecast_noise,
     ForecastSum,
     HORIZONS,
     list_starts,

@@ -14,7 +14,7 @@ from typing import Final, final, NamedTuple
 from lta_config.compilation.compiler import compile_kernel
 from lta_discovery.flights.measured_flight import GRID_PERIOD
 from lta_discovery.replay.replay import AXIS_COUNT
-from lta_discovery.replay.variational_equation import apply_state_changes, STATE_WIDTH
+from lta_discovery.replay.state_changes import apply_state_changes, STATE_WIDTH
 from lta_discovery.state_filter.kalman import (
     advance_filter,
     describe_noise,

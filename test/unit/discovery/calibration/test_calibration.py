@@ -140,7 +140,7 @@ def record_poses(
     time = TICK * np.arange(len(path.commands), dtype=np.float64)
     poses = SensorSet(path, blimp, 'exact', np.random.default_rng(len(name))).measure_poses()
     streams = {'ground_truth/odom': poses, 'wrench_command': (time, path.commands)}
-    return CaseFlight(name, 'train', 'wrench', streams)
+    return CaseFlight(name, 'train', streams)
 
 
 class ShakenPilot:

@@ -19,8 +19,12 @@ from lta_discovery.calibration.calibrated_file import (
     state_by_duty,
 )
 from lta_discovery.calibration.calibration import calibrate_flights
-from lta_discovery.calibration.first_step import calibrate_first, FirstStep
-from lta_discovery.calibration.priors import apply_calibration, free_flight_lifts
+from lta_discovery.calibration.first_step import (
+    apply_calibration,
+    calibrate_first,
+    FirstStep,
+    free_flight_lifts,
+)
 from lta_discovery.calibration.report import build_report
 from lta_discovery.calibration.result import CalibratedValue, Calibration
 from lta_discovery.calibration.verdict import (
@@ -28,8 +32,7 @@ from lta_discovery.calibration.verdict import (
     list_differences,
     pendulum_rates,
 )
-from lta_discovery.flights.bags import read_bags
-from lta_discovery.flights.role_assignment import restrict_to_interval, Role
+from lta_discovery.flights.bags import AssignedFlight, read_bags, restrict_to_interval
 from lta_discovery.flights.usable_flights import select_usable_flights
 from lta_discovery.model.calibration_parameters import (
     build_reverse_parameter,
@@ -58,7 +61,7 @@ def vehicle() -> Vehicle:
     return load_vehicle('gtmab')
 
 
-def read_flights(vehicle: Vehicle, folder: Path, is_right: bool) -> list[Role]:
+def read_flights(vehicle: Vehicle, folder: Path, is_right: bool) -> list[AssignedFlight]:
     """Return two short flights of a vehicle whose file is right or not."""
     case = generate_calibration_case(
         vehicle, 3, 0, ('train', 'confirm'), (24.0, 26.0), with_flows=False, is_right=is_right
@@ -70,7 +73,7 @@ def read_flights(vehicle: Vehicle, folder: Path, is_right: bool) -> list[Role]:
 
 
 @pytest.fixture(scope='module')
-def wrong(vehicle: Vehicle, tmp_path_factory: pytest.TempPathFactory) -> list[Role]:
+def wrong(vehicle: Vehicle, tmp_path_factory: pytest.TempPathFactory) -> list[AssignedFlight]:
     return read_flights(vehicle, tmp_path_factory.mktemp('wrong'), is_right=False)
 
 
@@ -103,7 +106,9 @@ Decide = Callable[..., FirstStep]
 
 
 @pytest.fixture
-def decide(vehicle: Vehicle, wrong: list[Role], monkeypatch: pytest.MonkeyPatch) -> Decide:
+def decide(
+    vehicle: Vehicle, wrong: list[AssignedFlight], monkeypatch: pytest.MonkeyPatch
+) -> Decide:
     """Return a function that takes a first step whose suspicion and calibration are given."""
 
     def step(found: Calibration, suspicion: str = 'wrench_gain.surge') -> FirstStep:
@@ -219,7 +224,7 @@ def test_a_free_lift_is_that_of_a_calibration_and_no_candidate(vehicle: Vehicle)
 
 
 def test_flights_of_three_seconds_are_calibrated_by_their_shorter_forecasts(
-    vehicle: Vehicle, wrong: list[Role]
+    vehicle: Vehicle, wrong: list[AssignedFlight]
 ) -> None:
     """No flight has a forecast over 3 s; many such runs have those over a second."""
     name, _, flight = wrong[0]
@@ -236,7 +241,7 @@ def test_flights_of_three_seconds_are_calibrated_by_their_shorter_forecasts(
 
 
 def test_a_flight_too_short_for_forecasts_disturbs_no_calibration(
-    vehicle: Vehicle, wrong: list[Role]
+    vehicle: Vehicle, wrong: list[AssignedFlight]
 ) -> None:
     """Of a second; what it tells of its own lift is next to nothing, and its interval is wide."""
     (name, _, flight), (other, _, rest) = wrong

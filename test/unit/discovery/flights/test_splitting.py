@@ -6,16 +6,17 @@ from dataclasses import replace
 import shutil
 
 from lta_config.errors import BadInput
-from lta_discovery.flights.bags import FLIGHT_ROLES, read_bags
+from lta_discovery.flights.bags import (
+    assign_roles,
+    FLIGHT_ROLES,
+    read_bags,
+    restrict_to_interval,
+)
 from lta_discovery.flights.measured_flight import (
     FlightStreams,
     MeasuredFlight,
     resample_flight,
     Stream,
-)
-from lta_discovery.flights.role_assignment import (
-    assign_roles,
-    restrict_to_interval,
 )
 from lta_discovery.flights.sentence_merger import merge_sentences
 import numpy as np

@@ -16,8 +16,12 @@ from campaigns.challenge.truth import Six, VehicleTruth
 from lta_discovery.flights.measured_flight import Stream
 from lta_discovery.lab_tests.design import LabTest
 from lta_discovery.lab_tests.plan import LabPlan, plan_lab_tests
-from lta_discovery.lab_tests.reading import LabReading, list_missing_tests, read_lab_tests
-from lta_discovery.lab_tests.reading_report import build_reading_report
+from lta_discovery.lab_tests.reading import (
+    build_reading_report,
+    LabReading,
+    list_missing_tests,
+    read_lab_tests,
+)
 from lta_discovery.lab_tests.recognition import recognise_tests, RecognisedTest
 from lta_model.effects.protocol import AXES
 from lta_model.vehicle import load_vehicle

@@ -8,8 +8,7 @@ import math
 
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.posterior.elements import Element, ElementChoice, Model
-from lta_discovery.posterior.linear_evidence import LinearEvidence
-from lta_discovery.posterior.model_search import ModelSearch
+from lta_discovery.posterior.model_search import LinearEvidence, ModelSearch
 from lta_discovery.settings import TRUST
 import numpy as np
 from numpy.typing import NDArray

@@ -9,7 +9,7 @@ from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.replay.replay import FlightReplay, STEPS_PER_PERIOD
 from lta_discovery.replay.sensing import marker_frame, transform_to_map
-from lta_discovery.replay.variational_equation import (
+from lta_discovery.replay.state_changes import (
     apply_state_changes,
     integrate_dynamics,
     STATE_WIDTH,

@@ -13,9 +13,8 @@ from lta_discovery.flights.measured_flight import (
 )
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter, list_free_parameters
-from lta_discovery.state_filter.forecast_noise import CLEARLY, fit_forecast_noise
+from lta_discovery.state_filter.forecast_noise import CLEARLY, fit_forecast_noise, measure_errors
 from lta_discovery.state_filter.forecast_scores import COASTING, FILE_MODEL, score_forecasts
-from lta_discovery.state_filter.forecast_sums import measure_errors
 from lta_discovery.state_filter.forecasts import (
     coast,
     COASTING_PERIODS,

@@ -5,7 +5,7 @@
 from dataclasses import replace
 
 from lta_discovery.flights.measured_flight import GRID_PERIOD
-from lta_discovery.replay.variational_equation import STATE_WIDTH
+from lta_discovery.replay.state_changes import STATE_WIDTH
 from lta_discovery.state_filter.forecasts import predict_deviations
 from lta_discovery.state_filter.kalman import filter_flight, FilteredFlight
 from lta_discovery.state_filter.likelihood import build_moments_root, list_pulls, ParameterPrior

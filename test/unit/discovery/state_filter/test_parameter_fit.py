@@ -8,7 +8,7 @@ from typing import Any
 
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.state_filter.forecast_sums import ForecastSum, weigh_errors
+from lta_discovery.state_filter.forecast_noise import ForecastSum, weigh_errors
 from lta_discovery.state_filter.likelihood import ParameterPrior
 from lta_discovery.state_filter.linear_flight import FlightSystem, LinearFlight
 from lta_discovery.state_filter.parameter_fit import fit_likelihood

@@ -7,15 +7,16 @@ from pathlib import Path
 
 from lta_config.errors import BadInput
 from lta_data.bag.recorded_flight import open_flight
-from lta_discovery.demo import demo
-from lta_discovery.demo.demo import DEMO_SPACING
-from lta_discovery.demo.forecast_gain import ForecastGain, measure_forecast_gain
-from lta_discovery.demo.hidden_effect import (
+from lta_discovery import demo
+from lta_discovery.demo import (
     add_tracker_noise,
     build_demo_course,
+    DEMO_SPACING,
     DemoEffect,
     draw_demo_effects,
+    ForecastGain,
     HIDEABLE,
+    measure_forecast_gain,
     POSE_NOISE,
     TURN_NOISE,
 )
@@ -25,7 +26,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from ..hidden_bags import DRAG  # noqa: TID252 - `test` is Python's own
+from .hidden_bags import DRAG
 
 
 def test_a_seed_draws_effects_of_sizes_within_their_bounds():
