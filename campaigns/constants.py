@@ -11,6 +11,8 @@ unchanged constants says something.
 from argparse import Namespace
 from collections.abc import Iterator
 import os
+from pathlib import Path
+import re
 from typing import Any, Final
 
 from lta_discovery import settings
@@ -25,6 +27,17 @@ FACTORS: Final = (0.5, 2.0)
 SECONDS: Final = (25.0, 30.0)  # s; range of the lengths of the flights
 # Kinds of the cases of discovery, and one of a calibration
 CASES: Final = ('clean', 'mixed', 'calibration')
+
+
+def list_cases(name: str) -> set[str]:
+    """Return the cases that a constant can change: those of the code that imports it."""
+    package, out = Path(settings.__file__).parent, set[str]()
+    for path in package.rglob('*.py'):
+        if re.search(rf'\b{name}\b', path.read_text(encoding='utf-8')) and path.stem != 'settings':
+            # A calibration is also the first step of a discovery
+            is_own = path.parent.name == 'calibration' and path.stem != 'first_step'
+            out |= set(CASES[-1:] if is_own else CASES[:-1])
+    return set(CASES) if name == AS_THEY_ARE else out
 
 
 def scale_constant(value: Any, factor: float) -> Any:
@@ -48,8 +61,9 @@ def scale_constant(value: Any, factor: float) -> Any:
 def run(case: Case, options: Namespace) -> Row:
     """Return what is named in a case, or how good its calibration is, with a changed constant."""
     which, way = divmod(case.number, len(FACTORS))
-    if case.kind == AS_THEY_ARE and way:
-        return {}  # both ways are one
+    # Unchanged constants go one way
+    if (way and case.kind == AS_THEY_ARE) or CASES[which] not in list_cases(case.kind):
+        return {}
     if case.kind != AS_THEY_ARE:
         scaled = scale_constant(CONSTANTS[case.kind], FACTORS[way])
         setattr(settings, case.kind, scaled)
