@@ -14,11 +14,10 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 import math
 import os
 from pathlib import Path
-import sys
 import tempfile
 from typing import Final, final, NamedTuple
 
-from lta_data.importers.run import import_logs, ImportProgress, ImportRequest
+from lta_data.importers.run import import_logs, ImportRequest
 from lta_discovery.calibration.calibration import calibrate_flights
 from lta_discovery.calibration.prepared_flights import prepare_calibration
 from lta_discovery.discovery.forecast_comparison import compare_forecasts, ComparedModel
@@ -29,7 +28,6 @@ from lta_discovery.state_filter.forecasts import FlightForecasts
 from lta_model.vehicle import load_vehicle
 import numpy as np
 from numpy.typing import NDArray
-from rich.console import Console
 
 from campaigns import ROOT
 from campaigns.calibration import record_case
@@ -100,9 +98,8 @@ def bring(
 ) -> dict[str, Path]:
     """Import flights; return their bags by name."""
     sources = [folder / f'{name}.csv.gz' for name in names]
-    with ImportProgress(Console(file=sys.stderr, quiet=True), len(sources)) as progress:
-        order = ImportRequest(sources, mapping, vehicle=vehicle)
-        done = import_logs(order, out, progress)
+    order = ImportRequest(sources, mapping, vehicle=vehicle)
+    done = import_logs(order, out)
     return {name: Path(one.bag) for name, one in zip(names, done, strict=True)}
 
 

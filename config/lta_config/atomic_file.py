@@ -9,7 +9,7 @@ lock of a dead process, so what a killed command left is told from what another 
 
 import atexit
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, ExitStack, suppress
 import fcntl
 from itertools import count
 import os
@@ -107,6 +107,45 @@ def create_part_folder(folder: Path) -> Iterator[Path]:
     finally:
         shutil.rmtree(part, ignore_errors=True)
         os.close(lock)
+
+
+def create_folder(folder: Path) -> None:
+    """Create a results folder, unless it exists; raise `BadInput` if that fails."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise BadInput(
+            f"'{folder}' cannot be created ({error.strerror}); choose another folder with --out."
+        ) from error
+
+
+@contextmanager
+def stage_results(folder: Path, last: str) -> Iterator[Path]:
+    """
+    Yield a staging folder; its files move to the results folder when all are written.
+
+    `folder`: the results folder; if it is new it is removed after a failure. `last`: file to move
+    last; if it exists, so do the others.
+    """
+    # An existing empty folder belongs to the user and stays
+    new = not folder.exists()
+    create_folder(folder)
+    try:
+        with ExitStack() as stack:
+            try:
+                part = stack.enter_context(create_part_folder(folder))
+            except OSError as error:
+                raise BadInput(
+                    f"'{folder}' cannot be written ({error.strerror}); choose another folder with "
+                    '--out.'
+                ) from error
+            yield part
+            for one in sorted(part.iterdir(), key=lambda one: one.name == last):
+                one.rename(folder / one.name)
+    finally:
+        if new:
+            with suppress(OSError):  # fails if the folder has results, as it should
+                folder.rmdir()
 
 
 def remove_dead_parts(folder: Path) -> None:

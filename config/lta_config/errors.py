@@ -73,3 +73,8 @@ def unknown_name_error(kind: str, name: str, names: list[str]) -> BadInput:
     return BadInput(
         f"Unknown {kind} '{name}'; known: {', '.join(sorted(names)) or 'none'}{meant}."
     )
+
+
+def format_count(count: int, noun: str) -> str:
+    """Return a count with its noun in the singular or plural: '1 case', '2 cases'."""
+    return f'{count} {noun}{"" if count == 1 else "s"}'

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
         BagPlotRequest,
         BagUpgradeRequest,
     )
+    from lta_analysis.comparison.request import FlightComparisonRequest
     from lta_analysis.door import as_function
     from lta_analysis.flights import (
         FlightPageRequest,
@@ -42,7 +43,6 @@ if TYPE_CHECKING:
         VehicleSheetRequest,
     )
     from lta_data.bag.recorded_flight import open_flight as open  # noqa: F401
-    from lta_data.compare.request import FlightComparisonRequest
     from lta_discovery.calibration.run import CalibrationRequest
     from lta_discovery.discovery.run import DiscoveryRequest
     from lta_discovery.forecast_study import ForecastRequest

@@ -76,7 +76,7 @@ class BagCheckRequest(Action, command='bag check', json=True):
 
     def run(self, console: Console) -> Outcome['DataFrame']:
         """Print the findings, and return a row for each: bag, robot, severity, evidence."""
-        from lta_data.data_quality.check_report import check_bags, encode_findings, print_findings
+        from lta_analysis.checked_bags import check_bags, encode_findings, print_findings
         import pandas as pd
 
         done = check_bags(self.paths, self.robot, console)
@@ -121,8 +121,8 @@ class BagPlotRequest(Action, command='bag plot'):
 
     def run(self, console: Console) -> Outcome[RecordedFlight]:
         """List or plot the channels, and return the recording."""
+        from lta_analysis import plot as plots
         from lta_data.bag.channels import read_flight
-        from lta_data.plot import report as plots
         from lta_report.report_page import render_report
         from lta_report.results_folder import write_file
 

@@ -26,6 +26,7 @@ from typing import (
 from lta_analysis.console import plain_console, print_lines
 from lta_analysis.result import StudyResult
 from lta_bag.provenance import read_commit
+from lta_config.atomic_file import create_folder, stage_results
 from lta_config.errors import BadInput
 from lta_report.browser import find_chromium
 from lta_report.report import Report
@@ -39,12 +40,7 @@ from lta_report.request import (
     Request,
     StudyRun,
 )
-from lta_report.results_folder import (
-    check_creatable,
-    create_folder,
-    resolve_folder,
-    stage_results,
-)
+from lta_report.results_folder import check_creatable, resolve_folder
 from lta_report.study import StudyOptions
 from rich.console import Console
 

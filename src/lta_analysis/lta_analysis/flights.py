@@ -11,8 +11,9 @@ from typing import Any, final, get_args, Literal, TYPE_CHECKING
 from lta_analysis.console import print_lines
 from lta_bag.bag_folder import find_bag
 from lta_bridge.live.origin_gate import LIVE_PORT
+from lta_config.atomic_file import stage_results
 from lta_config.command_line import format_lta_command, relative_path
-from lta_config.errors import BadInput
+from lta_config.errors import BadInput, format_count
 from lta_config.files import list_shipped_names
 from lta_config.schema.import_file import Format
 from lta_config.topics import is_name
@@ -21,7 +22,6 @@ from lta_data.bag.recorded_flight import open_flight, RecordedFlight, select_rob
 from lta_data.importers.draft.choices import Answers
 from lta_flight.flight_run import EXIT_STATUSES, FlightRun, SIMULATED_ROBOT
 from lta_flight.progress import FlightProgress
-from lta_report.formatting import format_count
 from lta_report.request import (
     Action,
     argument,
@@ -35,7 +35,7 @@ from lta_report.request import (
     ROBOT,
     VEHICLE,
 )
-from lta_report.results_folder import format_page_line, resolve_folder, stage_results
+from lta_report.results_folder import format_page_line, resolve_folder
 from rich.console import Console
 
 if TYPE_CHECKING:
@@ -443,7 +443,8 @@ class LogImportRequest(Action, command='import', json=True):
 
     def run(self, console: Console) -> Outcome[Any]:
         """Write the bags, and return the recording, or a list of several."""
-        from lta_data.importers.run import import_logs, ImportProgress, ImportRequest
+        from lta_data.importers.run import import_logs, ImportRequest
+        from lta_report.progress_bar import ProgressBar
 
         if self.draft:
             from lta_analysis.import_draft import run_draft
@@ -460,8 +461,12 @@ class LogImportRequest(Action, command='import', json=True):
         # A name such as '.csv' has an empty stem
         target = resolve_folder(self.out, self.sources[0].name.split('.')[0] or 'log')
         request = ImportRequest(self.sources, self.mapping, self.format, self.robot, self.vehicle)
-        with ImportProgress(console, len(self.sources)) as progress:
-            done = import_logs(request, target, progress)
+        with ProgressBar(console, total=len(self.sources)) as bar:
+            done = import_logs(
+                request,
+                target,
+                lambda name, done: bar.update_bar(description=name, completed=done),
+            )
         for one in done:
             print_import(one, console)
         # One entry per source, also for a single source

@@ -8,6 +8,7 @@ import sys
 from typing import Any, final
 
 from lta_analysis.console import print_lines
+from lta_config.atomic_file import stage_results
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
 from lta_config.files import find_file
@@ -26,7 +27,7 @@ from lta_report.request import (
     ROBOT,
     VEHICLE_NAME,
 )
-from lta_report.results_folder import format_page_line, stage_results, write_file
+from lta_report.results_folder import format_page_line, write_file
 from lta_vehicle.vehicle_estimate import MOTOR_LAYOUTS
 from rich.console import Console
 

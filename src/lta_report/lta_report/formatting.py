@@ -17,11 +17,6 @@ class Tile(NamedTuple):
     note: str
 
 
-def format_count(count: int, noun: str) -> str:
-    """Return a count with its noun in the singular or plural: '1 case', '2 cases'."""
-    return f'{count} {noun}{"" if count == 1 else "s"}'
-
-
 def format_number(value: float | None, digits: int = 2, factor: float = 1.0) -> str:
     """Return a number with fixed digits and a typographic minus sign."""
     if value is None:

@@ -7,8 +7,7 @@ A file in `assets` has a style between `<style>` and `</style>`, then further co
 frame and of reports have placeholders.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager, ExitStack, suppress
+from collections.abc import Mapping, Sequence
 from datetime import datetime
 from importlib.resources import files
 import json
@@ -18,7 +17,7 @@ import shlex
 from typing import Any, Final
 
 from lta_bag.writer import prepare_empty_folder
-from lta_config.atomic_file import create_part_folder, replace_atomically, reserve_folder
+from lta_config.atomic_file import replace_atomically, reserve_folder
 from lta_config.errors import BadInput
 
 BEGIN: Final = '<style>\n'
@@ -71,45 +70,6 @@ def check_creatable(folder: Path) -> None:
             f"'{folder}' cannot be created: '{above}' is not a writable folder; choose another "
             'folder.'
         )
-
-
-def create_folder(folder: Path) -> None:
-    """Create a results folder, unless it exists; raise `BadInput` if that fails."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise BadInput(
-            f"'{folder}' cannot be created ({error.strerror}); choose another folder with --out."
-        ) from error
-
-
-@contextmanager
-def stage_results(folder: Path, last: str) -> Iterator[Path]:
-    """
-    Yield a staging folder; its files move to the results folder when all are written.
-
-    `folder`: the results folder; if it is new it is removed after a failure. `last`: file to move
-    last; if it exists, so do the others.
-    """
-    # An existing empty folder belongs to the user and stays
-    new = not folder.exists()
-    create_folder(folder)
-    try:
-        with ExitStack() as stack:
-            try:
-                part = stack.enter_context(create_part_folder(folder))
-            except OSError as error:
-                raise BadInput(
-                    f"'{folder}' cannot be written ({error.strerror}); choose another folder with "
-                    '--out.'
-                ) from error
-            yield part
-            for one in sorted(part.iterdir(), key=lambda one: one.name == last):
-                one.rename(folder / one.name)
-    finally:
-        if new:
-            with suppress(OSError):  # fails if the folder has results, as it should
-                folder.rmdir()
 
 
 def write_json(content: Mapping[str, Any] | Sequence[Any], place: Path) -> str:

@@ -7,12 +7,11 @@ import shutil
 from lta_bag import BagWriter, build_offered_qos
 from lta_bag.reader import read_bag
 from lta_config.errors import BadInput
-from lta_data.importers.run import import_logs, ImportProgress, ImportRequest
+from lta_data.importers.run import import_logs, ImportRequest
 from mcap.reader import make_reader
 from mcap.writer import CompressionType, Writer
 import numpy as np
 import pytest
-from rich.console import Console
 from rosbags.rosbag2 import Reader
 
 from .damaged_bags import by_us, CHUNKS, PER_CHUNK
@@ -39,7 +38,7 @@ def hit(whole, chunk):
 
 def mend(source, out):
     """Import a bag without a mapping; return the remarks."""
-    (done,) = import_logs(ImportRequest([source]), out, ImportProgress(Console(quiet=True), 1))
+    (done,) = import_logs(ImportRequest([source]), out)
     return done.notes
 
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import subprocess
 import sys
 
-from lta_config.atomic_file import PART_SUFFIX, release_folders
+from lta_config.atomic_file import PART_SUFFIX, release_folders, stage_results
 from lta_config.errors import BadInput
-from lta_report.results_folder import check_creatable, resolve_folder, stage_results
+from lta_report.results_folder import check_creatable, resolve_folder
 import pytest
 
 
@@ -52,7 +52,7 @@ WRITER = """
 import sys
 from pathlib import Path
 from lta_config.atomic_file import replace_atomically
-from lta_report.results_folder import stage_results
+from lta_config.atomic_file import stage_results
 
 folder = Path(sys.argv[1])
 with stage_results(folder, 'b') as part, replace_atomically(folder / 'page.html') as page:

@@ -24,13 +24,13 @@ from lta_graph.terminal_streams import guard_streams
 MEMORY = 1_000_000  # kB that any verb may take for any hostile file, beyond what it takes to load
 DISK = 1 << 28  # bytes of a file that it may write
 STREAMS = {1: '.out', 2: '.err'}
-LOADED = ['lta_cli.app', 'lta_data.importers.run', 'lta_data.export.run', 'lta_data.plot.report']
+LOADED = ['lta_cli.app', 'lta_data.importers.run', 'lta_data.export.run', 'lta_analysis.plot']
 LOADED += [f'lta_analysis.{name}' for name in ('bags', 'door', 'flights', 'vehicles')]
-LOADED += ['lta_data.data_quality.check_report', 'lta_flight.simulate']
+LOADED += ['lta_analysis.checked_bags', 'lta_flight.simulate']
 LOADED += ['lta_flight.report.page', 'lta_vehicle.difference', 'lta_vehicle.views.report']
 LOADED += ['lta_bridge.description.urdf', 'lta_vehicle.trim', 'pandas']
 # Requests import their reports when they run
-STUDIES = 'lta_data.compare.request lta_studies.cfd.request lta_studies.light.plan.request'
+STUDIES = 'lta_analysis.comparison.request lta_studies.cfd.request lta_studies.light.plan.request'
 STUDIES += ' lta_studies.mission.run lta_flight.replay.run lta_flight.sweep.run'
 LOADED += ['lta_cli.request_command', *STUDIES.split()]
 LOADED += [f'{name.rpartition(".")[0]}.report' for name in STUDIES.split()]

@@ -8,8 +8,8 @@ from typing import final
 
 from lta_bag.reader import Bag, read_bag
 from lta_bag.version_1 import describe_old_topics
+from lta_config.errors import format_count
 from lta_data.bag.recorded_flight import list_robots
-from lta_report.formatting import format_count
 from rich.console import Console
 from rich.table import Table
 

@@ -23,7 +23,7 @@ from lta_bag.bag_folder import find_bag, find_newest_bag
 from lta_bag.provenance import extract_robot_origin
 from lta_bag.reader import Bag, read_bag
 from lta_bag.version_1 import refuse_old_bag
-from lta_config.errors import BadInput, unknown_name_error
+from lta_config.errors import BadInput, format_count, unknown_name_error
 from lta_data.bag.column_builder import ColumnBuilder, MessageColumns, MessageType
 from lta_data.bag.columns import (
     extract_stamp,
@@ -42,7 +42,6 @@ from lta_data.bag.table import (
     sort_stamps,
     Table,
 )
-from lta_report.formatting import format_count
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,16 +1,17 @@
 # Copyright 2026 The LTA maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""Import logs as bags, all of them or none, and show the progress."""
+"""Import logs as bags, all of them or none."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 import time
-from typing import final
+from typing import Final, final
 
 from lta_bag.bag_folder import find_bag
 from lta_bag.storage import StorageFault
 from lta_bag.writer import prepare_empty_folder
+from lta_config.atomic_file import stage_results
 from lta_config.errors import BadInput, to_one_line
 from lta_config.schema.import_file import load_mapping
 from lta_data.importers.formats import detect_format, find_format
@@ -30,42 +31,11 @@ from lta_data.importers.readers.sensor_folder import (
     list_run_folders,
     name_table,
 )
-from lta_report.progress_bar import ProgressBar
-from lta_report.results_folder import stage_results
-from rich.console import Console
-from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 
-BAR_UPDATE_TIME = 0.1  # s of wall time between two updates of the bar
+Progress = Callable[[str, float], object]  # name of the log that is read, and logs done
 
-
-@final
-class ImportProgress(ProgressBar):
-    """Progress bar of an import; `total` is the number of logs."""
-
-    def __init__(self, console: Console, total: int) -> None:
-        columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
-        super().__init__(console, *columns, total=float(total))
-        self._done = 0
-        self._shown_at = -BAR_UPDATE_TIME
-
-    def begin_log(self, name: str) -> None:
-        """Show which log is being read."""
-        self.update_bar(description=name)
-
-    def show_fraction(self, part: float) -> None:
-        """Show the fraction of it that has been read, 0 to 1."""
-        now = time.monotonic()
-        if now - self._shown_at >= BAR_UPDATE_TIME:
-            self._shown_at = now
-            self.update_bar(completed=self._done + part)
-
-    def end_log(self) -> None:
-        """Mark the log as done."""
-        self._done += 1
-        self.update_bar(completed=float(self._done))
-
-
-BAG_FOLDER = 'bag'  # as in a flight's results folder
+UPDATE_PERIOD: Final = 0.1  # s of wall time between two reports of the progress within a log
+BAG_FOLDER: Final = 'bag'  # as in a flight's results folder
 
 
 @final
@@ -97,13 +67,15 @@ class ImportedLog:
     notes: list[str] = field(default_factory=list)
 
 
-def import_logs(order: ImportRequest, out: Path, progress: ImportProgress) -> list[ImportedLog]:
+def import_logs(
+    order: ImportRequest, out: Path, progress: Progress = lambda name, done: None
+) -> list[ImportedLog]:
     """
     Import logs to a folder: `out/bag` for one, `out/NAME/bag` for each of several.
 
     Raise `BadInput` if one of them cannot be imported; then no bag is written.
     """
-    done = []
+    done: list[ImportedLog] = []
     sources = [one for source in order.sources for one in expand_source(source, order.mapping)]
     # Refuse before any work, rather than after a long import.
     if out.exists():
@@ -112,16 +84,30 @@ def import_logs(order: ImportRequest, out: Path, progress: ImportProgress) -> li
     # Written beside the target and moved at the end: all logs or none
     with stage_results(out, BAG_FOLDER) as folder:
         for source, name, times in zip(sources, _name_folders(sources), clocks, strict=True):
-            progress.begin_log(source.name)
             inside = Path(name) / BAG_FOLDER if len(sources) > 1 else Path(BAG_FOLDER)
             imported = _import_log(
-                order, source, times, len(sources) == 1, folder / inside, progress.show_fraction
-            )
+                order, source, times, len(sources) == 1, folder / inside,
+                report_parts(progress, source.name, len(done)),
+            )  # fmt: skip
             imported.bag = str(out / inside)
             done.append(imported)
-            progress.end_log()
     done[0].notes += [note for one in order.sources for note in describe_empty_files(one)]
     return done
+
+
+def report_parts(progress: Progress, name: str, before: int) -> Reached:
+    """Return what reports the fraction of a log that has been read; `before`: logs done."""
+    progress(name, float(before))
+    reported_at = time.monotonic()
+
+    def report(part: float) -> None:
+        nonlocal reported_at
+        now = time.monotonic()
+        if now - reported_at >= UPDATE_PERIOD:
+            reported_at = now
+            progress(name, before + part)
+
+    return report
 
 
 def expand_source(source: Path, mapping: str | None) -> list[Path]:

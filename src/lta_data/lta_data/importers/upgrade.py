@@ -20,13 +20,12 @@ from lta_bag.schemas import generate_definition, load_jazzy_types
 from lta_bag.storage import StorageFault
 from lta_bag.version_1 import find_old_topics
 from lta_bag.writer import BagWriter
-from lta_config.errors import BadInput
+from lta_config.errors import BadInput, format_count
 from lta_config.files import parse_yaml
 from lta_config.message_files import read_field_units
 from lta_config.topics import load_topic_table
 from lta_config.version import VERSION
 from lta_data.importers.readers.rosbags_bag import list_raw_topics
-from lta_report.formatting import format_count
 import numpy as np
 from numpy.typing import NDArray
 import yaml

@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, final
 
-from lta_config.errors import BadInput
+from lta_config.errors import BadInput, format_count
 from lta_data.data_quality.checks import clocks, hand_motion, impossible_values
 from lta_data.data_quality.free_swing import require_commands
 from lta_data.data_quality.recording import QualityFinding
@@ -44,7 +44,6 @@ from lta_discovery.flights.streams import build_streams, convert_to_duties
 from lta_discovery.flights.transients import find_transients, format_cut
 from lta_discovery.model.nominal import NominalVehicle
 from lta_model.vehicle import Vehicle
-from lta_report.formatting import format_count
 import numpy as np
 
 LARGEST_BAD_SHARE: Final = 0.5  # of a flight; a channel that is bad for longer is dropped

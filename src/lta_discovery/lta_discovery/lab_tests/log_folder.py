@@ -20,8 +20,7 @@ from lta_data.importers.draft.draft_mapping import (
 )
 from lta_data.importers.formats import detect_format, LOG_FORMATS
 from lta_data.importers.readers.sensor_folder import describe_empty_files, list_run_files
-from lta_data.importers.run import import_logs, ImportProgress, ImportRequest
-from rich.console import Console
+from lta_data.importers.run import import_logs, ImportRequest
 
 MAPPING: Final = 'mapping.yaml'  # in the folder: for all its logs
 MCAP: Final = '.mcap'
@@ -176,6 +175,5 @@ def _open_log(log: Path, mapping: str | None, scratch: Path, tell: Callable[[str
     if out.exists():
         # The same name with another suffix
         out = scratch / log.name
-    progress = ImportProgress(Console(quiet=True), 1)
-    import_logs(ImportRequest([log], mapping), out, progress)
+    import_logs(ImportRequest([log], mapping), out)
     return out

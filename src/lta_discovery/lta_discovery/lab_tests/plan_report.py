@@ -9,12 +9,13 @@ from typing import Any, Final
 
 from lta_config.command_line import format_lta_command
 from lta_config.constants import STANDARD_GRAVITY
+from lta_config.errors import format_count
 from lta_discovery.formatting import format_number, join_words
 from lta_discovery.lab_tests.design import Kind, LabTest, rest_duties, step_duties
 from lta_discovery.lab_tests.plan import LabPlan, PlannedTest
 from lta_discovery.lab_tests.words import format_amplitude, name_parameters
 from lta_model.vehicle import Vehicle
-from lta_report.formatting import format_count, Tile
+from lta_report.formatting import Tile
 from lta_report.report import HtmlBlock, Report, TextSection, TextTable
 
 FREE_FLIGHTS: Final = 2  # free flights: one teaches, one confirms

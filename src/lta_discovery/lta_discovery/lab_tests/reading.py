@@ -8,6 +8,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Final, final
 
+from lta_config.errors import format_count
 from lta_discovery.calibration.calibration import calibrate_flights
 from lta_discovery.calibration.result import Calibration
 from lta_discovery.calibration.run import report_calibration
@@ -26,7 +27,6 @@ from lta_discovery.lab_tests.plan import is_thrust_law, LabPlan, plan_lab_tests,
 from lta_discovery.lab_tests.recognition import recognise_tests, RecognisedTest
 from lta_discovery.lab_tests.words import format_instruction, name_parameters
 from lta_model.vehicle import load_vehicle, Vehicle
-from lta_report.formatting import format_count
 from lta_report.report import Report, TextSection, TextTable
 
 Tell = Callable[[str, float | None], None]

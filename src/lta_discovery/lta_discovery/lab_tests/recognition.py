@@ -11,13 +11,13 @@ from collections.abc import Sequence
 import math
 from typing import Final, final, NamedTuple
 
+from lta_config.errors import format_count
 from lta_discovery.flights.measured_flight import GRID_PERIOD, MeasuredFlight, Stream
 from lta_discovery.formatting import join_words
 from lta_discovery.lab_tests.design import Kind
 from lta_discovery.model.quaternions import rotation_matrix
 from lta_model.effects.protocol import AXES
 from lta_model.vehicle import Vehicle
-from lta_report.formatting import format_count
 import numpy as np
 from numpy.typing import NDArray
 

@@ -7,12 +7,13 @@ import math
 from typing import Any, Final
 
 from lta_config.command_line import format_lta_command, relative_path
+from lta_config.errors import format_count
 from lta_flight.replay.decisions import DecisionComparison
 from lta_flight.replay.replay_request import ReplayRequest
 from lta_flight.replay.run import ReplayRun
 from lta_flight.replay.verdict import ReplayVerdict
 from lta_report.drawing import create_figure
-from lta_report.formatting import format_count, Tile
+from lta_report.formatting import Tile
 from lta_report.palette import ESTIMATE, RAW
 from lta_report.report import Block, Picture, Report, TextSection, TextTable
 import numpy as np

@@ -7,6 +7,7 @@ from itertools import product
 from statistics import median
 from typing import Final, NamedTuple
 
+from lta_config.errors import format_count
 from lta_flight.sweep.batch_workers import FAILED, SweepRow
 from lta_flight.sweep.plan import convert_to_si, SweepPlan
 from lta_flight.sweep.statistics import (
@@ -18,7 +19,6 @@ from lta_flight.sweep.statistics import (
     reached_share,
 )
 from lta_report.drawing import create_figure
-from lta_report.formatting import format_count
 from lta_report.palette import ESTIMATE, GOOD, GRID, INK, TRUTH
 from plotly.graph_objects import Box, Figure, Heatmap, Histogram, Scatter
 

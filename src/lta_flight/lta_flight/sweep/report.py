@@ -9,6 +9,7 @@ from statistics import median, quantiles
 from typing import Any, Final
 
 from lta_config.command_line import format_lta_command, relative_path
+from lta_config.errors import format_count
 from lta_config.schema.sweep_file import Distribution
 from lta_flight.flight_spec import build_vehicle_scenario_stack, to_set_args
 from lta_flight.sweep.batch_workers import FAILED, SweepRow
@@ -25,7 +26,7 @@ from lta_flight.sweep.run import describe_origin, SweepRun
 from lta_flight.sweep.statistics import collect_result_values, format_value, REACHED, reached_share
 from lta_model.drawing.scene import draw_static_scene
 from lta_report.flight_scene import FanFlight, render_fan
-from lta_report.formatting import format_count, format_number, Tile
+from lta_report.formatting import format_number, Tile
 from lta_report.palette import ESTIMATE, TRUTH
 from lta_report.report import Block, Grid, Picture, Report, TextSection, TextTable
 import numpy as np

@@ -8,9 +8,10 @@ from dataclasses import asdict
 from typing import Any, Final
 
 from lta_config.command_line import format_lta_command
+from lta_config.errors import format_count
 from lta_model.drawing.scene import draw_static_scene
 from lta_report.flight_scene import FanFlight, render_fan
-from lta_report.formatting import format_count, Tile
+from lta_report.formatting import Tile
 from lta_report.palette import ESTIMATE, TRUTH
 from lta_report.report import Picture, Report, TextSection, TextTable
 from lta_report.result_table import build_table, Column, format_value

@@ -2,13 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Comparing bags: offsets, frames, faults and partings that are known by hand."""
 
+from lta_analysis.comparison.sentences import format_verdict
 from lta_bag import BagWriter
 from lta_bag.schemas import load_jazzy_types
 from lta_config.errors import BadInput
 from lta_data.bag import open_flight
 from lta_data.compare.channel_comparison import select_topic_pairs
 from lta_data.compare.comparison import compare_flights, compare_sides, ComparisonRequest
-from lta_data.compare.sentences import format_verdict
 from lta_data.flight import Channel
 import numpy as np
 import pytest

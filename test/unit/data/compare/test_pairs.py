@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which channels of two flights are compared: of other names or units, and what one lacks."""
 
+from lta_analysis.comparison.sentences import format_verdict
 from lta_config.errors import BadInput
 from lta_data.bag import open_flight
 from lta_data.compare.channel_comparison import select_topic_pairs
@@ -10,7 +11,6 @@ from lta_data.compare.comparison import (
     compare_sides,
     ComparisonRequest,
 )
-from lta_data.compare.sentences import format_verdict
 from lta_data.flight import Channel
 import numpy as np
 import pytest

@@ -8,10 +8,9 @@ from lta_data.bag import open_flight
 from lta_data.compare.channel_comparison import select_topic_pairs
 from lta_data.compare.comparison import compare_flights, compare_sides, ComparisonRequest
 from lta_data.flight import Channel
-from lta_data.importers.run import import_logs, ImportProgress, ImportRequest
+from lta_data.importers.run import import_logs, ImportRequest
 import numpy as np
 import pytest
-from rich.console import Console
 
 from .compare_flight import motion, side_of, UNIX
 from .compare_two import channel
@@ -62,8 +61,7 @@ def imported_csv(tmp_path, name, until, phase, time='time: {rate: 50 Hz}'):
         f'schema: 1\nname: m\nabout: a\nformat: csv\n{time}\n'
         'topics:\n  - {topic: odom, position: {columns: [x, y, z], unit: m}}\n'
     )
-    with ImportProgress(Console(quiet=True), 1) as progress:
-        (done,) = import_logs(ImportRequest([source], str(mapping)), tmp_path / name, progress)
+    (done,) = import_logs(ImportRequest([source], str(mapping)), tmp_path / name)
     return open_flight(Path(done.bag))
 
 

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The 3-D view of two flights: where both are at one time, and when it is left out."""
 
+from lta_analysis.comparison.report import build_report
 from lta_data.compare.channel_comparison import select_topic_pairs
 from lta_data.compare.comparison import compare_sides, ComparisonRequest
-from lta_data.compare.report import build_report
 from lta_data.flight import Channel
 import numpy as np
 import pytest

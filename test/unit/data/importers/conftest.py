@@ -5,9 +5,8 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from lta_data.importers.run import import_logs, ImportProgress, ImportRequest
+from lta_data.importers.run import import_logs, ImportRequest
 import pytest
-from rich.console import Console
 from rosbags.highlevel import AnyReader
 
 DATA = Path(__file__).resolve().parents[5] / 'shared' / 'data'
@@ -56,9 +55,8 @@ def bring(tmp_path):
             path = tmp_path / 'mapping.yaml'
             path.write_text(mapping)
             mapping = str(path)
-        with ImportProgress(Console(quiet=True), 1) as progress:
-            order = ImportRequest([Path(source)], mapping, **told)
-            (done,) = import_logs(order, tmp_path / 'out', progress)
+        order = ImportRequest([Path(source)], mapping, **told)
+        (done,) = import_logs(order, tmp_path / 'out')
         return read(done)
 
     return run

@@ -4,16 +4,15 @@
 
 from pathlib import Path
 
+from lta_analysis.import_draft import list_missing_parts
 from lta_bag.reader import read_bag
 from lta_config.errors import BadInput
 from lta_data.importers.draft.draft_mapping import draft_mapping
-from lta_data.importers.draft.draft_report import list_missing_parts
-from lta_data.importers.run import import_logs, ImportProgress, ImportRequest
+from lta_data.importers.run import import_logs, ImportRequest
 from mcap.reader import make_reader
 from mcap.writer import Writer as McapWriter
 import numpy as np
 import pytest
-from rich.console import Console
 from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as Writer2
@@ -258,8 +257,7 @@ def test_what_is_not_of_ros_is_kept_with_its_encoding_and_definition(tmp_path):
         channel = writer.register_channel('/state', 'json', schema)
         writer.add_message(channel, SECOND, b'{"x": 1}', SECOND)
         writer.finish()
-    with ImportProgress(Console(quiet=True), 1) as progress:
-        (done,) = import_logs(ImportRequest([source]), tmp_path / 'out', progress)
+    (done,) = import_logs(ImportRequest([source]), tmp_path / 'out')
     found = next(Path(done.bag).glob('*.mcap'))
     with found.open('rb') as stream:
         ((schema, channel, message),) = make_reader(stream).iter_messages()

@@ -6,9 +6,8 @@ from pathlib import Path
 import random
 
 from lta_config.errors import BadInput
-from lta_data.importers.run import import_logs, ImportProgress, ImportRequest
+from lta_data.importers.run import import_logs, ImportRequest
 import pytest
-from rich.console import Console
 from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as Writer2
@@ -79,8 +78,7 @@ def test_a_damaged_log_is_a_bag_or_a_sentence(tmp_path, log, monkeypatch):
         mapping = str(tmp_path / 'm.yaml') if log is text else None
         out = tmp_path / f'out-{count}'
         try:
-            with ImportProgress(Console(quiet=True), 1) as progress:
-                import_logs(ImportRequest([Path(source)], mapping), out, progress)
+            import_logs(ImportRequest([Path(source)], mapping), out)
         except BadInput as told:
             outcomes.add('refused' if '\n' not in str(told) and not out.exists() else str(told))
         else:

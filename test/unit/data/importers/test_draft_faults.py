@@ -4,12 +4,11 @@
 
 import io
 
-from lta_analysis.import_draft import ask_user
+from lta_analysis.import_draft import ask_user, build_draft_report
 from lta_config.errors import BadInput
 from lta_data.importers.draft.choices import DraftQuestion
 from lta_data.importers.draft.draft_mapping import draft_mapping
-from lta_data.importers.draft.draft_report import build_draft_report
-from lta_data.importers.run import import_logs, ImportProgress, ImportRequest
+from lta_data.importers.run import import_logs, ImportRequest
 import numpy as np
 import pytest
 from rich.console import Console
@@ -110,9 +109,8 @@ def test_files_without_rows_in_a_folder_are_left_out_and_named(tmp_path):
         'Left out, as they hold no rows of numbers: b.csv, notes.txt.',
     ]
     (tmp_path / 'mapping.yaml').write_text(draft.text)
-    with ImportProgress(Console(quiet=True), 1) as progress:
-        request = ImportRequest([folder], str(tmp_path / 'mapping.yaml'))
-        (done,) = import_logs(request, tmp_path / 'out', progress)
+    request = ImportRequest([folder], str(tmp_path / 'mapping.yaml'))
+    (done,) = import_logs(request, tmp_path / 'out')
     assert done.notes[-1] == 'Left out, as they hold no rows of numbers: b.csv, notes.txt.'
 
 

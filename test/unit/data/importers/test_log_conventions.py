@@ -15,11 +15,10 @@ from lta_bag.reader import read_bag
 from lta_data.bag.recorded_flight import open_flight
 from lta_data.bag.table import stack_components
 from lta_data.importers.draft.draft_mapping import draft_mapping, MappingDraft
-from lta_data.importers.run import import_logs, ImportProgress, ImportRequest
+from lta_data.importers.run import import_logs, ImportRequest
 import numpy as np
 from numpy.typing import NDArray
 import pytest
-from rich.console import Console
 from scipy.spatial.transform import Rotation
 import yaml
 
@@ -284,8 +283,7 @@ def write_form(form: Form, path: Path) -> tuple[Flight, Path]:
 def import_draft(draft: MappingDraft, source: Path, folder: Path) -> Any:
     mapping = folder / 'mapping.yaml'
     mapping.write_text(draft.text)
-    with ImportProgress(Console(quiet=True), 1) as progress:
-        import_logs(ImportRequest([source], str(mapping)), folder / 'out', progress)
+    import_logs(ImportRequest([source], str(mapping)), folder / 'out')
     flight = open_flight(read_bag(folder / 'out' / 'bag'), None)
     topic = next(one for one in ('ground_truth/odom', 'odom') if one in flight.topics)
     return flight[topic]

@@ -5,10 +5,7 @@
 import io
 import re
 
-from lta_config.errors import BadInput
-from lta_data.bag import open_flight
-from lta_data.flight import Channel
-from lta_data.plot.report import (
+from lta_analysis.plot import (
     build_channel_listing,
     build_report,
     crop_channel,
@@ -18,6 +15,9 @@ from lta_data.plot.report import (
     select_channels,
     unwrap_to_degrees,
 )
+from lta_config.errors import BadInput
+from lta_data.bag import open_flight
+from lta_data.flight import Channel
 import numpy as np
 import pytest
 from rich.console import Console

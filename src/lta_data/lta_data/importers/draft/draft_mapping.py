@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Any, final, NamedTuple
 
 from lta_bag.bag_folder import find_bag
-from lta_config.errors import BadInput
+from lta_config.errors import BadInput, format_count
 from lta_config.files import find_file
 from lta_config.schema.import_file import TextFormat
 from lta_data.flight import Channel
@@ -35,7 +35,6 @@ from lta_data.importers.readers.sensor_folder import (
     read_text_file,
 )
 from lta_data.importers.readers.text_dialect import detect_text_format, read_statements
-from lta_report.formatting import format_count
 import numpy as np
 import yaml
 

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 import math
 from typing import Any, Final
 
-from lta_report.formatting import format_count, MISSING, Tile
+from lta_config.errors import format_count
+from lta_report.formatting import MISSING, Tile
 from lta_report.report import Block, Picture, Report, TextSection, TextTable
 from lta_studies.light.plan.joint_snr import LEAST_PURITY
 from lta_studies.light.plan.layout import CoverageGap, find_gaps, LampHandover, LampLayout

@@ -7,6 +7,7 @@ import math
 from typing import Any, Final
 
 from lta_config.constants import DEGREES_PER_RADIAN
+from lta_config.errors import format_count
 from lta_data.compare.channel_comparison import ChannelComparison
 from lta_data.compare.channel_roles import (
     FIELDS,
@@ -17,7 +18,6 @@ from lta_data.compare.comparison import ComparisonResult
 from lta_data.compare.frame_alignment import FrameAlignment, FrameTransform
 from lta_data.compare.time_alignment import TimeAlignment
 from lta_data.flight import Flight
-from lta_report.formatting import format_count
 from lta_report.json_value import to_json_value
 import numpy as np
 

@@ -5,17 +5,9 @@
 from pathlib import Path
 from typing import Final
 
-from lta_config.command_line import format_lta_command, relative_path
-from lta_data.compare import figures
-from lta_data.compare.channel_comparison import ChannelComparison
-from lta_data.compare.channel_roles import (
-    RoleChannel,
-    select_headline_channels,
-    select_panel_channels,
-)
-from lta_data.compare.comparison import ComparisonResult
-from lta_data.compare.figures import READOUT, render_comparison_scene
-from lta_data.compare.sentences import (
+from lta_analysis.comparison import figures
+from lta_analysis.comparison.figures import READOUT, render_comparison_scene
+from lta_analysis.comparison.sentences import (
     BASIS,
     comparison_to_dict,
     describe_comparison,
@@ -30,6 +22,14 @@ from lta_data.compare.sentences import (
     format_verdict,
     MISSING_DASH,
 )
+from lta_config.command_line import format_lta_command, relative_path
+from lta_data.compare.channel_comparison import ChannelComparison
+from lta_data.compare.channel_roles import (
+    RoleChannel,
+    select_headline_channels,
+    select_panel_channels,
+)
+from lta_data.compare.comparison import ComparisonResult
 from lta_report.flight_scene import render_time_bar
 from lta_report.formatting import Tile
 from lta_report.report import Grid, Picture, Report, TextTable

@@ -109,7 +109,7 @@ class FlightComparisonRequest(ReportRequest, command='compare'):
 
     def run(self, run: StudyRun) -> Report:
         """Return the report of both flights."""
-        from lta_data.compare.report import build_report
+        from lta_analysis.comparison.report import build_report
 
         tolerances = dict(map(parse_tolerance, self.tolerance))
         request = ComparisonRequest(
