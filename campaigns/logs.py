@@ -3,10 +3,11 @@
 """
 Import flights of known truth from logs in drawn formats, names, units, orders and frames.
 
-A flight is that of a simulated GT-MAB. Each quantity gets names, a unit and a convention at random,
-columns are shuffled, others stand beside them, and the file is written in the format of its kind.
-`lta import --draft` has only the file. What it reads without a question must be the truth; a
-question is counted. A traceback or a wrong reading is what must not be.
+A flight is that of a simulated GT-MAB. Each quantity gets names, a unit and a convention at
+random, columns are shuffled, others stand beside them, rows and cells are missing, and the file is
+written in the format of its kind. `lta import --draft` has only the file. What it reads without a
+question must be the truth; a question is counted. A traceback or a wrong reading is what must not
+be.
 """
 
 from argparse import Namespace
@@ -56,7 +57,8 @@ TIMES: Final = {  # units of one second
     'stamp_ns': 1e9, 'elapsed_s': 1.0, 'Time (sec)': 1.0,
 }  # fmt: skip
 PLACES: Final = {
-    'x y z': 1.0, 'pos_x pos_y pos_z': 1.0, 'px py pz': 1.0, 'position.x position.y position.z': 1.0,
+    'x y z': 1.0, 'pos_x pos_y pos_z': 1.0, 'px py pz': 1.0,
+    'position.x position.y position.z': 1.0,
     'X [mm],Y [mm],Z [mm]': 1e3, 'x_mm y_mm z_mm': 1e3, 'x_cm y_cm z_cm': 100.0,
     'tx_m ty_m tz_m': 1.0, 'Position_X Position_Y Position_Z': 1.0,
     'pose.position.x pose.position.y pose.position.z': 1.0,
@@ -141,6 +143,27 @@ def draw_columns(draw: Draw) -> tuple[Columns, dict[str, Array]]:
     return out, truth
 
 
+def spoil_columns(columns: Columns, draw: Draw) -> Columns:
+    """Return columns with jitter of the times, missing rows and cells, and a prefix of names."""
+    (clock, times), *rest = columns.items()
+    step = float(np.median(np.diff(times)))
+    kept = draw.random(len(times)) > draw.choice([0.0, 0.0, 0.03])
+    if draw.random() < 0.3:  # a tracker that lost the vehicle, twice
+        for begin in draw.integers(len(times), size=2):
+            kept[begin : begin + int(draw.integers(20))] = False
+    kept[0] = True  # the rows are found again by the time after the first one
+    late = step * draw.choice([0.0, 0.1]) * draw.random(len(times))
+    times = times + (np.round(late) if times.dtype.kind == 'i' or step > 1.0 else late)
+    prefix = str(draw.choice(['', '', 'drone_', 'vicon_', 'state.', 'Blimp/']))
+    out = {clock: times[kept]} | {f'{prefix}{name}': one[kept] for name, one in rest}
+    if draw.random() < 0.2:  # cells without a number
+        gone = draw.random(kept.sum()) < 0.01
+        gone[0] = False
+        out = {name: one if name == clock else np.where(gone, np.nan, one)
+               for name, one in out.items()}  # fmt: skip
+    return out
+
+
 def write_text(path: Path, columns: Columns, delimiter: str = ',', **how: str | int) -> Path:
     """Write a log as text."""
     pd.DataFrame(columns).to_csv(path, sep=delimiter, index=False, **how)
@@ -202,6 +225,7 @@ def run(case: Case, options: Namespace) -> Row:
     """Draft and import a log, and compare what was read with the truth."""
     draw = np.random.default_rng([options.seed, case.number, list(WRITERS).index(case.kind)])
     columns, truth = draw_columns(draw)
+    columns = spoil_columns(columns, draw)
     names = [str(name) for name in draw.permutation(list(columns))]
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch)
@@ -237,8 +261,8 @@ def run(case: Case, options: Namespace) -> Row:
 
 def list_wrong(time: Array, read: dict[str, Array], truth: dict[str, Array]) -> list[str]:
     """Return the parts of a motion that were read, but not as they are."""
-    at = np.searchsorted(truth['time'], time - time[0] + truth['time'][0] - 1e-4)
-    at = at.clip(0, len(truth['time']) - 1)
+    step = float(np.median(np.diff(truth['time'])))
+    at = np.round((time - time[0]) / step).astype(int).clip(0, len(truth['time']) - 1)
     out = []
     for name, tolerance in TOLERANCE.items():
         if name not in truth or not np.isfinite(read[name]).any():
@@ -265,9 +289,11 @@ def list_table(rows: Rows, options: Namespace) -> Iterator[str]:
     asked = Counter(key for row in rows.values() for key in row.get('questions', ()))
     several = sum(len(row.get('questions', ())) > 1 for row in rows.values())
     yield ''
-    yield f'More than one question: {several} logs. Questions: ' + (
-        ', '.join(f'{key} {count}' for key, count in asked.most_common()) or 'none'
-    ) + '.'
+    yield (
+        f'More than one question: {several} logs. Questions: '
+        + (', '.join(f'{key} {count}' for key, count in asked.most_common()) or 'none')
+        + '.'
+    )
 
 
 CAMPAIGN: Final = Campaign(

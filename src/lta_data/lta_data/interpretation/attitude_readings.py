@@ -22,6 +22,7 @@ from scipy.spatial.transform import Rotation
 UNCLEAR: Final = (7.0, 40.0)  # a larger heading is unlikely in radians, and is in degrees
 DEGREES_BEYOND: Final = (3.3, 1.65)  # a larger roll or pitch is in degrees
 STILL_TURN: Final = 1.0  # a vehicle in flight turns by more, in degrees
+STILL_TILT: Final = 0.3  # a vehicle in flight tilts by more, in degrees
 RARE: Final = 0.1  # of a score, that a rare reading must gain
 # Signs of yaw, pitch and roll that are tried after the usual ones
 RARE_SENSES: Final = (
@@ -207,7 +208,8 @@ def _list_angle_units(group: ColumnGroup, angles: Numbers) -> tuple[str, ...]:
     tilted = len(sizes) == 3 and bool((sizes[:2] > DEGREES_BEYOND).any())
     if tilted or sizes[-1] > UNCLEAR[1]:
         return ('deg',)
-    return ('rad',) if spread.max() < STILL_TURN else ('rad', 'deg')
+    still = len(sizes) == 3 and sizes[:2].max() < STILL_TILT and sizes[-1] < DEGREES_BEYOND[0]
+    return ('rad',) if still or spread.max() < STILL_TURN else ('rad', 'deg')
 
 
 def _fill_rows(rows: Numbers, instead: list[float]) -> Numbers:

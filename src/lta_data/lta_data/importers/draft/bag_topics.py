@@ -30,6 +30,7 @@ from lta_data.interpretation.column_names import (
     match_kind,
     match_role,
     parse_column_name,
+    tells_uncertainty,
     TIME_WORDS,
 )
 from lta_data.interpretation.kinematics import AGREEING_SHARE, find_sensor_axes
@@ -81,7 +82,10 @@ def draft_bag_topics(path: Path, choices: DraftChoices) -> BagDraft:
     Raise `BadInput` if no topic has a type that an import can convert.
     """
     log = LOG_FORMATS['bag'].opened(path, None)
-    types = {name: topic.definition.type_name for name, topic in sorted(log.raw.items())}
+    types = {
+        name: topic.definition.type_name for name, topic in sorted(log.raw.items())
+        if not tells_uncertainty(parse_column_name(name).words)
+    }  # fmt: skip
     if not any(kind in POSE_TYPES for kind in types.values()):
         types |= choose_bag_body(path, log, types, f'{ROLE_TOPICS["truth"]}.table', choices)
     chosen = _choose_topics(path, types, choices)

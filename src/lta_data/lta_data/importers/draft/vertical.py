@@ -302,6 +302,7 @@ FORWARD_SHARE: Final = 0.85  # of the way is along one direction of the body of 
 AHEAD_WEIGHT: Final = 0.3  # weight of a motion along x, which tells a compass heading from a yaw
 DECIDING_LEAN: Final = 0.15  # more of the acceleration, that another reading must explain
 SAME_WAY: Final = 0.008  # of a forwardness, that says nothing of the pitch
+UPRIGHT: Final = 0.7  # mean cosine to the vertical of an axis that stays along it
 LEANING_ROWS: Final = 5000  # rows that are looked at
 FORWARDNESS_GAIN: Final = 0.15  # by which another reading must keep to its direction less
 
@@ -350,8 +351,9 @@ def choose_reading(
         first = labels[choices.decide(key, options, 'Nothing tells the unit of the heading.')]
         why = choices.explain(key)
     else:
-        upright = [abs(float(np.mean(r.turn.as_matrix()[:, 2, 2]))) for r in readings]
-        level = [i for i, up in enumerate(upright) if up > 0.7] or [0]
+        level = [
+            i for i, one in enumerate(readings) if _measure_uprightness(one, (2,)) > UPRIGHT
+        ] or [0]
         first = readings[level[0]]
         why = 'the convention; no rates, velocity or acceleration to check it with'
         if 'sequence' in choices.settled:
@@ -365,8 +367,12 @@ def choose_reading(
         leaning = int(np.argmax(leans))
         ways = [measure_forwardness(reading.turn, evidence) for reading in readings]
         forward = [steady + AHEAD_WEIGHT * ahead for steady, ahead in ways]
-        # Of two senses of the pitch that fit alike, the usual one is the first
-        best = next(i for i, one in enumerate(forward) if one >= max(forward) - SAME_WAY)
+        # Of two senses of the pitch that fit alike, the usual one is the first. x is along the
+        # vertical in no convention, but in quaternions that are read in a wrong order
+        upright = [_measure_uprightness(one) for one in readings]
+        there = [i for i, up in enumerate(upright) if up > UPRIGHT] or [*range(len(readings))]
+        most = max(forward[i] for i in there)
+        best = next(i for i in there if forward[i] >= most - SAME_WAY)
         if leans[leaning] > leans[level[0]] + DECIDING_LEAN:
             first = readings[leaning]
             why = f'the vehicle accelerates towards its tilt ({100 * leans[leaning]:.0f} %)'
@@ -391,6 +397,12 @@ def choose_reading(
             why = choices.explain(key)
     choices.add_reason(f'{topic}: orientation', group.columns, first.label, why)
     return first
+
+
+def _measure_uprightness(reading: AttitudeReading, axes: Sequence[int] = (1, 2)) -> float:
+    """Return the cosine by which one of some axes of the body stays along that of the world."""
+    means = np.abs(reading.turn.as_matrix().mean(axis=0))
+    return max(float(means[k, k]) for k in axes)
 
 
 def _measure_lean(reading: AttitudeReading, evidence: MotionEvidence) -> float:

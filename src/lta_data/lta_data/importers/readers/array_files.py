@@ -30,19 +30,23 @@ def arrange_tables(leaves: Mapping[str, Any]) -> tuple[dict[str, dict[str, Colum
     Return the tables of named arrays, and a remark on what is left out.
 
     The arrays of one struct ('imu.acc', 'imu.t') with one length form a table of its name; others
-    are collected by length. A single table is named ''.
+    are collected by length. Arrays of one length, some of them outside of structs, are rows of one
+    table, as their time may be there. A single table is named ''.
     """
     tables: dict[str, dict[str, Column]] = {}
     left_out = []
     groups = {name: _split_columns(name, np.asarray(value)) for name, value in leaves.items()}
     lengths = {len(c) for columns in groups.values() for c in columns.values()}
+    are_rows = len(lengths) == 1 and any(
+        '.' not in column for columns in groups.values() for column in columns
+    )
     for name, columns in groups.items():
         if not columns:
             left_out.append(name)
         for column, cells in columns.items():
-            struct, _, short = column.rpartition('.')
+            struct, _, short = ('', '', column) if are_rows else column.rpartition('.')
             table = struct or (f'rows_{len(cells)}' if len(lengths) > 1 else '')
-            tables.setdefault(table, {})[short if struct else column] = cells
+            tables.setdefault(table, {})[short] = cells
     named = dict(_iterate_even_tables(tables))
     if len(named) == 1:
         named = {'': next(iter(named.values()))}
