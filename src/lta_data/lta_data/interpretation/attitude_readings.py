@@ -22,7 +22,7 @@ from scipy.spatial.transform import Rotation
 UNCLEAR: Final = (7.0, 40.0)  # a larger heading is unlikely in radians, and is in degrees
 DEGREES_BEYOND: Final = (3.3, 1.65)  # a larger roll or pitch is in degrees
 STILL_TURN: Final = 1.0  # a vehicle in flight turns by more, in degrees
-STILL_TILT: Final = 0.3  # a vehicle in flight tilts by more, in degrees
+STILL_TILT: Final = 0.5  # a vehicle in flight tilts by more, in degrees
 RARE: Final = 0.1  # of a score, that a rare reading must gain
 # Signs of yaw, pitch and roll that are tried after the usual ones
 RARE_SENSES: Final = (
@@ -213,11 +213,12 @@ def _list_angle_units(group: ColumnGroup, angles: Numbers) -> tuple[str, ...]:
 
 
 def _fill_rows(rows: Numbers, instead: list[float]) -> Numbers:
-    """Return rows without NaN and without zero quaternions."""
+    """Return rows with the last good one in place of NaN and of zero quaternions."""
     good = np.isfinite(rows).all(axis=1)
     if rows.shape[1] == 4:
         good &= (rows != 0.0).any(axis=1)
-    filled: Numbers = np.where(good.reshape(-1, 1), rows, np.asarray(instead))
+    last = np.maximum.accumulate(np.where(good, np.arange(len(rows)), -1))
+    filled: Numbers = np.where(last.reshape(-1, 1) >= 0, rows[last], np.asarray(instead))
     return filled
 
 

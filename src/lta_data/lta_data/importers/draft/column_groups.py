@@ -20,11 +20,11 @@ from lta_data.interpretation.column_group import (
 )
 from lta_data.interpretation.column_names import (
     ACTIONS,
+    ACTUATOR_WORDS,
     ANGLE_AXES,
     ANGLE_WORDS,
     ColumnName,
     COMMAND_WORDS,
-    FORCE_UNITS,
     HEIGHT_WORDS,
     KIND_WORDS,
     LATITUDES,
@@ -294,7 +294,7 @@ def _group_stem(
             # Vicon: RX, RY, RZ, TX, TY, TZ
             if stem == ('r',) and triple[0] == 'x' and _are_angles(axes, table):
                 angle_kind = 'euler'
-            if angle_kind or triple[0] == 'x':
+            if angle_kind or triple[0] in 'xn':
                 # Without a kind by name, the motion may tell it
                 why = f'the name {label}' if stem else 'columns x, y, z'
                 return _build(angle_kind, role, axes, triple, unit, why)
@@ -345,13 +345,18 @@ def _group_matrices(names: Sequence[ColumnName], table: Columns) -> Iterator[Col
 
 
 def _group_letters(names: list[ColumnName]) -> Iterator[ColumnGroup]:
-    """Yield the letters of flight mechanics: u, v, w and p, q, r."""
-    by_letter = {''.join((*name.stem, name.axis)): name for name in names}
-    for letters, kind in (('uvw', 'velocity'), ('pqr', 'rates')):
-        if {*letters} <= {*by_letter}:
-            columns = tuple(by_letter[letter].column for letter in letters)
-            unit, why = by_letter[letters[0]].unit, f'the letters {letters}'
-            yield ColumnGroup(kind, '', columns, ('x', 'y', 'z'), unit, why)
+    """Yield the letters of flight mechanics: u, v, w and p, q, r, also behind a name: blimp_u."""
+    bodies: dict[tuple[str, ...], dict[str, ColumnName]] = {}
+    for name in names:
+        words = (*name.stem, name.axis) if name.axis else name.stem
+        if words and not {*words[:-1]} & (ACTUATOR_WORDS | COMMAND_WORDS):
+            bodies.setdefault(words[:-1], {})[words[-1]] = name
+    for body, by_letter in bodies.items():
+        for letters, kind in (('uvw', 'velocity'), ('pqr', 'rates')):
+            if {*letters} <= {*by_letter} and match_kind(body) in ('', kind):
+                columns = tuple(by_letter[letter].column for letter in letters)
+                unit, why = by_letter[letters[0]].unit, f'the letters {letters}'
+                yield ColumnGroup(kind, match_role(body), columns, ('x', 'y', 'z'), unit, why)
 
 
 def _group_wrench(names: Sequence[ColumnName]) -> Iterator[ColumnGroup]:
@@ -369,7 +374,9 @@ def _group_wrench(names: Sequence[ColumnName]) -> Iterator[ColumnGroup]:
             rest = name.words - KIND_WORDS['force'] - KIND_WORDS['torque'] - TORQUE_LETTERS
             axis = ANGLE_AXES.get(name.axis, name.axis)
             unit = UNIT_WORDS.get(name.unit, ('',))[0]
-            by_unit = KIND_OF_UNIT.get(unit) if unit in FORCE_UNITS else ''
+            by_unit = KIND_OF_UNIT.get(unit, '')
+            if by_unit not in ('', 'force', 'torque'):  # tx_m is a place
+                continue
             kind = by_unit or match_kind(name.words - rest)
             if name.words & thrusts:
                 kind = 'force'

@@ -28,6 +28,7 @@ from lta_data.interpretation.column_names import (
     JOYSTICKS,
     KIND_WORDS,
     parse_column_name,
+    TURN_WORDS,
 )
 from lta_data.interpretation.kinematics import (
     body_rates_of,
@@ -63,7 +64,7 @@ def settle_kinds(
 
 def _find_places(groups: Sequence[ColumnGroup]) -> list[ColumnGroup]:
     """Return groups in which vectors without a kind that stand for a body are its places."""
-    bodies = [one.stem_words - KIND_WORDS['quaternion'] - KIND_WORDS['euler']
+    bodies = [one.stem_words - KIND_WORDS['quaternion'] - KIND_WORDS['euler'] - TURN_WORDS
               for one in groups if one.kind in ATTITUDES]  # fmt: skip
     has_place = any(group.kind == 'position' for group in groups)
     placed = []
