@@ -241,8 +241,10 @@ def _ends_with_unit(words: Sequence[str], end: str) -> bool:
     """Return whether the end of a name is the unit of what the words before it name."""
     if end in ENDINGS:
         return True
-    if end in ('m', 's', 'min'):  # x_m, t_s
-        return words[-1] in ({*AXIS_WORDS, *COMPASS} if end == 'm' else TIME_WORDS)
+    if end in ('m', 's', 'min'):  # x_m, tx_m, t_s
+        joined = JOINED.fullmatch(words[-1]) if end == 'm' else None
+        is_place = joined is not None and joined[1] in KIND_WORDS['position']
+        return is_place or words[-1] in ({*AXIS_WORDS, *COMPASS} if end == 'm' else TIME_WORDS)
     unit = UNIT_WORDS[end][0]
     name = _find_axis('', words, '')
     if unit in FORCE_UNITS:

@@ -250,6 +250,28 @@ FORMS = {
                         pitch=f['rpy'][:, 1] * DEGREES)
         | place(f) | dict(zip('uvw', f['v'].T, strict=True)), 'pqv',
     ),
+    # Names of a body before those of quantities
+    'letters behind a name': Form(
+        lambda f: timed(f) | place(f, 'blimp_p') | quaternion(f, 'blimp_q')
+        | dict(zip(('blimp_u', 'blimp_v', 'blimp_w'), f['v'].T, strict=True)), 'pqv',
+        others=frozenset(),
+    ),
+    'north, east, down behind a name': Form(
+        lambda f: timed(f) | quaternion({**f, 'q': in_ned(f)}, 'drone_rot_')
+        | three('drone_', f['p'] @ TO_NED.T, ('north', 'east', 'down')), others=frozenset(),
+    ),
+    'x, y, z behind the name of an attitude': Form(
+        lambda f: timed(f) | place(f, 'state.') | quaternion(f, 'state.rot_')
+    ),
+    'a place named tx_m': Form(
+        lambda f: timed(f) | quaternion(f, 'rot_') | three('t', f['p'], ('x_m', 'y_m', 'z_m')),
+        others=frozenset(),
+    ),
+    'how well each is known': Form(
+        lambda f: timed(f) | place(f) | quaternion(f)
+        | dict.fromkeys(('x_std', 'pos_sigma_x', 'position_uncertainty'), 0.01 + 0.0 * f['t']),
+        others=frozenset(),
+    ),
     # Times
     'no time beside a velocity': Form(
         lambda f: place(f, 'p') | quaternion(f) | three('v', f['v']), 'pqv'
@@ -313,6 +335,57 @@ def test_a_log_in_any_convention_is_read_as_it_was_written(form: Form, tmp_path:
         np.testing.assert_allclose(
             stack_components(series, 'twist.twist.angular'), f['w'], atol=0.02
         )
+
+
+def drift() -> Flight:
+    """Return a flight that turns by a radian while it drifts straight to the right."""
+    t = np.arange(0.0, 24.0, 0.02)
+    rpy = np.column_stack([0.04 * np.sin(1.7 * t), 0.05 * np.sin(1.1 * t), 1.2 * np.sin(0.3 * t)])
+    p = np.column_stack([0.05 * np.sin(0.5 * t), -0.4 * t, 1.5 + 0.1 * np.sin(0.2 * t)])
+    return {'t': t, 'p': p, 'q': Rotation.from_euler('ZYX', rpy[:, ::-1]).as_quat(), 'rpy': rpy}
+
+
+@pytest.mark.parametrize(
+    'columns', [quaternion(drift()), angles(drift(), scale=1.0)], ids=['quaternion', 'radians']
+)
+def test_a_flight_that_drifts_sideways_contradicts_no_names(
+    columns: dict[str, Array], tmp_path: Path
+) -> None:
+    """Another order of the elements, or degrees, would let it move straight ahead."""
+    f = drift()
+    source = write_csv(tmp_path / 'log.csv', timed(f) | place(f) | columns)
+    draft = draft_mapping(source, {})
+    assert draft.choices.questions == []
+    attitude = Rotation.from_quat(
+        stack_components(import_draft(draft, source, tmp_path), 'pose.pose.orientation')
+    )
+    assert np.degrees((attitude.inv() * turned(f)).magnitude()).max() < 1.0
+
+
+def test_missing_cells_of_an_attitude_do_not_contradict_its_rates(tmp_path: Path) -> None:
+    f = lab_flight()
+    gone = np.random.default_rng(3).random(len(f['t'])) < 0.01
+    cells = {name: np.where(gone, np.nan, one) for name, one in quaternion(f).items()}
+    source = write_csv(tmp_path / 'log.csv', timed(f) | place(f) | cells | three('w', f['w']))
+    assert draft_mapping(source, {}).choices.questions == []
+
+
+def test_a_log_that_ends_within_its_last_time_is_read_by_its_times(tmp_path: Path) -> None:
+    f = lab_flight()
+    source = write_csv(tmp_path / 'log.csv', place(f) | quaternion(f) | timed(f))
+    source.write_bytes(source.read_bytes()[:-4])
+    draft = draft_mapping(source, {})
+    assert yaml.safe_load(draft.text)['time']['column'] == 't'
+
+
+def test_arrays_of_one_length_are_one_table_whatever_their_names(tmp_path: Path) -> None:
+    f = lab_flight()
+    source = tmp_path / 'log.npz'
+    np.savez(source, **timed(f), **place(f, 'position.'), **quaternion(f, 'orientation.'))
+    draft = draft_mapping(source, {})
+    assert draft.choices.questions == []
+    series = import_draft(draft, source, tmp_path)
+    np.testing.assert_allclose(stack_components(series, 'pose.pose.position'), f['p'], atol=0.01)
 
 
 def hover() -> Flight:
