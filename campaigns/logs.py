@@ -297,6 +297,6 @@ def list_table(rows: Rows, options: Namespace) -> Iterator[str]:
 
 
 CAMPAIGN: Final = Campaign(
-    lambda options: list(WRITERS), run, list_table, each=182, side=0,
+    lambda options: list(WRITERS), run, list_table, each=182, page='import.md', side=0,
     smoke='--kinds commas npz --each 1',
 )  # fmt: skip
