@@ -11,7 +11,14 @@ from typing import Final
 
 UNIT: Final = Path(__file__).resolve().parent / 'unit'
 PACKAGE_TESTS: Final = {
-    'lta_analysis': ('data/bag/test_table.py', 'flight/test_notebook_calls.py'),
+    'lta_analysis': (
+        'data/bag/test_table.py',
+        'data/compare/test_pairs.py',
+        'data/compare/test_scene.py',
+        'data/compare/test_verb.py',
+        'data/plot',
+        'flight/test_notebook_calls.py',
+    ),
     'lta_bag': ('bag',),
     'lta_bridge': ('bridge',),
     'lta_bringup': ('graph/test_bringup.py',),
