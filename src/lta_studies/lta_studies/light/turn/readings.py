@@ -258,6 +258,7 @@ class FittedResponse(NamedTuple):
     gain_deviations: tuple[float, ...]
     strength: float  # S, reading of a nominal diode that faces the lamp [counts]
     pedestal: float  # p relative to S
+    misfit: float  # rms residual relative to S
 
     @property
     def gain_uncertainty(self) -> float:
@@ -329,9 +330,11 @@ def fit_response(
     # Jackknife variance: (n - 1) / n times the sum of squares
     deviation = np.sqrt((count - 1) / count * np.sum(about * about, axis=0))
     exponent, strength, pedestal = best[:3]
+    left = _predict_amplitude(best, basis) - amplitude
     return FittedResponse(
         float(exponent), float(deviation[0]), tuple(best[SHARED_PARAMETERS:].tolist()),
         tuple(deviation[SHARED_PARAMETERS:].tolist()), float(strength), float(pedestal / strength),
+        float(math.sqrt(np.mean(left * left)) / strength),
     )  # fmt: skip
 
 
