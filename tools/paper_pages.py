@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Final
 
 from lta_config.schema.paper_file import PaperRow
+from lta_flight.sweep.statistics import wilson_interval
 from lta_report.formatting import format_markdown_table, MISSING
 from lta_report.request import StudyRun
 from lta_studies.reproduce.report import (
@@ -19,22 +20,22 @@ from lta_studies.reproduce.report import (
     fill_measures_or_blank,
     format_headline,
     format_title,
-    IMAGES,
     KNOWN_BEFORE,
     OPEN,
     StoredRows,
 )
 from lta_studies.reproduce.run import reproduce_rows, ReproductionRequest, select_rows
-from lta_studies.reproduce.study_result import StoredRow
+from lta_studies.reproduce.study_result import MeasuredValue, StoredRow
 from lta_studies.reproduce.verdict import (
     ClaimVerdict,
-    format_measured,
+    find_summary,
     format_quantity,
-    format_shares,
+    format_value,
     judge_claims,
 )
 from rich.console import Console
 
+IMAGES: Final = 'images/paper'  # written by --pictures docs/images/paper
 HEADLINE_HEADS: Final = ('the paper says', 'printed', 'here', 'draws that agree', 'verdict', 'row')
 ROW_HEADS: Final = (
     'the paper says',
@@ -131,7 +132,8 @@ def list_headlines(row: PaperRow, stored: StoredRow) -> list[list[str]]:
         [
             claim.headline,
             MISSING if claim.value is None else format_quantity(claim.value),
-            *format_results(row, name, stored),
+            format_measured(row, name, stored),
+            format_shares(row, name, stored),
             str(verdicts[name]),
             str(row.number),
         ]
@@ -150,10 +152,12 @@ def iterate_row_parts(row: PaperRow, stored: StoredRow) -> Iterator[str]:
         if verdicts[name] in SHOWN:
             gap = '' if verdicts[name] is ClaimVerdict.AGREES else claim.gap
             note = fill_measures_or_blank(gap, row, stored) or MISSING
-            here, shares = format_results(row, name, stored)
             value = stored.values.get(claim.measure or '')
             seeds = MISSING if value is None else str(value.seeds)
-            lines.append([claim.says, here, seeds, shares, str(verdicts[name]), note])
+            lines.append([
+                claim.says, format_measured(row, name, stored), seeds,
+                format_shares(row, name, stored), str(verdicts[name]), note,
+            ])  # fmt: skip
     if lines:
         yield format_markdown_table(ROW_HEADS, lines)
     untested = sum(each is ClaimVerdict.UNTESTED for each in verdicts.values())
@@ -163,13 +167,32 @@ def iterate_row_parts(row: PaperRow, stored: StoredRow) -> Iterator[str]:
         yield f'![{picture.heading}]({IMAGES}/{row.name}-{picture.name}.png)'
 
 
-def format_results(row: PaperRow, name: str, stored: StoredRow) -> list[str]:
-    """Return our value for a claim, and the draws that agree."""
+def format_measured(row: PaperRow, name: str, stored: StoredRow) -> str:
+    """Format our value of a claim's first reading, with nine of ten draws or its interval."""
     claim = row.claims[name]
-    return [
-        format_measured(row, name, stored),
-        format_shares(name, claim, stored) or MISSING,
-    ]
+    if claim.measure is None or claim.measure not in stored.values:
+        return MISSING
+    measure, value = row.measures[claim.measure], stored.values[claim.measure]
+    summary = find_summary(name, claim.measure, stored)
+    if summary is None or isinstance(summary.middle, str):
+        return format_value(measure, value)
+    if claim.flights == 'rate':
+        # The draws are outcomes of single flights: the share of those that arrived
+        assert claim.rule is not None
+        share = summary.share if claim.rule.least is not None else 1.0 - summary.share
+        return format_value(
+            measure,
+            MeasuredValue(*wilson_interval(round(share * summary.drawn), summary.drawn)),
+        )
+    return format_value(measure, value._replace(low=summary.low, high=summary.high))
+
+
+def format_shares(row: PaperRow, name: str, stored: StoredRow) -> str:
+    """Format the share of draws that agrees, of each reading; a dash if there are none."""
+    measures = row.claims[name].measures.values()
+    summaries = [find_summary(name, measure, stored) for measure in measures]
+    shares = [f'{100.0 * each.share:.0f}' for each in summaries if each is not None]
+    return f'{", ".join(shares)} %' if shares else MISSING
 
 
 def main() -> None:

@@ -19,12 +19,12 @@ from kept_figures import kepts_in
 from lta_report.report_page import render_report
 from lta_report.request import StudyRun
 from lta_report.study import StudyOptions
-from lta_studies.reproduce.report import build_report, IMAGES
+from lta_studies.reproduce.report import build_report
 from lta_studies.reproduce.run import reproduce_rows, ReproductionRequest, select_rows
 from lta_studies.reproduce.verdict import judge_claims
 import pytest
 from rich.console import Console
-from tools.paper_pages import build_pages
+from tools.paper_pages import build_pages, IMAGES
 
 HERE = Path(__file__).parent
 TOLD = json.loads((HERE / 'paper_quick.json').read_text(encoding='utf-8'))

@@ -213,11 +213,6 @@ class Request(BaseModel):
         """Return a request with other values, which are not checked again."""
         return self.model_copy(update=values)
 
-    def identify(self, *without: str) -> str:
-        """Return its own values, some left out, as text for the identity of stored results."""
-        own = {*type(self).__annotations__, 'quick'} - {*without}
-        return self.model_dump_json(include=own)
-
     @classmethod
     def list_fields(cls) -> list[str]:
         """Return the names of the fields: its own, then those that it shares with others."""

@@ -1,15 +1,17 @@
 # Copyright 2026 The LTA maintainers
 # SPDX-License-Identifier: Apache-2.0
 """
-A long table of results: one row an item, and columns that carry name, unit, digits and meaning.
+A long table of results: one row an item.
 
-Terminal, page and Markdown show it in display units, and JSON holds it in SI units, so that a
-study names each of its numbers once.
+A column carries name, unit, digits, meaning and, where there are any, the paper's values.
+Terminal, page and Markdown show the table in display units, and JSON holds it in SI units, so that
+a study names each of its numbers once.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 import math
+from statistics import fmean
 from typing import Any, Final, final, Generic, NamedTuple, Protocol, runtime_checkable, TypeVar
 
 from lta_config.quantity import SI_UNITS
@@ -96,7 +98,10 @@ class Column(Generic[Row]):
     digits: int | None = None
     # Returns the value of a row in SI units; by default its attribute `key`
     of: Callable[[Row], Any] | None = None
-    factor: float | None = None  # from SI to display units, where `UNITS` lacks the unit
+    factor: float | None = None  # from SI to display units, where `SI_UNITS` lacks the unit
+    meaning: str = ''  # shown below the table
+    # Returns what the paper states of a row in SI units, or both ends of its range, or nothing
+    paper: Callable[[Row], Sequence[float]] | None = None
 
     def value(self, row: Row) -> Any:
         """Return the value of a row, in SI units."""
@@ -108,13 +113,39 @@ class Column(Generic[Row]):
         # Text that a study has formatted itself, which may be bold
         if isinstance(value, str) and value:
             return value
-        factor = unit_factor(self.unit) if self.factor is None else self.factor
-        return format_value(value, self.digits, factor)
+        return format_value(value, self.digits, self.display_factor)
+
+    @property
+    def display_factor(self) -> float:
+        """Factor from SI to display units."""
+        return unit_factor(self.unit) if self.factor is None else self.factor
 
     @property
     def title(self) -> str:
         """Head with the unit."""
         return f'{self.head} [{self.unit}]' if self.unit else self.head or ''
+
+    def format_paper(self, row: Row) -> str:
+        """Return what the paper states, or its range; a dash if nothing."""
+        stated = self.paper(row) if self.paper else ()
+        texts = (format_value(each, self.digits, self.display_factor) for each in stated)
+        return '\N{EN DASH}'.join(texts) or MISSING
+
+    def compare_with_paper(self) -> 'tuple[Column[Row], ...]':
+        """Return the columns of the paper's values and of the ratio to them, if there are any."""
+        if self.paper is None:
+            return ()
+        stated = self.paper
+
+        def find_ratio(row: Row) -> float | None:
+            # Of a range in the paper, its middle is compared
+            return self.value(row) / fmean(stated(row)) if stated(row) else None
+
+        return (
+            Column(f'paper_{self.key}', of=lambda row: list(stated(row))),
+            Column('', f'paper [{self.unit}]' if self.unit else 'paper', of=self.format_paper),
+            Column('', 'ours / paper', digits=2, of=find_ratio),
+        )
 
 
 def build_table(
@@ -127,8 +158,13 @@ def build_table(
     printed: bool = True,
     colors: Mapping[str, CellColor] | None = None,
 ) -> TextTable:
-    """Return the table of some rows, as `TextTable` describes it."""
-    visible = [each for each in columns if each.head is not None]
+    """
+    Return the table of some rows, as `TextTable` describes it.
+
+    The paper's values stand beside those of their column. The note begins with the meanings.
+    """
+    visible = [each for each in with_paper(columns) if each.head is not None]
+    note = ' '.join([*(f'{c.head}: {c.meaning}.' for c in visible if c.meaning), note]).strip()
     return TextTable(
         heading, [each.title for each in visible],
         [[each.format(row) for each in visible] for row in rows],
@@ -136,6 +172,13 @@ def build_table(
     )  # fmt: skip
 
 
+def with_paper(columns: Iterable[Column[Row]]) -> Iterator[Column[Row]]:
+    """Yield columns, each followed by those of the paper's values."""
+    for column in columns:
+        yield column
+        yield from column.compare_with_paper()
+
+
 def to_record(columns: Iterable[Column[Row]], row: Row) -> dict[str, Any]:
     """Return a row as a JSON object in SI units, with null for NaN and infinity."""
-    return {each.key: to_json_value(each.value(row)) for each in columns if each.key}
+    return {each.key: to_json_value(each.value(row)) for each in with_paper(columns) if each.key}

@@ -37,6 +37,20 @@ def test_the_table_has_units_and_the_record_is_in_si():
     assert to_record(COLUMNS, ROWS[1]) == {'power': None, 'lean': None, 'twice': None}
 
 
+def test_the_papers_values_stand_beside_those_of_their_column_and_meanings_in_the_note():
+    stated = {'gtmab': (1.2, 1.4)}
+    power = Column(
+        'power', 'power', 'mW', 0, meaning='of all rotors',
+        paper=lambda row: stated.get(row.name, ()),
+    )  # fmt: skip
+    table = build_table('Power', (COLUMNS[0], power), ROWS, 'At rest.')
+    assert table.heads == ['craft', 'power [mW]', 'paper [mW]', 'ours / paper']
+    assert table.rows[0] == ['gtmab', '726', '1200\N{EN DASH}1400', '0.56']
+    assert table.rows[1] == ['skye', MISSING, MISSING, MISSING]
+    assert table.note == 'power: of all rotors. At rest.'
+    assert to_record([power], ROWS[0]) == {'power': 0.7264, 'paper_power': [1.2, 1.4]}
+
+
 @pytest.mark.parametrize(
     ('value', 'cell'),
     [

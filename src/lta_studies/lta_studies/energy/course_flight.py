@@ -20,6 +20,23 @@ import numpy as np
 Course = Callable[[float], Setpoint]
 
 
+def build_course(
+    base: float, rise: float, begin: float, departure: float = math.inf, speed: float = 0.0
+) -> Course:
+    """
+    Return the course of take-off, hover and straight flight.
+
+    `base`, `rise`: height at the start, and how far to rise from it [m]. `begin`, `departure`:
+    times of take-off and of the straight flight at `speed` [s, m/s].
+    """
+
+    def setpoint_at(time: float) -> Setpoint:
+        height = base + (rise if time >= begin else 0.0)
+        return Setpoint(height, 0.0, speed if time >= departure else 0.0)
+
+    return setpoint_at
+
+
 @final
 @dataclass(frozen=True, slots=True)
 class FlightTrack:

@@ -5,7 +5,6 @@
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-import hashlib
 from operator import attrgetter
 from typing import Final, final, Literal, NamedTuple
 
@@ -16,7 +15,7 @@ from lta_flight.sweep.statistics import bootstrap_mean, bootstrap_ratio, Bootstr
 from lta_report.report import Report
 from lta_report.request import argument, option, StudyRequest, StudyRun
 from lta_report.results_folder import resolve_folder
-from lta_report.study import Study
+from lta_report.study import hash_inputs, Study
 from lta_report.study_store import StoreFormat
 from lta_report.workers import report_progress
 from lta_studies.mission.flyer import AWARE, build_simulation, DOZING, NAIVE
@@ -204,12 +203,9 @@ class MissionRequest:
     @property
     def digest(self) -> str:
         """Hash of everything that the results depend on, except seeds and schedules."""
-        parts = [
-            each.model_dump_json()
-            for each in (self.mission, self.day, self.scenes.vehicle.file, self.scenes.scenario)
-        ]
+        parts = (self.mission, self.day, self.scenes.vehicle.file, self.scenes.scenario)
         # Seeds and schedules are in the keys instead, so more can be added to a folder.
-        return hashlib.sha256('\n'.join([*parts, str(self.days)]).encode()).hexdigest()[:16]
+        return hash_inputs(*(each.model_dump_json() for each in parts), self.days)[:16]
 
     def simulate(self, job: MissionJob) -> MissionLog:
         """Simulate one mission; workers call this."""

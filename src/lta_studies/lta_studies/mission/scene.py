@@ -39,7 +39,6 @@ LARGEST_EMISSION_ANGLE = math.radians(
     75.0
 )  # emission angle from a lantern on the floor to the diodes
 LIGHT_LEVELS_PER_DOUBLING = 2  # light levels per doubling; limits the number of cached links
-BODY_CLEARANCE = 0.02  # m between hull parts and payload
 
 
 def build_flight_spec(mission: MissionFile) -> FlightSpec:

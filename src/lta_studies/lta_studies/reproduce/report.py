@@ -45,7 +45,6 @@ COLORS: Final[Mapping[str, CellColor]] = {
 # Remark after the place of a claim, by the source of its number
 SOURCES: Final = {'printed': '', 'read': ' (read from text)', 'comment': ' (LaTeX comment)'}
 OPEN: Final = (ClaimVerdict.READING, ClaimVerdict.CHANCE, ClaimVerdict.NUMBERS)
-IMAGES: Final = 'images/paper'  # written by --pictures docs/images/paper
 REPRODUCTION_ABOUT: Final = (
     'Every experiment of the paper (Huang et al. 2025), repeated in this system: what the '
     'paper says, what we get, and why they differ.'

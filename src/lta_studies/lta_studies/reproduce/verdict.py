@@ -213,33 +213,6 @@ def format_summary(measure: PaperMeasure, summary: DrawSummary) -> str:
     return f'{append_unit(text, measure.unit)}, {agreeing}'
 
 
-def format_measured(row: PaperRow, name: str, stored: StoredRow) -> str:
-    """Format our value of a claim's first reading, with nine of ten draws or its interval."""
-    claim = row.claims[name]
-    if claim.measure is None or claim.measure not in stored.values:
-        return MISSING
-    measure, value = row.measures[claim.measure], stored.values[claim.measure]
-    summary = find_summary(name, claim.measure, stored)
-    if summary is None or isinstance(summary.middle, str):
-        return format_value(measure, value)
-    if claim.flights == 'rate':
-        # The draws are outcomes of single flights: the share of those that arrived
-        assert claim.rule is not None
-        share = summary.share if claim.rule.least is not None else 1.0 - summary.share
-        return format_value(
-            measure,
-            MeasuredValue(*wilson_interval(round(share * summary.drawn), summary.drawn)),
-        )
-    return format_value(measure, value._replace(low=summary.low, high=summary.high))
-
-
-def format_shares(name: str, claim: PaperClaim, stored: StoredRow) -> str:
-    """Format the share of draws that agrees, of each reading."""
-    summaries = [find_summary(name, measure, stored) for measure in claim.measures.values()]
-    shares = [f'{100.0 * each.share:.0f}' for each in summaries if each is not None]
-    return f'{", ".join(shares)} %' if shares else ''
-
-
 def append_unit(text: str, unit: str) -> str:
     """Append the typeset unit to a number."""
     return f'{text}°' if unit == 'deg' else format_with_unit(text, TYPESET_UNITS.get(unit, unit))

@@ -57,72 +57,44 @@ def compute_margins(frequency: Array, response: Complex) -> StabilityMargins:
     `frequency`, shape (n,): increasing, dense enough to unwrap the phase [rad/s]. `response`,
     shape (n,): L(jw).
     """
-    up, down = _gain_margins(frequency, response)
-    least, last = _phase_margin(frequency, response)
+    size, phase = np.log(np.abs(response)), np.unwrap(np.angle(response))
+    log_w = np.log(frequency)
+    # Logarithms interpolate |L| well, as it follows powers of the frequency
+    gains = [
+        (math.exp(-_interpolate(size, *at)), math.exp(_interpolate(log_w, *at)))
+        for at in _find_phase_crossings(phase)
+    ]
+    # Above 1: the gain may rise by it. Below 1: it may fall to it. The closest to 1 counts.
+    up = min((each for each in gains if each[0] > 1.0), default=None)
+    phases = [
+        ((_interpolate(phase, *at) + math.pi) % math.tau, math.exp(_interpolate(log_w, *at)))
+        for at in _find_gain_crossings(size)
+    ]
+    # Instability can also be reached from the other side, by phase lead
+    least = min(((min(above, math.tau - above), w) for above, w in phases), default=None)
     return StabilityMargins(
-        # `and` passes None on for a margin that does not exist.
+        # `and` passes None on for a margin that does not exist
         gain=up and up[0],
-        gain_down=down,
+        gain_down=max((factor for factor, _ in gains if factor < 1.0), default=None),
         phase=least and least[0],
         delay=least and least[0] / least[1],
-        crossover=last,
+        crossover=phases[-1][1] if phases else None,
         oscillation=up and up[1],
         # Peak of the sensitivity: inverse of the smallest distance to the point -1
         peak=float(1.0 / np.abs(1.0 + response).min()),
     )
 
 
-def _gain_margins(
-    frequency: Array, response: Complex
-) -> tuple[tuple[float, float] | None, float | None]:
-    """Return the upper gain margin with its frequency, and the lower gain margin."""
-    size, phase, log_w = np.log(np.abs(response)), _unwrap_phase(response), np.log(frequency)
-    up: tuple[float, float] | None = None
-    down: float | None = None
-    for place, share in _find_phase_crossings(phase):
-        # Logarithms interpolate |L| well, as it follows powers of the frequency.
-        factor = math.exp(-_interpolate(size, place, share))
-        # Above 1: the gain may rise by it. Below 1: it may fall to it. Keep the closest to 1.
-        if factor > 1.0 and (up is None or factor < up[0]):
-            up = (factor, math.exp(_interpolate(log_w, place, share)))
-        elif factor < 1.0 and (down is None or factor > down):
-            down = factor
-    return up, down
-
-
-def _phase_margin(
-    frequency: Array, response: Complex
-) -> tuple[tuple[float, float] | None, float | None]:
-    """Return the smallest phase margin with its frequency, and the highest crossover."""
-    size, phase, log_w = np.log(np.abs(response)), _unwrap_phase(response), np.log(frequency)
-    least: tuple[float, float] | None = None
-    last: float | None = None
-    for place, share in _find_gain_crossings(size):
-        last = math.exp(_interpolate(log_w, place, share))
-        above = (_interpolate(phase, place, share) + math.pi) % (2.0 * math.pi)
-        # Instability can also be reached from the other side, by phase lead.
-        left = min(above, 2.0 * math.pi - above)
-        if least is None or left < least[0]:
-            least = (left, last)
-    return least, last
-
-
-def _unwrap_phase(response: Complex) -> Array:
-    return np.unwrap(np.angle(response))
-
-
 def _find_phase_crossings(phase: Array) -> list[tuple[int, float]]:
     """Return the index and fraction of each crossing of -180 degrees modulo 360."""
     # Whole numbers where the phase is -180 degrees modulo 360
-    turns = (phase + math.pi) / (2.0 * math.pi)
-    crossings = []
-    for k in range(len(turns) - 1):
-        a, b = turns[k], turns[k + 1]
-        if math.floor(a) != math.floor(b):
-            # The whole number between a and b
-            whole = max(math.floor(a), math.floor(b))
-            crossings.append((k, float((whole - a) / (b - a))))
-    return crossings
+    turns = (phase + math.pi) / math.tau
+    whole = np.floor(turns)
+    return [
+        # The whole number between two values is the larger one of theirs
+        (int(k), float((whole[k : k + 2].max() - turns[k]) / (turns[k + 1] - turns[k])))
+        for k in np.flatnonzero(np.diff(whole))
+    ]
 
 
 def _find_gain_crossings(size: Array) -> list[tuple[int, float]]:

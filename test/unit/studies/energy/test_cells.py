@@ -13,7 +13,6 @@ from lta_studies.energy.cells.arrays import (
     compute_net_powers,
     find_largest_array,
     find_pareto_front,
-    has_printed_signs,
     list_readings,
     select_readings,
 )
@@ -123,8 +122,8 @@ def test_net_power_at_18_klux_by_hand():
 
 def test_only_sunlight_on_the_small_reading_gives_both_signs_of_the_paper():
     told = {
-        (strung.cell.name, net.light): has_printed_signs(net, TABLE.arrays.built[name])
-        for name, strings in build_all_arrays(TABLE).items()
+        (strung.cell.name, net.light): net.has_printed_signs
+        for strings in build_all_arrays(TABLE).values()
         for strung in strings
         for net in compute_net_powers(strung, ENERGY, TABLE)
     }

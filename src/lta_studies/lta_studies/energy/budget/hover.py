@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 import math
 from typing import Any, Final, final
 
-from lta_control.cascade import Setpoint
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec, load_spec
 from lta_model.electrical.battery import BatteryModel
@@ -22,7 +21,12 @@ from lta_report.json_value import ExactArray
 from lta_report.study_store import StoreFormat
 from lta_report.workers import report_progress
 from lta_studies.energy import paper
-from lta_studies.energy.course_flight import build_closed_loop, FlightTrack, fly_until
+from lta_studies.energy.course_flight import (
+    build_closed_loop,
+    build_course,
+    FlightTrack,
+    fly_until,
+)
 from lta_vehicle.figures.thrust_envelope import hover_thrust, NOMINAL
 import numpy as np
 from pydantic import TypeAdapter
@@ -162,11 +166,7 @@ def simulate_paper_hover(cell: BatteryModel, seconds: float) -> dict[str, Discha
 def prepare_hover(spec: FlightSpec) -> ClosedLoop:
     """Return the closed loop of a hover before its first step."""
     base = build_vehicle_scenario_stack(spec)[0].hull_height_on_floor
-
-    def setpoint_at(time: float) -> Setpoint:
-        return Setpoint(base + (HOVER_ALTITUDE if time >= START_TIME else 0.0), 0.0, 0.0)
-
-    return build_closed_loop(spec, setpoint_at, 1)
+    return build_closed_loop(spec, build_course(base, HOVER_ALTITUDE, START_TIME), 1)
 
 
 def fly_hover(

@@ -20,7 +20,6 @@ from lta_vehicle.figures.thrust_envelope import NOMINAL
 import numpy as np
 from plotly.graph_objects import Figure
 
-TO: Final = '\N{EN DASH}'
 VOLTAGES: Final = ((4.2, TRUTH), (3.7, GOOD), (3.3, ESTIMATE))  # V, full to nearly empty
 TASK_CAPTION: Final = (
     'Bars: mean power over the seeds, for electronics and rotors. Diamonds: values of the '
@@ -46,20 +45,18 @@ BUDGET_METHOD: Final = (
     "hovering. Rotor power is affine in thrust, fitted to Bitcraze's bench data. Flying against "
     'drag and the turns are included here, and not in the value of the paper.'
 )
+POWER_COLUMN: Final[Column[TaskPower]] = Column(
+    'power', 'total', 'mW', 0, paper=lambda task: task.paper
+)
 TASK_COLUMNS: Final[tuple[Column[TaskPower], ...]] = (
     Column('', 'task', of=lambda task: task.name),
-    Column('power'),
     Column('seconds', 'seconds', digits=1),
     Column('electronics', 'electronics', 'mW', 0),
     Column('rotors'),
     Column('off'),
     Column('', 'rotors [mW]', of=lambda task: f'{1e3 * task.rotors:.0f}' + (
         f'\N{PLUS-MINUS SIGN}{1e3 * task.off:.0f}' if task.rotors else '')),
-    Column('', 'total', 'mW', 0, lambda task: task.power),
-    Column('', 'paper [mW]', of=lambda task: format_paper_power(task)),
-    # Of a range in the paper, its middle is compared
-    Column('', 'ours / paper', digits=2,
-           of=lambda task: task.power / np.mean(task.paper) if task.paper else None),
+    POWER_COLUMN,
 )  # fmt: skip
 
 
@@ -81,7 +78,8 @@ def build_report(result: PowerBudget, cell: HoverComparison) -> Report:
         tiles=[
             *(
                 Tile(task.name, f'{1e3 * task.power:.0f}', 'mW',
-                     f'paper: {format_paper_power(task)} mW' if task.paper else 'not in the paper')
+                     f'paper: {POWER_COLUMN.format_paper(task)} mW' if task.paper
+                     else 'not in the paper')
                 for task in result.tasks.values() if task.rotors > 0.0
             ),
             Tile(result.hover.name, f'{result.hover.power:.2f}', 'W',
@@ -118,11 +116,6 @@ def build_report(result: PowerBudget, cell: HoverComparison) -> Report:
             "Judge the paper's claims": format_lta_command('reproduce', 'energy'),
         },
     )  # fmt: skip
-
-
-def format_paper_power(task: TaskPower) -> str:
-    """Return what the paper states, or the range of it [mW]."""
-    return TO.join(f'{1e3 * each:.0f}' for each in task.paper)
 
 
 def build_task_table(result: PowerBudget) -> TextTable:

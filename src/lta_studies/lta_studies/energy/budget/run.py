@@ -21,7 +21,6 @@ from typing import Final, final, NamedTuple
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.topics import load_topic_table
-from lta_control.cascade import Setpoint
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_spec import build_vehicle_scenario_stack, load_spec
 from lta_model.electrical.loads import LoadModel, navigation_power
@@ -36,7 +35,7 @@ from lta_studies.energy import paper
 from lta_studies.energy.budget.hover import HOVER_STORE, HoverStudy
 from lta_studies.energy.course_flight import (
     build_closed_loop,
-    Course,
+    build_course,
     FlightTrack,
     fly_until,
     stop_after,
@@ -139,16 +138,6 @@ def list_ground_tasks(loads: LoadModel) -> list[TaskPower]:
     ]
 
 
-def build_course(base: float) -> Course:
-    """Return the course of take-off, hover and straight flight above a base height [m]."""
-
-    def setpoint_at(time: float) -> Setpoint:
-        rise = HOVER_ALTITUDE if time >= START_TIME else 0.0
-        return Setpoint(base + rise, 0.0, BUDGET_CRUISE_SPEED if time >= BUDGET_DEPARTURE else 0.0)
-
-    return setpoint_at
-
-
 class BudgetFlight(NamedTuple):
     """One flight of a budget; its text is its key."""
 
@@ -177,7 +166,8 @@ def prepare_flight(vehicle: str, seed: int) -> ClosedLoop:
     """Return the closed loop of a flight along the course before its first step."""
     made_of = load_spec(vehicle, BUDGET_SCENE, 'bag', '')
     base = build_vehicle_scenario_stack(made_of)[0].hull_height_on_floor
-    return build_closed_loop(made_of, build_course(base), seed)
+    course = build_course(base, HOVER_ALTITUDE, START_TIME, BUDGET_DEPARTURE, BUDGET_CRUISE_SPEED)
+    return build_closed_loop(made_of, course, seed)
 
 
 def average_flight_tasks(loads: LoadModel, tracks: Sequence[FlightTrack]) -> list[TaskPower]:

@@ -108,6 +108,7 @@ class CellArray:
     cell: CellFile
     series: int
     parallel: int
+    printed: BuiltArray | None = None  # what the paper prints of it
 
     @property
     def panel_count(self) -> int:
@@ -156,12 +157,20 @@ class NetPower:
     `charger` is the charger output; `standby` and `transmitting` are that minus the loads.
     """
 
+    array: CellArray
     light: str
     irradiance: float
     harvest: float
     charger: float
     standby: float
     transmitting: float
+
+    @property
+    def has_printed_signs(self) -> bool:
+        """Whether the net power of an array of the paper has the printed signs."""
+        built, powers = self.array.printed, (self.standby, self.transmitting)
+        signs = ['surplus' if power > 0.0 else 'deficit' for power in powers]
+        return built is not None and signs == [built.standby, built.transmitting]
 
 
 def compute_net_powers(
@@ -187,7 +196,7 @@ def compute_net_powers(
         harvest = array.peak_power(factor * irradiance)
         charged = charger_output(charger, harvest)
         powers.append(
-            NetPower(light, irradiance, harvest, charged, charged - idle, charged - sending)
+            NetPower(array, light, irradiance, harvest, charged, charged - idle, charged - sending)
         )
     return powers
 
@@ -200,13 +209,10 @@ def compute_ground_loads(energy: EnergyBlock) -> tuple[float, float]:
 
 def build_printed_arrays(built: BuiltArray) -> list[CellArray]:
     """Return a printed array for each reading of its cells."""
-    return [CellArray(load_cell_file(name), built.series, built.parallel) for name in built.cells]
-
-
-def has_printed_signs(net: NetPower, built: BuiltArray) -> bool:
-    """Return whether the net power has the printed signs."""
-    signs = ['surplus' if power > 0.0 else 'deficit' for power in (net.standby, net.transmitting)]
-    return signs == [built.standby, built.transmitting]
+    return [
+        CellArray(load_cell_file(name), built.series, built.parallel, built)
+        for name in built.cells
+    ]
 
 
 def build_all_arrays(table: CellTable) -> Mapping[str, Sequence[CellArray]]:

@@ -3,14 +3,15 @@
 """Build the report of a comparison of solar cells and arrays."""
 
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 from lta_config.schema.cell_file import CellFile, CellTable
 from lta_config.schema.vehicle_energy import EnergyBlock
 from lta_report.charts import ChartAxis, Curve, draw_curves
-from lta_report.formatting import format_number, MISSING, Tile
+from lta_report.formatting import format_number, Tile
 from lta_report.palette import ESTIMATE, SOFT, TRUTH
 from lta_report.report import Picture, Report, TextSection, TextTable
+from lta_report.result_table import build_table, Column, to_record
 from lta_studies.energy.cells.arrays import (
     build_all_arrays,
     CellArray,
@@ -19,7 +20,6 @@ from lta_studies.energy.cells.arrays import (
     Criterion,
     find_largest_array,
     find_pareto_front,
-    has_printed_signs,
     list_readings,
     NetPower,
     select_readings,
@@ -29,19 +29,6 @@ from plotly.graph_objects import Figure
 GRAMS: Final = 1e3
 SQUARE: Final = 1e4  # cm2 per m2
 FRONTS: Final = ('paper', 'fair')
-SHEET: Final = (
-    's/cm²: charging time per area, the criterion of the paper. s cm²: charging time times '
-    'area, the fair criterion. sheet: charging time computed from the short-circuit currents '
-    'of the cell files (assumed where no data sheet gives one), in sunlight and relative to the '
-    'fastest cell (a capacitor far below the open-circuit '
-    'voltage draws about this current). front: the criteria by which the cell is on the Pareto '
-    'front; if the row of the paper can mean several panels, one of them is enough.'
-)
-CHARGED: Final = (
-    'harvest: maximum power of the array. charged: output of the charger. idle and sending: '
-    'output of the charger minus the loads in stand-by and while transmitting. printed: '
-    'sign of the net power in the paper; "not" marks a different sign here.'
-)
 LIGHT_WORDS: Final = {'white_led': 'LED', 'sun': 'sun'}
 
 
@@ -63,32 +50,37 @@ def list_front_pairs(
     return [find_fronts_by_criterion(entries, which) for which in range(count)]
 
 
-def build_ranking_table(table: CellTable) -> TextTable:
-    """Return the table of cells with both criteria and the fronts they are on."""
-    readings = list_readings(table)
-    fronts = list_front_pairs(readings)
-    heads = ('cell', 'cm²', 'g/cm²', 's', 'sheet', 's/cm²', 's cm²', 'g s', 'front')
-    rows = []
-    for each in readings:
-        on = [
-            word
-            for place, word in enumerate(FRONTS)
-            if any(each in pair[place] for pair in fronts)
-        ]
-        rows.append([
-            each.title,
-            format_number(each.cell.area, 1, SQUARE),
-            format_number(each.areal_mass, 3, GRAMS / SQUARE),
-            format_number(each.row.charge.si, 1),
-            format_number(datasheet_charging_time(each, readings), 1),
-            format_number(each.charging_time_per_area, 3, 1.0 / SQUARE),
-            format_number(each.charging_time_times_area, 0, SQUARE),
-            format_number(each.charging_time_times_mass, 0, GRAMS),
-            'both' if len(on) == len(FRONTS) else ''.join(on) or MISSING,
-        ])  # fmt: skip
-    return TextTable(
-        'Cells of the table', heads, rows, ' '.join([SHEET, *describe_defects(table)])
-    )
+def list_ranking_columns(readings: Sequence[CellReading]) -> tuple[Column[CellReading], ...]:
+    """Return the columns of the cells, which compare each with all of them."""
+    pairs = list_front_pairs(readings)
+
+    def name_fronts(each: CellReading) -> str:
+        on = [name for k, name in enumerate(FRONTS) if any(each in pair[k] for pair in pairs)]
+        return 'both' if len(on) == len(FRONTS) else ''.join(on)
+
+    return (
+        Column('', 'cell', of=lambda each: each.title),
+        Column('area', 'cm²', digits=1, of=lambda each: each.cell.area, factor=SQUARE),
+        Column('mass', of=lambda each: each.cell.mass.si),
+        Column('areal_mass', 'g/cm²', digits=3, factor=GRAMS / SQUARE),
+        Column('charge', 's', digits=1, of=lambda each: each.row.charge.si),
+        Column('', 'sheet', digits=1, of=lambda each: datasheet_charging_time(each, readings),
+               meaning='charging time computed from the short-circuit currents of the cell files '
+                       '(assumed where no data sheet gives one), in sunlight and relative to the '
+                       'fastest cell (a capacitor far below the open-circuit voltage draws about '
+                       'this current)'),
+        Column('charge_by_area', 's/cm²', digits=3, of=lambda each: each.charging_time_per_area,
+               factor=1.0 / SQUARE,
+               meaning='charging time per area, the criterion of the paper'),
+        Column('charge_times_area', 's cm²', digits=0, factor=SQUARE,
+               of=lambda each: each.charging_time_times_area,
+               meaning='charging time times area, the fair criterion'),
+        Column('charge_times_mass', 'g s', digits=0, factor=GRAMS,
+               of=lambda each: each.charging_time_times_mass),
+        Column('', 'front', of=name_fronts,
+               meaning='the criteria by which the cell is on the Pareto front; if the row of the '
+                       'paper can mean several panels, one of them is enough'),
+    )  # fmt: skip
 
 
 def datasheet_charging_time(each: CellReading, entries: Sequence[CellReading]) -> float:
@@ -108,33 +100,59 @@ def describe_defects(table: CellTable) -> list[str]:
     return [f'{who}: {what}.' for who, what in defects]
 
 
+NET_COLUMNS: Final[tuple[Column[NetPower], ...]] = (
+    Column('light', of=lambda net: net.light),
+    Column('', 'light', of=lambda net: format_light(net.light)),
+    Column('irradiance', 'W/m²', digits=0),
+    Column('harvest', 'harvest', '', 1, None, 1e3, 'maximum power of the array'),
+    Column('given', 'charged', '', 1, lambda net: net.charger, 1e3, 'output of the charger'),
+    Column('standby', 'idle', '', 1, None, 1e3,
+           'output of the charger minus the loads in stand-by'),
+    Column('transmitting', 'sending', '', 1, None, 1e3,
+           'output of the charger minus the loads while transmitting'),
+)  # fmt: skip
+ARRAY_COLUMNS: Final[tuple[Column[NetPower], ...]] = (
+    Column('', 'array', of=lambda net: format_array(net.array)),
+    Column('cell', of=lambda net: net.array.cell.name),
+    Column('series', of=lambda net: net.array.series),
+    Column('parallel', of=lambda net: net.array.parallel),
+    Column('agrees', of=lambda net: net.has_printed_signs),
+    *NET_COLUMNS,
+    Column('', 'printed', of=lambda net: format_printed_sign(net),
+           meaning='sign of the net power in the paper; "not" marks a different sign here'),
+)  # fmt: skip
+
+
+def format_printed_sign(net: NetPower) -> str:
+    """Return the sign of the paper, with "not" before a different one."""
+    assert net.array.printed is not None
+    return ('' if net.has_printed_signs else 'not ') + net.array.printed.standby
+
+
+def list_printed_powers(table: CellTable, energy: EnergyBlock) -> list[NetPower]:
+    """Return the net power of the paper's arrays in each light."""
+    return [
+        net
+        for arrays in build_all_arrays(table).values()
+        for array in arrays
+        for net in compute_net_powers(array, energy, table)
+    ]
+
+
 def build_array_table(table: CellTable, energy: EnergyBlock) -> TextTable:
     """Return the table of the paper's arrays, compared with the printed signs."""
-    klux = table.arrays.illuminance.si / 1e3
-    heads = ('array', 'light', 'W/m²', 'harvest', 'charged', 'idle', 'sending', 'printed')
-    rows = []
-    for name, strings in build_all_arrays(table).items():
-        built = table.arrays.built[name]
-        for array in strings:
-            for net in compute_net_powers(array, energy, table):
-                prefix = '' if has_printed_signs(net, built) else 'not '
-                light = LIGHT_WORDS.get(net.light, net.light)
-                rows.append(
-                    [
-                        format_array(array),
-                        light,
-                        *format_net_power(net),
-                        f'{prefix}{built.standby}',
-                    ]
-                )
-    heading = f'Arrays of the paper at {klux:g} klx, power in mW'
-    return TextTable(heading, heads, rows, CHARGED)
+    heading = f'Arrays of the paper at {format_klux(table)}, power in mW'
+    return build_table(heading, ARRAY_COLUMNS, list_printed_powers(table, energy))
 
 
-def format_net_power(net: NetPower) -> list[str]:
-    """Format irradiance [W/m2] and powers [mW]."""
-    powers = (net.harvest, net.charger, net.standby, net.transmitting)
-    return [format_number(net.irradiance, 0), *(format_number(power, 1, 1e3) for power in powers)]
+def format_klux(table: CellTable) -> str:
+    """Return the illuminance of the arrays."""
+    return f'{table.arrays.illuminance.si / 1e3:g} klx'
+
+
+def format_light(light: str) -> str:
+    """Return the name of a light in tables."""
+    return LIGHT_WORDS.get(light, light)
 
 
 def format_array(array: CellArray) -> str:
@@ -142,88 +160,55 @@ def format_array(array: CellArray) -> str:
     return f'{array.series}S{array.parallel}P {array.cell.name}'
 
 
-def build_mass_budget_table(table: CellTable, energy: EnergyBlock, budget: float) -> TextTable:
+class LargestArray(NamedTuple):
+    """The largest array of a cell within a mass, and its net power in each light."""
+
+    cell: CellFile
+    array: CellArray | None  # None if one string is too heavy
+    nets: Sequence[NetPower]
+
+
+LARGEST_COLUMNS: Final[tuple[Column[LargestArray], ...]] = (
+    Column('', 'array', of=lambda row: format_array(row.array) if row.array
+           else f'{row.cell.name}: too heavy'),
+    Column('series', of=lambda row: row.array and row.array.series),
+    Column('parallel', of=lambda row: row.array and row.array.parallel),
+    Column('mass', 'g', digits=1, of=lambda row: row.array and row.array.mass, factor=GRAMS),
+    Column('area', 'cm²', digits=0, of=lambda row: row.array and row.array.area, factor=SQUARE),
+    Column('', 'rated [W]', digits=2,
+           of=lambda row: row.array and row.array.panel_count * row.cell.rated_power),
+    Column('net', of=lambda row: [to_record(NET_COLUMNS, net) for net in row.nets]),
+)  # fmt: skip
+
+
+def list_largest_arrays(
+    table: CellTable, energy: EnergyBlock, budget: float
+) -> list[LargestArray]:
+    """Return the largest array of each cell within a mass [kg]."""
+    cells = [each.cell for each in list_readings(table)]
+    arrays = [find_largest_array(cell, budget) for cell in cells]
+    return [
+        LargestArray(cell, array, compute_net_powers(array, energy, table) if array else ())
+        for cell, array in zip(cells, arrays, strict=True)
+    ]
+
+
+def build_mass_budget_table(
+    table: CellTable, largest: Sequence[LargestArray], budget: float
+) -> TextTable:
     """Return the table of the largest array of each cell within a mass [kg]."""
-    lights = table.lights
-    heads = (
-        'array',
-        'g',
-        'cm²',
-        'rated [W]',
-        *(LIGHT_WORDS.get(light, light) for light in lights),
+
+    def light_column(place: int, light: str) -> Column[LargestArray]:
+        def find_standby(row: LargestArray) -> float | None:
+            return row.nets[place].standby if row.nets else None
+
+        return Column('', format_light(light), '', 1, find_standby, 1e3)
+
+    lights = [light_column(*each) for each in enumerate(table.lights)]
+    heading = (
+        f'Arrays within {GRAMS * budget:g} g: net power in stand-by at {format_klux(table)}, in mW'
     )
-    rows = []
-    for cell in list_cells(table):
-        array = find_largest_array(cell, budget)
-        if array is None:
-            # Mass, area and rated power, and one column per light
-            rows.append([f'{cell.name}: too heavy', *[MISSING] * (3 + len(lights))])
-            continue
-        powers = compute_net_powers(array, energy, table)
-        rated = array.panel_count * cell.rated_power
-        rows.append([
-            format_array(array), format_number(array.mass, 1, GRAMS),
-            format_number(array.area, 0, SQUARE), format_number(rated, 2),
-            *(format_number(net.standby, 1, 1e3) for net in powers),
-        ])  # fmt: skip
-    klux = table.arrays.illuminance.si / 1e3
-    heading = f'Arrays within {GRAMS * budget:g} g: net power in stand-by at {klux:g} klx, in mW'
-    return TextTable(heading, heads, rows)
-
-
-def list_cells(table: CellTable) -> list[CellFile]:
-    """Return the cells of a table."""
-    return [each.cell for each in list_readings(table)]
-
-
-def to_json(table: CellTable, energy: EnergyBlock, budget: float) -> dict[str, Any]:
-    """Convert the comparison to JSON, in SI units."""
-    readings = list_readings(table)
-    return {
-        'cells': {
-            each.cell.name: {
-                'area': each.cell.area, 'mass': each.cell.mass.si, 'areal_mass': each.areal_mass,
-                'charge': each.row.charge.si, 'charge_by_area': each.charging_time_per_area,
-                'charge_times_area': each.charging_time_times_area,
-                'charge_times_mass': each.charging_time_times_mass,
-            }
-            for each in readings
-        },
-        'fronts': [
-            {
-                name: [each.cell.name for each in front]
-                for name, front in zip(FRONTS, pair, strict=True)
-            }
-            for pair in list_front_pairs(readings)
-        ],
-        'arrays': [
-            {'cell': array.cell.name, 'series': array.series, 'parallel': array.parallel,
-             'agrees': has_printed_signs(net, table.arrays.built[name]), **_net_power_to_json(net)}
-            for name, strings in build_all_arrays(table).items()
-            for array in strings
-            for net in compute_net_powers(array, energy, table)
-        ],
-        'budget': budget,
-        'within': {
-            cell.name: None if array is None else {
-                'series': array.series, 'parallel': array.parallel, 'mass': array.mass,
-                'area': array.area,
-                'net': [
-                    _net_power_to_json(net) for net in compute_net_powers(array, energy, table)
-                ],
-            }
-            for cell in list_cells(table)
-            # A loop over one value names it within the comprehension.
-            for array in (find_largest_array(cell, budget),)
-        },
-    }  # fmt: skip
-
-
-def _net_power_to_json(net: NetPower) -> dict[str, float | str]:
-    return {
-        'light': net.light, 'irradiance': net.irradiance, 'harvest': net.harvest,
-        'given': net.charger, 'standby': net.standby, 'transmitting': net.transmitting,
-    }  # fmt: skip
+    return build_table(heading, (*LARGEST_COLUMNS, *lights), largest)
 
 
 PAPER_CRITERION: Final = (
@@ -257,30 +242,56 @@ CELLS_METHOD: Final = (
 def build_report(table: CellTable, energy: EnergyBlock, budget: float) -> Report:
     """Return the report of a cell table; the budget is a mass [kg]."""
     readings = list_readings(table)
-    paper, fair = zip(*list_front_pairs(readings), strict=True)
+    columns, pairs = list_ranking_columns(readings), list_front_pairs(readings)
+    largest = list_largest_arrays(table, energy, budget)
+    paper, fair = zip(*pairs, strict=True)
     by_area = draw_fronts(
         readings, lambda each: each.charging_time_per_area / SQUARE, 's/cm²', paper
     )
     times_area = draw_fronts(
         readings, lambda each: each.charging_time_times_area * SQUARE, 's cm²', fair
     )
+    defects = ' '.join(describe_defects(table))
     return Report(
         command='cells',
         subject=table.name,
         headline=format_headline(paper, fair),
         introduction=table.about,
-        tiles=build_tiles(table, energy),
+        tiles=[
+            Tile(f'{SQUARE * array.area:.0f} cm² of {name}',
+                 format_number(net.standby, 1, 1e3), 'mW', f'stand-by, {format_light(net.light)}')
+            for name, arrays in build_all_arrays(table).items()
+            for array in arrays
+            for net in compute_net_powers(array, energy, table)
+        ],
         blocks=(
             Picture('paper', "The paper's criterion", PAPER_CRITERION, by_area),
             Picture('fair', 'A fair criterion', FAIR_CRITERION, times_area),
-            build_ranking_table(table),
+            build_table('Cells of the table', columns, readings, defects),
             build_array_table(table, energy),
-            build_mass_budget_table(table, energy, budget),
+            build_mass_budget_table(table, largest, budget),
             TextSection('Meaning and method', CELLS_METHOD),
         ),
-        data=to_json(table, energy, budget),
+        data={
+            'cells': {each.cell.name: to_record(columns, each) for each in readings},
+            'fronts': [
+                {
+                    name: [each.cell.name for each in front]
+                    for name, front in zip(FRONTS, pair, strict=True)
+                }
+                for pair in pairs
+            ],
+            'arrays': [
+                to_record(ARRAY_COLUMNS, each) for each in list_printed_powers(table, energy)
+            ],
+            'budget': budget,
+            'within': {
+                each.cell.name: to_record(LARGEST_COLUMNS, each) if each.array else None
+                for each in largest
+            },
+        },
         facts={'table': table.name},
-    )
+    )  # fmt: skip
 
 
 def format_headline(*criteria: Sequence[Sequence[CellReading]]) -> str:
@@ -292,20 +303,6 @@ def format_headline(*criteria: Sequence[Sequence[CellReading]]) -> str:
     if some:
         text += f'; whether {" and ".join(sorted(some))} can compete depends on the criterion'
     return f'{text}.'
-
-
-def build_tiles(table: CellTable, energy: EnergyBlock) -> list[Tile]:
-    """Return tiles with the stand-by net power of the paper's arrays in each light."""
-    tiles = []
-    for name, strings in build_all_arrays(table).items():
-        for array in strings:
-            for net in compute_net_powers(array, energy, table):
-                size = f'{SQUARE * array.area:.0f} cm² of {name}'
-                light = LIGHT_WORDS.get(net.light, net.light)
-                tiles.append(
-                    Tile(size, format_number(net.standby, 1, 1e3), 'mW', f'stand-by, {light}')
-                )
-    return tiles
 
 
 def draw_fronts(

@@ -12,7 +12,6 @@ from lta_studies.energy.mounting.mounted_vehicle import (
     compute_light_shares,
     lift_deficit,
     LIGHT_DIRECTIONS,
-    LightDirection,
     MountedVehicle,
     PanelLightShares,
     required_volume_factor,
@@ -22,7 +21,6 @@ from lta_studies.energy.mounting.straight_flight import (
     Release,
     simulate_release,
     StraightFlightResult,
-    tilt_growth_rate,
 )
 from lta_vehicle.figures.stability import compute_pendulum_mode, PendulumMode
 
@@ -53,11 +51,10 @@ class MountTrial:
 @final
 @dataclass(frozen=True, slots=True)
 class Overturning:
-    """A release at a height of the centre of gravity; `growth` (linearised) only above."""
+    """A release at a height of the centre of gravity."""
 
     height: float  # [m]
     release: Release
-    growth: float | None  # [1/s]
 
 
 @final
@@ -65,7 +62,6 @@ class Overturning:
 class MountingStudy:
     """Comparison of mounts."""
 
-    vehicle: str  # name of the vehicle
     ahead: float  # misplacement of the panels in `misplaced` [m]
     fuller: float  # volume of the hull that carries every mount, relative to the file [1]
     # Lift that the file's hull lacks, by mount; negative if there is spare lift [kg]
@@ -127,22 +123,19 @@ def find_gains_name(mounted: MountedVehicle) -> str:
 def simulate_overturning(mounted: MountedVehicle) -> list[Overturning]:
     """Simulate releases with the centre of gravity below, at and above the hull centre."""
     depth = -float(mounted.vehicle.cg[2])
-    inertia = compute_pendulum_mode(mounted.vehicle, 'pitch').inertia
-    rate = tilt_growth_rate(mounted.vehicle, depth, inertia)
     return [
         Overturning(
-            height, simulate_release(mounted.vehicle, RELEASE_TILT, SWING_DURATION, height), fast
+            height, simulate_release(mounted.vehicle, RELEASE_TILT, SWING_DURATION, height)
         )
-        for height, fast in ((-depth, None), (0.0, None), (depth, rate))
+        for height in (-depth, 0.0, depth)
     ]
 
 
-def compute_panel_light(
-    mounted: MountedVehicle, lights: Sequence[LightDirection] = LIGHT_DIRECTIONS
-) -> dict[str, PanelLightShares]:
+def compute_panel_light(mounted: MountedVehicle) -> dict[str, PanelLightShares]:
     """Compute the light on the panels of a mount, by name of the light."""
     return {
-        light.name: compute_light_shares(mounted.vehicle, mounted.mount, light) for light in lights
+        light.name: compute_light_shares(mounted.vehicle, mounted.mount, light)
+        for light in LIGHT_DIRECTIONS
     }
 
 
@@ -161,7 +154,6 @@ def compare_mounts(request: MountVariants) -> MountingStudy:
     # If the hull carries no mount, use the larger hull.
     first = (own or shared).values()
     return MountingStudy(
-        vehicle=str(request.content['name']),
         ahead=request.ahead,
         fuller=required_volume_factor(request.content, request.mounts),
         lacking={

@@ -18,8 +18,6 @@ from dataclasses import dataclass, replace
 import math
 from typing import final
 
-from lta_config.constants import STANDARD_GRAVITY
-from lta_control.cascade import Setpoint
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_spec import load_spec
 from lta_model.model import VehicleModel
@@ -27,7 +25,13 @@ from lta_model.state import pack_state, QUATERNION
 from lta_model.vehicle import Vehicle
 from lta_report.result_table import Spread
 from lta_sim.simulated_vehicle import SimulatedVehicle
-from lta_studies.energy.course_flight import build_closed_loop, FlightTrack, fly_until, stop_after
+from lta_studies.energy.course_flight import (
+    build_closed_loop,
+    build_course,
+    FlightTrack,
+    fly_until,
+    stop_after,
+)
 from lta_studies.energy.mounting.mounted_vehicle import MountedVehicle
 import numpy as np
 from numpy.typing import NDArray
@@ -130,17 +134,6 @@ def simulate_release(
     return Release(times, unwrapped)
 
 
-def tilt_growth_rate(vehicle: Vehicle, height: float, inertia: float) -> float:
-    """
-    Return the linearised growth rate of a tilt with the centre of gravity above [1/s].
-
-    `height`: height of the centre of gravity above the hull centre [m]. `inertia`: effective
-    inertia, including added mass and the coupled surge [kg m2].
-    """
-    # Inverted pendulum: J x'' = m g h x
-    return math.sqrt(vehicle.mass * STANDARD_GRAVITY * height / inertia)
-
-
 FLIGHT_SPEED = 0.1  # m/s, seed paper
 RELEASE_TIME, LIFT_OFF_TIME, MOUNTING_DEPARTURE, FLIGHT_END = (
     5.0,
@@ -158,7 +151,6 @@ class StraightFlightResult:
     """Result of a flight."""
 
     swing: float  # largest deviation from the mean pitch between lift-off and departure [rad]
-    lean: float  # mean pitch after departure, nose down positive [rad]
     # Half of the range, and standard deviation, of pitch after departure [rad]
     amplitude: float
     rms: float
@@ -178,13 +170,11 @@ def prepare_flight(mounted: MountedVehicle, gains: str, seed: int) -> ClosedLoop
         'vehicle': mounted.content,
         'scenario': {**scene, 'start': start},
     }
-    base = mounted.vehicle.hull_height_on_floor
-
-    def setpoint_at(time: float) -> Setpoint:
-        rise = MOUNTING_ALTITUDE if time >= LIFT_OFF_TIME else 0.0
-        return Setpoint(base + rise, 0.0, FLIGHT_SPEED if time >= MOUNTING_DEPARTURE else 0.0)
-
-    return build_closed_loop(replace(made_of, contents=contents), setpoint_at, seed)
+    course = build_course(
+        mounted.vehicle.hull_height_on_floor, MOUNTING_ALTITUDE, LIFT_OFF_TIME,
+        MOUNTING_DEPARTURE, FLIGHT_SPEED,
+    )  # fmt: skip
+    return build_closed_loop(replace(made_of, contents=contents), course, seed)
 
 
 def fly_straight(mounted: MountedVehicle, gains: str, seed: int) -> StraightFlightResult:
@@ -206,8 +196,6 @@ def evaluate_flight(mounted: MountedVehicle, track: FlightTrack) -> StraightFlig
     before = track.crop(MOUNTING_DEPARTURE - 10.0, MOUNTING_DEPARTURE)
     return StraightFlightResult(
         swing=float(np.abs(rising.pitch - rising.pitch.mean()).max()),
-        # Pitch is nose up, the lean nose down.
-        lean=-float(way.pitch.mean()),
         # Half of peak to peak
         amplitude=0.5 * float(np.ptp(way.pitch)),
         rms=float(way.pitch.std()),

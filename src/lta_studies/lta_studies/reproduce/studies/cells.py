@@ -29,6 +29,7 @@ from lta_studies.energy.cells.report import (
     draw_fronts,
     FAIR_CRITERION,
     find_fronts_by_criterion,
+    list_printed_powers,
     PAPER_CRITERION,
     SQUARE,
 )
@@ -87,7 +88,7 @@ def measure_draw(table: CellTable, seed: int) -> dict[str, float | str]:
         for array in strings:
             sample = replace(array, cell=draw_cell(array.cell.name, seed))
             for net in compute_net_powers(sample, energy, table, efficacies):
-                values |= label_net_powers(f'{sample.cell.name}_{CELL_LIGHTS[net.light]}', net)
+                values |= label_net_powers(net)
     return {name: value.value for name, value in values.items()}
 
 
@@ -136,10 +137,8 @@ def data_sheet_times(cells: Sequence[CellReading]) -> dict[str, MeasuredValue]:
 def compute_array_power(table: CellTable, energy: EnergyBlock) -> dict[str, MeasuredValue]:
     """Return the net power of each array in stand-by and while transmitting, by light."""
     values: dict[str, MeasuredValue] = {}
-    for strings in build_all_arrays(table).values():
-        for array in strings:
-            for net in compute_net_powers(array, energy, table):
-                values |= label_net_powers(f'{array.cell.name}_{CELL_LIGHTS[net.light]}', net)
+    for net in list_printed_powers(table, energy):
+        values |= label_net_powers(net)
     led, sun = (luminous_efficacy(name) for name in table.lights)
     light = table.arrays.illuminance.si
     # The paper's array of two ANYSOLAR panels in series
@@ -153,8 +152,9 @@ def compute_array_power(table: CellTable, energy: EnergyBlock) -> dict[str, Meas
     return {**values, 'sun_by_led': MeasuredValue(led / sun)}
 
 
-def label_net_powers(name: str, net: NetPower) -> dict[str, MeasuredValue]:
+def label_net_powers(net: NetPower) -> dict[str, MeasuredValue]:
     """Return the net powers as named values."""
+    name = f'{net.array.cell.name}_{CELL_LIGHTS[net.light]}'
     return {
         f'{name}_standby': MeasuredValue(net.standby),
         f'{name}_transmitting': MeasuredValue(net.transmitting),
