@@ -37,7 +37,7 @@ from lta_model.vehicle import Vehicle
 from lta_sim import scene_model
 from lta_sim.world import World
 from lta_vlc.settings import DemodulationSettings
-from lta_vlc.spectral.bins import plan_beacon_bins
+from lta_vlc.spectral.spectrum import plan_beacon_bins
 from pydantic import BaseModel
 import yaml
 

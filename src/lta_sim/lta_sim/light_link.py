@@ -40,8 +40,7 @@ from lta_model.sensors.photodiode import noise_variances, PhotodiodeArray, volta
 from lta_sim.compiled_sensors import draw_normals, draw_uniforms, GAINS, LIGHT, SWEEP
 from lta_vlc.demodulation import find_peaks
 from lta_vlc.settings import DemodulationSettings
-from lta_vlc.spectral.bins import plan_beacon_bins
-from lta_vlc.spectral.spectrum import amplitude_spectrum
+from lta_vlc.spectral.spectrum import amplitude_spectrum, plan_beacon_bins
 import numpy as np
 from numpy.typing import NDArray
 

@@ -17,13 +17,15 @@ from typing import final
 
 from lta_config.errors import BadInput
 from lta_vlc.settings import DemodulationSettings
-from lta_vlc.spectral.bins import BeaconBins, plan_beacon_bins, signal_to_noise
 from lta_vlc.spectral.spectrum import (
     amplitudes_from_transform,
+    BeaconBins,
     center_samples,
     fourier_transform,
+    plan_beacon_bins,
     SampleStatistics,
     scan_spectrum,
+    signal_to_noise,
     SpectrumScan,
 )
 from lta_vlc.spectral.tone import estimate_tones

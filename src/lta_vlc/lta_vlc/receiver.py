@@ -11,7 +11,7 @@ from typing import final, NamedTuple
 from lta_config.errors import BadInput
 from lta_vlc.demodulation import demodulate_block, DemodulatedBlock
 from lta_vlc.settings import ANY_BEACON, DemodulationSettings
-from lta_vlc.spectral.bins import (
+from lta_vlc.spectral.spectrum import (
     BeaconBins,
     check_beacons,
     mains_flicker_frequencies,

@@ -10,7 +10,7 @@ from lta_flight.flight import fly_once
 from lta_flight.flight_spec import build_vehicle_scenario_stack, check_lamp_frequency, load_spec
 from lta_model.scenario import load_scenario
 from lta_vlc.settings import DemodulationSettings
-from lta_vlc.spectral.bins import plan_beacon_bins
+from lta_vlc.spectral.spectrum import plan_beacon_bins
 import pytest
 import yaml
 

@@ -22,7 +22,7 @@ from lta_vlc.bearing import estimate_bearing
 from lta_vlc.demodulation import demodulate_beacon, demodulate_block, Peaks, plan_bins
 from lta_vlc.diodes import build_even_ring
 from lta_vlc.settings import DemodulationSettings
-from lta_vlc.spectral.bins import plan_beacon_bins
+from lta_vlc.spectral.spectrum import plan_beacon_bins
 import numpy as np
 import pytest
 

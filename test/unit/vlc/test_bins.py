@@ -5,7 +5,7 @@
 from lta_config.errors import BadInput
 from lta_vlc.demodulation import plan_bins
 from lta_vlc.settings import DemodulationSettings
-from lta_vlc.spectral.bins import (
+from lta_vlc.spectral.spectrum import (
     alias_frequency,
     mains_flicker_frequencies,
     select_quiet_bins,

@@ -13,7 +13,7 @@ from lta_bridge.teensy.reader import BoardReader
 from lta_config.schema.vehicle_diodes import PhotodiodesBlock
 from lta_config.topics import AdcBlockShape
 from lta_vlc.demodulation import demodulate_block, UNUSABLE_FAULTS
-from lta_vlc.spectral.bins import BeaconBins
+from lta_vlc.spectral.spectrum import BeaconBins
 import numpy as np
 
 PAUSE: Final = 0.05  # s between two progress updates

@@ -18,7 +18,7 @@ from lta_bridge.teensy.board_clock import BoardClock, ClockExchange
 from lta_bridge.teensy.port import SenderFilter
 from lta_config.topics import AdcBlockShape
 from lta_vlc.demodulation import Peaks
-from lta_vlc.spectral.bins import signal_to_noise
+from lta_vlc.spectral.spectrum import signal_to_noise
 import numpy as np
 from numpy.typing import NDArray
 

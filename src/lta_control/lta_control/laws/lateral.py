@@ -33,9 +33,8 @@ from lta_control.attitude import (
     to_world,
     yaw_from_quaternion,
 )
-from lta_control.cascade import wrap_angle
+from lta_control.cascade import ClimbGains, lift_step, pid_step, PidGains, wrap_angle
 from lta_control.laws.protocol import ControlLaw, Feedback, LawCommand, LawInputs, UNMOVED
-from lta_control.pid import ClimbGains, lift_step, pid_step, PidGains
 from lta_control.vehicle_parameters import build_rotors
 from lta_model.vehicle import Vehicle
 import numpy as np
