@@ -40,12 +40,13 @@ def list_cases(name: str) -> set[str]:
     return set(CASES) if name == AS_THEY_ARE else out
 
 
-def scale_constant(value: Any, factor: float) -> Any:
+def scale_constant(value: Any, factor: float, *, is_count: bool = False) -> Any:
     """
     Return a constant times a factor, in the sense that it has.
 
     A share, a probability or a cosine above a half is scaled by what it lacks of 1, a ratio
     between 1 and 1.2 by what it exceeds 1; numbers of a tuple or a table are scaled all.
+    `is_count`: whether it counts something, and is neither.
     """
     if isinstance(value, dict):
         return {key: scale_constant(one, factor) for key, one in value.items()}
@@ -53,7 +54,7 @@ def scale_constant(value: Any, factor: float) -> Any:
         return tuple(scale_constant(one, factor) for one in value)
     if isinstance(value, int):
         return max(round(value * factor), 1)
-    if 0.5 <= value < 1.0 or 1.0 < value < 1.2:
+    if not is_count and (0.5 <= value < 1.0 or 1.0 < value < 1.2):
         return 1.0 + (value - 1.0) * factor
     return value * factor
 
@@ -65,7 +66,8 @@ def run(case: Case, options: Namespace) -> Row:
     if (way and case.kind == AS_THEY_ARE) or CASES[which] not in list_cases(case.kind):
         return {}
     if case.kind != AS_THEY_ARE:
-        scaled = scale_constant(CONSTANTS[case.kind], FACTORS[way])
+        is_count = case.kind.startswith('EXPECTED')
+        scaled = scale_constant(CONSTANTS[case.kind], FACTORS[way], is_count=is_count)
         setattr(settings, case.kind, scaled)
     # Each module takes its constants from the settings when it is imported
     if CASES[which] == 'calibration':
@@ -85,7 +87,7 @@ def run(case: Case, options: Namespace) -> Row:
 def format_score(rows: Rows, constant: str, way: int, cases: int) -> list[str]:
     """Return the cells of a constant that is changed one way."""
     some = [rows.get(Case(constant, len(FACTORS) * k + way)) for k in range(cases)]
-    named = [one for one in some if one and 'missed' in one]
+    named = [one for one in some if one and 'misnamed' in one]
     plain = [rows.get(Case(AS_THEY_ARE, len(FACTORS) * k)) for k in range(cases)]
     ratios = [
         find_error(one) / find_error(other)
@@ -98,7 +100,7 @@ def format_score(rows: Rows, constant: str, way: int, cases: int) -> list[str]:
         f'{exact} of {len(named)}',
         str(sum(bool(one['misnamed']) for one in named)),
         f'{sum(inside)} of {len(inside)}',
-        f'{np.exp(np.mean(np.log(ratios))):.2f}' if ratios else MISSING,
+        f'{np.exp(np.mean(np.log(ratios))):.3f}' if ratios else MISSING,
     ]
 
 
