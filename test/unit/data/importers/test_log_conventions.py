@@ -362,6 +362,22 @@ def test_a_flight_that_drifts_sideways_contradicts_no_names(
     assert np.degrees((attitude.inv() * turned(f)).magnitude()).max() < 1.0
 
 
+def test_bodies_in_turn_are_told_apart_also_by_places_behind_a_name(tmp_path: Path) -> None:
+    f = lab_flight()
+    columns = three('drone_', f['p'] @ TO_NED.T, ('north', 'east', 'down'))
+    columns |= quaternion({**f, 'q': in_ned(f)}, 'drone_q')
+    rows = ['t,body,' + ','.join(columns)]
+    for k, time in enumerate(f['t']):
+        for body, row in (('blimp', k), ('wand', 0)):
+            cells = ','.join(f'{one[row]:.9g}' for one in columns.values())
+            rows.append(f'{time:.9g},{body},{cells}')
+    source = tmp_path / 'log.csv'
+    source.write_text('\n'.join(rows) + '\n')
+    draft = draft_mapping(source, {})
+    assert draft.choices.questions == []
+    assert [one.reading for one in draft.choices.reasons if one.part == 'body'] == ['blimp']
+
+
 def test_missing_cells_of_an_attitude_do_not_contradict_its_rates(tmp_path: Path) -> None:
     f = lab_flight()
     gone = np.random.default_rng(3).random(len(f['t'])) < 0.01

@@ -10,6 +10,7 @@ from typing import Any, Final, final, NamedTuple
 from lta_config.schema.import_file import ImportMapping
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.column_groups import group_columns
+from lta_data.importers.draft.motion_kinds import find_places
 from lta_data.importers.entry_plan import MESSAGE_SHAPES
 from lta_data.importers.formats import LOG_FORMATS
 from lta_data.importers.protocol import LogReader, LogTable, Numbers
@@ -84,7 +85,7 @@ def select_body_rows(
             name: cells for name, cells in table.items()
             if cells.dtype.kind in 'fiub' and name != label
         })  # fmt: skip
-        place = next((group for group in groups if group.kind == 'position'), None)
+        place = next((one for one in find_places(groups) if one.kind == 'position'), None)
         is_stacked = _restarts(table, label, labels)
         if place is None or not (
             is_stacked or _tells_apart(place.stack(table), table[label], labels)

@@ -57,12 +57,12 @@ def settle_kinds(
     groups: Sequence[ColumnGroup], table: Columns, seconds: Numbers
 ) -> list[ColumnGroup]:
     """Return the groups with the kinds that their motions show; those without any are left out."""
-    placed = _find_places(groups)
+    placed = find_places(groups)
     settled = [_settle_kind(group, placed, table, seconds) for group in placed]
     return [group for group in settled if group.kind]
 
 
-def _find_places(groups: Sequence[ColumnGroup]) -> list[ColumnGroup]:
+def find_places(groups: Sequence[ColumnGroup]) -> list[ColumnGroup]:
     """Return groups in which vectors without a kind that stand for a body are its places."""
     bodies = [one.stem_words - KIND_WORDS['quaternion'] - KIND_WORDS['euler'] - TURN_WORDS
               for one in groups if one.kind in ATTITUDES]  # fmt: skip
