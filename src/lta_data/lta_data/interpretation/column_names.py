@@ -148,9 +148,9 @@ COMPRESSED_UNITS: Final = {'z': 'mm', 'v': 'mm/s'}
 SERVOS: Final = frozenset(['servo', 'servos'])
 # Of what is no quantity of the vehicle, but how well it is known
 UNCERTAINTY_WORDS: Final = frozenset([
-    'covariance', 'covariances', 'cov', 'variance', 'stddev', 'bias', 'biases', 'error', 'errors',
-    'err', 'residual', 'residuals', 'innovation', 'innovations', 'std', 'stdev', 'sigma',
-    'uncertainty', 'uncertainties',
+    'covariance', 'covariances', 'cov', 'variance', 'variances', 'var', 'std', 'stdev', 'stddev',
+    'sigma', 'sigmas', 'uncertainty', 'uncertainties', 'bias', 'biases', 'error', 'errors', 'err',
+    'residual', 'residuals', 'innovation', 'innovations',
 ])  # fmt: skip
 # Of what is known better: gyro_no_bias_x
 CORRECTED_WORDS: Final = frozenset(['no', 'without', 'corrected', 'compensated'])

@@ -231,3 +231,26 @@ def test_an_imu_of_a_bag_is_read_as_the_pose_beside_it_turns(tmp_path, bring):
     axes = attrgetter('x', 'y', 'z')
     np.testing.assert_allclose([*map(axes, turned)], np.repeat(f['w'], 2, axis=0), atol=1e-6)
     np.testing.assert_allclose([*map(axes, felt)], np.repeat(f['a'], 2, axis=0), atol=1e-6)
+
+
+def test_a_topic_of_the_errors_of_a_pose_is_no_pose(tmp_path):
+    f = lab_flight()
+
+    def write(writer, f, topics):
+        posed = writer.register_msgdef(
+            'geometry_msgs/msg/PoseStamped',
+            'std_msgs/Header header\ngeometry_msgs/Pose pose' + POSE + HEADER,
+        )
+        for k, time in enumerate(f['t']):
+            head, at = stamp(time)
+            for topic, scale in topics.items():
+                pose = {
+                    'position': named('xyz', scale * f['p'][k]),
+                    'orientation': named('xyzw', f['q'][k]),
+                }
+                writer.write_message(topic, posed, {'header': head, 'pose': pose}, at, at)
+
+    draft = draft_bag(tmp_path / 'a.mcap', write, f, {'/pose': 1.0, '/pose_error': 3.0})
+    assert draft.choices.questions == []
+    tables = [one['table'] for one in yaml.safe_load(draft.text)['topics']]
+    assert tables == ['/pose']

@@ -136,3 +136,51 @@ def test_a_carriage_return_within_a_line_is_a_space(tmp_path, text, sentence):
     (tmp_path / 'log.csv').write_bytes(text.encode())
     with pytest.raises(BadInput, match=sentence):
         draft_mapping(tmp_path / 'log.csv', {})
+
+
+def list_parts(path, answers):
+    """Return the parts of each topic of a draft, by topic."""
+    topics = yaml.safe_load(draft_mapping(path, answers).text)['topics']
+    return {one.pop('topic'): one for one in topics}
+
+
+def list_pose():
+    f = lab_flight()
+    return f, {'t': f['t'], **three('p', f['p']), **three('q', f['q'], 'xyzw')}
+
+
+@pytest.mark.parametrize('word', ['std', 'stddev', 'sigma', 'uncertainty', 'cov', 'variance'])
+def test_how_well_a_velocity_is_known_is_no_velocity(tmp_path, word):
+    f, columns = list_pose()
+    noise = 0.1 + 0.01 * np.random.default_rng(1).random((len(f['t']), 3))
+    path = write_csv(tmp_path / 'a.csv', columns | three(f'vel_{word}_', noise))
+    assert 'velocity' not in list_parts(path, {})['ground_truth/odom']
+
+
+def test_speeds_to_the_front_and_the_side_are_those_of_the_body(tmp_path):
+    f, columns = list_pose()
+    names = ('front_speed', 'side_speed', 'up_speed')
+    speeds = dict(zip(names, f['v'].T, strict=True))
+    parts = list_parts(write_csv(tmp_path / 'a.csv', columns | speeds), {})
+    assert parts['ground_truth/odom']['velocity'] == {'columns': [*names], 'unit': 'm/s'}
+    assert [*parts] == ['ground_truth/odom']
+    del speeds['up_speed']
+    assert [*list_parts(write_csv(tmp_path / 'b.csv', columns | speeds), {})] == [
+        'ground_truth/odom'
+    ]
+
+
+def test_speeds_to_the_front_and_the_rear_are_those_of_rotors(tmp_path):
+    f, columns = list_pose()
+    rotors = {f'{place}_speed': 300.0 + 10.0 * np.sin(f['t']) for place in ('front', 'rear')}
+    parts = list_parts(write_csv(tmp_path / 'a.csv', columns | rotors), {})
+    assert [*parts['motors']['actuators']] == ['front', 'rear']
+
+
+def test_the_frame_of_a_second_velocity_is_as_the_user_says(tmp_path):
+    f, columns = list_pose()
+    own = three('est_v', f['v']) | three('est_p', f['p']) | three('est_q', f['q'], 'xyzw')
+    path = write_csv(tmp_path / 'a.csv', columns | three('v', f['v']) | own)
+    parts = list_parts(path, {'odom.velocity.frame': 'world'})
+    assert 'frame' not in parts['ground_truth/odom']['velocity']
+    assert parts['odom']['velocity']['frame'] == 'world'

@@ -82,10 +82,7 @@ def draft_bag_topics(path: Path, choices: DraftChoices) -> BagDraft:
     Raise `BadInput` if no topic has a type that an import can convert.
     """
     log = LOG_FORMATS['bag'].opened(path, None)
-    types = {
-        name: topic.definition.type_name for name, topic in sorted(log.raw.items())
-        if not tells_uncertainty(parse_column_name(name).words)
-    }  # fmt: skip
+    types = {name: topic.definition.type_name for name, topic in sorted(log.raw.items())}
     if not any(kind in POSE_TYPES for kind in types.values()):
         types |= choose_bag_body(path, log, types, f'{ROLE_TOPICS["truth"]}.table', choices)
     chosen = _choose_topics(path, types, choices)
@@ -208,8 +205,11 @@ def _choose_topics(path: Path, types: Mapping[str, str], choices: DraftChoices) 
     """Return the topics whose types say what they are, by our topic."""
     candidates: dict[str, list[tuple[str, str]]] = {}
     for name, kind in types.items():
+        words = parse_column_name(name).words
+        # The type of a pose with covariance is named so
+        if tells_uncertainty(words - {'covariance', 'cov'}):
+            continue
         if kind in POSE_TYPES or CHILD_MARK in name:
-            words = parse_column_name(name).words
             # /optitrack/odom is no estimate
             role = match_role(words - {'odom'}) or match_role(words)
             ours = (

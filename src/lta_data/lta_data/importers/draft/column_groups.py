@@ -65,6 +65,12 @@ FULL_TURN: Final = 360.0  # degrees; larger numbers are in 1e-7 degrees, and alt
 SAME_HEIGHTS: Final = 0.05  # of their spread, that two altitudes may differ by
 LENGTH_SCALES: Final = {'m': 1.0, 'cm': 0.01, 'mm': 0.001}
 STEADY_LENGTH: Final = 0.3  # of the length of a specific force; a command varies by more
+SPEED_WORDS: Final = frozenset(['speed', 'vel', 'velocity'])
+SPEED_AXES: Final = (  # words for the speed along x, y and z of the body
+    frozenset(['front', 'forward', 'fwd', 'longitudinal', 'surge']),
+    frozenset(['side', 'sideways', 'lateral', 'sway']),
+    frozenset(['up', 'upward', 'vertical', 'heave']),
+)
 
 
 def group_columns(
@@ -85,7 +91,7 @@ def group_columns(
     named, names = (
         [name for name in some if name.column not in in_matrix] for some in (named, names)
     )
-    letters = [*matrices, *_group_letters(names)]
+    letters = [*matrices, *_group_letters(names), *_group_speeds(names)]
     lettered = {column for group in letters for column in group.columns}
     for name in names:
         # The w of u, v, w is no part of a quaternion with x, y, z
@@ -357,6 +363,16 @@ def _group_letters(names: list[ColumnName]) -> Iterator[ColumnGroup]:
                 columns = tuple(by_letter[letter].column for letter in letters)
                 unit, why = by_letter[letters[0]].unit, f'the letters {letters}'
                 yield ColumnGroup(kind, match_role(body), columns, ('x', 'y', 'z'), unit, why)
+
+
+def _group_speeds(names: list[ColumnName]) -> Iterator[ColumnGroup]:
+    """Yield the speeds forward, sideways and up: front_speed, side_speed, up_speed."""
+    moved = [name for name in names if len(name.words) == 2 and name.words & SPEED_WORDS]
+    speeds = [[one for one in moved if one.words & words] for words in SPEED_AXES]
+    if all(len(one) == 1 for one in speeds):
+        columns = tuple(one.column for (one,) in speeds)
+        unit, why = speeds[0][0].unit, 'speeds along the axes of the body'
+        yield ColumnGroup('velocity', '', columns, ('x', 'y', 'z'), unit, why)
 
 
 def _group_wrench(names: Sequence[ColumnName]) -> Iterator[ColumnGroup]:

@@ -45,9 +45,8 @@ MOTION_ROWS: Final = 4000  # rows
 MIN_MOTION_ROWS: Final = 50  # rows
 # Words for vectors that are neither a place nor derived from one
 NO_PLACES: Final = frozenset([
-    'mag', 'magnetic', 'magnetometer', 'wind', 'err', 'error', 'bias', 'cov', 'covariance', 'std',
-    'var', 'noise', 'residual', 'gain', 'current', 'voltage', 'temp', 'param', 'parameter',
-    'input', 'cmd', 'command', 'control', 'ctrl',
+    'mag', 'magnetic', 'magnetometer', 'wind', 'noise', 'gain', 'current', 'voltage', 'temp',
+    'param', 'parameter', 'input', 'cmd', 'command', 'control', 'ctrl',
 ])  # fmt: skip
 # Kinds that a motion may give to a group, or take from it
 VECTOR_KINDS: Final = ('', 'velocity', 'rates', 'acceleration', 'euler')

@@ -12,6 +12,7 @@ from lta_data.importers.draft.generic_commands import draft_axis_commands, find_
 from lta_data.importers.protocol import Numbers
 from lta_data.interpretation.column_group import Columns
 from lta_data.interpretation.column_names import (
+    ACTUATOR_PART_WORDS,
     ACTUATOR_WORDS,
     BODY_WORDS,
     ColumnName,
@@ -61,6 +62,7 @@ ROTATING_WORDS: Final = frozenset([
     # Where a rotor is
     'port', 'starboard', 'bow', 'stern', 'fl', 'fr', 'rl', 'rr', 'bl', 'br',
 ])  # fmt: skip
+REAR_WORDS: Final = frozenset(['rear', 'back', 'tail'])
 TRAVEL_WORDS: Final = frozenset(['ground', 'gps', 'gnss', 'air', 'wind', 'vehicle', 'body'])
 
 
@@ -91,7 +93,7 @@ def draft_scalars(
     motors = decided or [
         name
         for name in rest
-        if _commands_rotor(name, choices) and np.isfinite(table[name.column]).any()
+        if _commands_rotor(name, rest, choices) and np.isfinite(table[name.column]).any()
     ]
     # What a controller asks of a mixer is no actuator, where the actuators are there
     motors = decided or [name for name in motors if not name.words & UPSTREAM] or motors
@@ -105,18 +107,22 @@ def draft_scalars(
     return [entry | ({'table': prefix} if prefix else {}) for entry in entries]
 
 
-def _commands_rotor(name: ColumnName, choices: DraftChoices) -> bool:
+def _commands_rotor(name: ColumnName, names: Sequence[ColumnName], choices: DraftChoices) -> bool:
     """Return whether a column commands an actuator: as the user says, else by its name."""
     if answer := choices.find_answer(f'{name.column}.command'):
         return answer not in ('none', *BODY_AXES)
     if UNIT_WORDS.get(name.unit, ('',))[0] == 'm/s':
         return False
-    speeds = ROTOR_SPEED_WORDS if _names_rotor(name) else {'rpm', 'rotorspeed'}
+    speeds = ROTOR_SPEED_WORDS if _names_rotor(name, names) else {'rpm', 'rotorspeed'}
     return bool(name.words & (ACTUATOR_WORDS | FORCES | speeds) or is_placed_command(name.column))
 
 
-def _names_rotor(name: ColumnName) -> bool:
+def _names_rotor(name: ColumnName, names: Sequence[ColumnName]) -> bool:
     """Return whether a number, a place or a word makes a speed that of a rotor."""
+    # A vehicle has a speed to its front, and one to its side; rotors are at both ends
+    is_alone = not any(other.words & REAR_WORDS for other in names)
+    if 'side' in name.words or ('front' in name.words and is_alone):
+        return bool(name.words & (ROTATING_WORDS | ACTUATOR_PART_WORDS))
     numbered = any(word[-1].isdigit() for word in (*name.stem, name.axis) if word)
     # The vertical speed is that of the vehicle
     nouns = name.words & (ROTATING_WORDS | PLACE_WORDS - {*BODY_WORDS})

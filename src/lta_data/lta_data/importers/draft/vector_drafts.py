@@ -316,7 +316,8 @@ def draft_velocity(
         ]
         moving = float(np.nanpercentile(np.linalg.norm(speed, axis=1), 75.0)) > FLIGHT_SPEEDS[0]
         if turn is None and fit.share < UNRELATED:
-            frame, why = 'body', f'{why}; in body axes, nothing checks it'
+            frame = choices.settled.get('velocity.frame', 'body')
+            why = f'{why}; in body axes, nothing checks it'
         elif len(close) > 1 and 'velocity.frame' in choices.settled:
             frame = choices.settled['velocity.frame']
         elif fit.share < UNRELATED and moving and key not in choices.answers:
@@ -328,7 +329,9 @@ def draft_velocity(
         elif len(close) > 1 and _differs(turn) and key not in choices.answers:
             options = [(one, f'{100 * fits[one].share:.0f} % explained') for one in close]
             frame = choices.decide(key, options, 'The velocity fits in both frames.')
-    elif turn is not None and _differs(turn) and 'velocity.frame' not in choices.settled:
+    elif 'velocity.frame' in choices.settled:
+        frame, why = choices.settled['velocity.frame'], 'as another velocity has it'
+    elif turn is not None and _differs(turn):
         ahead = {'body': _measure_way_ahead(raw.velocity)}
         ahead['world'] = _measure_way_ahead(turn.inv().apply(np.nan_to_num(raw.velocity)))
         frame = max(ahead, key=lambda one: ahead[one])
@@ -338,8 +341,8 @@ def draft_velocity(
             question = 'No position tells whether the velocity is in body or world axes.'
             frame, why = choices.decide(key, options, question), choices.explain(key)
     frame = choices.override(key, frame)
-    if not is_named:  # the names of one topic say nothing of another
-        frame = choices.settled.setdefault('velocity.frame', frame)
+    if not is_named and frame != 'none':  # the names of one topic say nothing of another
+        choices.settled.setdefault('velocity.frame', frame)
     if frame == 'none':
         choices.add_reason(f'{topic}: velocity', group.columns, 'left out', why)
         return scale
