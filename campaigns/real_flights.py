@@ -25,7 +25,7 @@ from campaigns.harness import Campaign, Case, Row, Rows
 MODELS: Final = {
     'coast': 'coasting', 'before': 'vehicle file', 'calibrated': 'calibrated.yaml',
     'tuned': 'tolerances fitted',
-    'after': 'with what is named', 'written': 'vehicle.yaml',
+    'after': 'with what is named or closest', 'written': 'vehicle.yaml',
 }  # fmt: skip
 SETS: Final = {'mocap_blimp': (MOCAP, list_mocap), 'rgblimp': (RGBLIMP, list_rgblimp)}
 
