@@ -83,6 +83,7 @@ class BearingReading(NamedTuple):
     # Readings of the diodes, and the true direction of the lamp [rad, body]
     peaks: Peaks
     azimuth: float
+    elevation: float
 
 
 @final
@@ -145,7 +146,7 @@ class BearingBench:
         """
         peaks = self._simulate_peaks(pose, diodes, chance)
         threshold, prior = self._policy.demodulation.threshold, self._policy.prior
-        azimuth, _ = self.true_direction(pose)
+        azimuth, elevation = self.true_direction(pose)
         # Both estimators get the same block.
         paper = estimate_bearing(peaks, self._ring, threshold)
         ours = self._finder.find(peaks, threshold, prior)
@@ -157,6 +158,7 @@ class BearingBench:
             nan if ours is None else math.sqrt(ours.azimuth_variance),
             peaks,
             azimuth,
+            elevation,
         )
 
     def true_direction(self, pose: Pose) -> tuple[float, float]:
