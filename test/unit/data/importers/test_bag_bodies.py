@@ -5,6 +5,7 @@
 from operator import attrgetter
 from typing import Any
 
+from lta_config.errors import BadInput
 from lta_data.importers.draft.draft_mapping import draft_mapping, MappingDraft
 from mcap_ros2.writer import Writer
 import numpy as np
@@ -254,3 +255,5 @@ def test_a_topic_of_the_errors_of_a_pose_is_no_pose(tmp_path):
     assert draft.choices.questions == []
     tables = [one['table'] for one in yaml.safe_load(draft.text)['topics']]
     assert tables == ['/pose']
+    with pytest.raises(BadInput, match='becomes one of ours by its type and name'):
+        draft_bag(tmp_path / 'b.mcap', write, f, {'/pose_error': 3.0})

@@ -184,3 +184,10 @@ def test_the_frame_of_a_second_velocity_is_as_the_user_says(tmp_path):
     parts = list_parts(path, {'odom.velocity.frame': 'world'})
     assert 'frame' not in parts['ground_truth/odom']['velocity']
     assert parts['odom']['velocity']['frame'] == 'world'
+
+
+def test_velocities_that_no_attitude_turns_are_named_with_the_reason(tmp_path):
+    f = lab_flight()
+    path = write_csv(tmp_path / 'a.csv', {'t': f['t'], **three('v', f['v'], 'ned')})
+    with pytest.raises(BadInput, match=r'vn, ve, vd .* is left out: in world axes, and no att'):
+        draft_mapping(path, {})

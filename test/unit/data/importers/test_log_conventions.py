@@ -546,6 +546,19 @@ def test_a_height_above_30_can_be_in_metres(name: str, shift: float, tmp_path: P
     assert {'m', 'mm'} <= {unit for unit, _ in question.options}
 
 
+def test_a_height_that_would_climb_too_fast_in_metres_is_in_mm(tmp_path: Path) -> None:
+    f = lab_flight()
+    height = 1200.0 + 500.0 * np.sin(0.2 * f['t'])
+    noisy = 1200.0 + np.random.default_rng(2).normal(0.0, 3.0, len(f['t']))  # of a barometer in m
+    for name, values, asked in (('height', height, False), ('altitude', noisy, True)):
+        source = write_csv(tmp_path / f'{name}.csv', timed(f) | place(f) | {name: values})
+        draft = draft_mapping(source, {})
+        assert ('range.range.unit' in {one.key for one in draft.choices.questions}) is asked
+        assert ('unit: mm' in draft.text) is not asked
+        # The user knows better
+        assert 'unit: mm' not in draft_mapping(source, {'range.range.unit': 'm'}).text
+
+
 @pytest.mark.parametrize(('axes', 'drift', 'asked'), [
     ('ned', [0.5, 0.1, 0.0], False), ('xyz', [0.1, 0.5, 0.0], True),
 ])  # fmt: skip

@@ -124,7 +124,7 @@ def draft_bag_topics(path: Path, choices: DraftChoices) -> BagDraft:
     ]
     if not entries:
         raise BadInput(
-            f"No topic of '{path}' has a type that becomes one of ours; it has "
+            f"No topic of '{path}' becomes one of ours by its type and name; it has "
             f'{", ".join(sorted({*types.values()}))}. It can be imported as it is, without a '
             'mapping.'
         )
@@ -153,6 +153,7 @@ def _draft_nameless(
     names = [
         name for name, kind in types.items()
         if name not in others and kind not in BODY_TYPES and not kind.startswith(NO_STATES)
+        and not _is_uncertainty(name)
     ]  # fmt: skip
     drafts = []
     for name, table in read_tables(path, names).items():
@@ -206,8 +207,7 @@ def _choose_topics(path: Path, types: Mapping[str, str], choices: DraftChoices) 
     candidates: dict[str, list[tuple[str, str]]] = {}
     for name, kind in types.items():
         words = parse_column_name(name).words
-        # The type of a pose with covariance is named so
-        if tells_uncertainty(words - {'covariance', 'cov'}):
+        if _is_uncertainty(name):
             continue
         if kind in POSE_TYPES or CHILD_MARK in name:
             # /optitrack/odom is no estimate
@@ -230,6 +230,11 @@ def _choose_topics(path: Path, types: Mapping[str, str], choices: DraftChoices) 
             table = choices.decide(f'{ours}.table', fitting, question)
         chosen[ours] = choices.override(f'{ours}.table', table)
     return {ours: name for ours, name in chosen.items() if name in types}
+
+
+def _is_uncertainty(topic: str) -> bool:
+    """Return whether a topic says how well a quantity is known; a pose may come with it."""
+    return tells_uncertainty(parse_column_name(topic).words - {'covariance', 'cov'})
 
 
 def _list_command_topics(types: Mapping[str, str]) -> list[str]:
@@ -378,5 +383,6 @@ def _draft_commands(
         else one._replace(stem=(*one.stem, 'motor', *words))
         for one in names
     ]  # fmt: skip
-    entries = draft_scalars(topic, columns[topic], named, choices)
+    seconds = _count_seconds(tables[topic])
+    entries = draft_scalars(topic, columns[topic], named, seconds, choices)
     return [one for one in entries if one['topic'] in ('motors', 'wrench_command')][:1]

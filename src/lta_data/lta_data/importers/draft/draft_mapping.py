@@ -258,6 +258,9 @@ def _build_content(
         if not content['text']:
             del content['text']
     used = {name: draft for name, draft in drafts.items() if draft.entries}
+    if not used and (lost := [one for one in choices.reasons if one.reading == 'left out']):
+        why = '; '.join(f'{one.columns} ({one.part}) is left out: {one.reason}' for one in lost)
+        raise BadInput(f"Nothing of '{path}' becomes a topic: {why}.")
     if not used:
         names = ', '.join(list(dict.fromkeys(c for t in source.tables.values() for c in t))[:30])
         raise BadInput(

@@ -7,8 +7,11 @@ import re
 from typing import Any, Final
 
 from lta_config.errors import BadInput, unknown_name_error
+from lta_data.even_grid import sort_samples
 from lta_data.importers.draft.choices import BODY_AXES, DraftChoices
+from lta_data.importers.draft.column_groups import LENGTH_SCALES
 from lta_data.importers.draft.generic_commands import draft_axis_commands, find_axis_commands
+from lta_data.importers.draft.vector_drafts import FLIGHT_SPEEDS
 from lta_data.importers.protocol import Numbers
 from lta_data.interpretation.column_group import Columns
 from lta_data.interpretation.column_names import (
@@ -27,6 +30,7 @@ import numpy as np
 
 # Of a height that can be in m; above it, a laboratory counts mm [m]
 HIGHEST_FLIGHT: Final = 3000.0
+CLIMB_TIME: Final = 1.0  # over which noise of a sensor does not count as a climb [s]
 # Words -> topic, part, candidate units with the values that a flight log has in each
 SCALARS: Final = (
     ('vbat voltage volt volts vbatt batt battery', 'battery', 'voltage',
@@ -67,9 +71,13 @@ TRAVEL_WORDS: Final = frozenset(['ground', 'gps', 'gnss', 'air', 'wind', 'vehicl
 
 
 def draft_scalars(
-    prefix: str, table: Columns, names: Sequence[ColumnName], choices: DraftChoices
+    prefix: str,
+    table: Columns,
+    names: Sequence[ColumnName],
+    seconds: Numbers,
+    choices: DraftChoices,
 ) -> list[dict[str, Any]]:
-    """Return the entries of the topics that single columns fill."""
+    """Return the entries of the topics that single columns fill; `seconds` are of the rows."""
     topics: dict[str, dict[str, Any]] = {}
     taken: set[str] = set()
     for words, topic, part, units in SCALARS:
@@ -78,7 +86,7 @@ def draft_scalars(
             fits = fits and not (topic == 'range' and name.words & SEA_LEVEL_WORDS)
             if fits and part not in topics.get(topic, {}):
                 key = f'{topic}.{part}.unit'
-                unit, why = _choose_unit(key, name, table[name.column], units, choices)
+                unit, why = _choose_unit(key, name, table[name.column], seconds, units, choices)
                 if unit:
                     scale = UNIT_WORDS.get(name.unit, ('', 1.0))[1]
                     topics.setdefault(topic, {})[part] = {
@@ -133,6 +141,7 @@ def _choose_unit(
     key: str,
     name: ColumnName,
     values: Numbers,
+    seconds: Numbers,
     units: Mapping[str, tuple[float, float]],
     choices: DraftChoices,
 ) -> tuple[str, str]:
@@ -146,7 +155,23 @@ def _choose_unit(
     if len(fitting) < 2 or 'zrange' in name.words:
         return (fitting or [''])[0], f'its median is {typical:.4g}'
     question = f"The median of '{name.column}' is {typical:.4g}, which fits each unit."
+    if {*units} <= {*LENGTH_SCALES} and key not in choices.answers:
+        climb = _measure_climb(values, seconds)
+        slow = [one for one in fitting if climb * LENGTH_SCALES[one] <= FLIGHT_SPEEDS[1]]
+        if len(slow) == 1:
+            return slow[0], f'it changes by {climb:.3g} per second, too fast in another unit'
+        fitting = slow or fitting
     return choices.decide(key, [(unit, '') for unit in fitting], question), choices.explain(key)
+
+
+def _measure_climb(values: Numbers, seconds: Numbers) -> float:
+    """Return how fast a height usually changes, in its unit per second; 0.0 if unknown."""
+    time, height = sort_samples(seconds, values).select_complete()
+    whole = time + CLIMB_TIME <= time[-1:]
+    if not whole.any():
+        return 0.0
+    later = np.interp(time[whole] + CLIMB_TIME, time, height)
+    return float(np.percentile(np.abs(later - height[whole]), 75.0)) / CLIMB_TIME
 
 
 def _draft_actuators(

@@ -128,7 +128,7 @@ def draft_table(
     entries = [entry | ({'table': name} if name else {}) for entry in entries]
     taken = [column for group in groups for column in group.columns]
     rest = [single for single in singles if single.column not in (*times, *taken)]
-    entries += draft_scalars(name, table, rest, choices)
+    entries += draft_scalars(name, table, rest, time.seconds, choices)
     used = {column for entry in entries for column in list_columns(entry)}
     unused = [c for c in table if c not in used and c not in times]
     return TableDraft(entries, time, axes, groups, unused, generic, primary)
