@@ -191,3 +191,13 @@ def test_velocities_that_no_attitude_turns_are_named_with_the_reason(tmp_path):
     path = write_csv(tmp_path / 'a.csv', {'t': f['t'], **three('v', f['v'], 'ned')})
     with pytest.raises(BadInput, match=r'vn, ve, vd .* is left out: in world axes, and no att'):
         draft_mapping(path, {})
+
+
+def test_times_that_repeat_are_times_also_if_the_last_one_is_cut(tmp_path):
+    f, columns = list_pose()
+    rows = np.arange(len(f['t'])) // 8 * 8  # of eight rows, the second has the time of the first
+    times = np.where(np.arange(len(f['t'])) % 8 == 1, f['t'][rows], f['t'])
+    table = {**columns, **three('v', f['v']), 'stamp_ns': np.round((times - times[0]) * 1e9)}
+    path = write_csv(tmp_path / 'a.csv', {name: one for name, one in table.items() if name != 't'})
+    path.write_bytes(path.read_bytes().rstrip()[:-6])
+    assert 'time: {column: stamp_ns, unit: ns}' in draft_mapping(path, {}).text

@@ -209,7 +209,8 @@ def _rises(cells: Numbers) -> bool:
 
 def _repeats(cells: Numbers) -> bool:
     """Return whether times never fall, and rise at least in every third row."""
-    step = np.diff(cells)
+    # The last may be a part of a number, as above
+    step = np.diff(cells[:-1])
     return len(step) > 1 and bool((step >= 0.0).all() and np.mean(step > 0.0) > REPEATED)
 
 
