@@ -27,7 +27,7 @@ from lta_studies.light.bearing.bench import (
     TrueDiodes,
 )
 from lta_vlc.demodulation import Peaks
-from lta_vlc.direction import RAYLEIGH_SHARE
+from lta_vlc.lamp import RAYLEIGH_SHARE
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray

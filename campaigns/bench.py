@@ -41,8 +41,7 @@ from lta_sim.kernels.kernel import advance
 from lta_sim.readings import FlightOutcome
 from lta_sim.world import World
 from lta_vlc.diodes import build_even_ring
-from lta_vlc.direction import DirectionFinder
-from lta_vlc.lamp import estimate_lamp_position, LampPrior
+from lta_vlc.lamp import LampFinder, LampPrior
 from lta_vlc.receiver import BeaconReceiver
 from lta_vlc.settings import DemodulationSettings
 import numpy as np
@@ -122,16 +121,16 @@ def measure_blocks(blocks: np.ndarray, work: Callable[[np.ndarray], object]) -> 
 
 def estimate_lamps() -> float:
     """Return the pace from the block of eight diodes to a lamp estimate [s/s]."""
-    finder, prior = DirectionFinder(build_even_ring(8, 0.07)), LampPrior()
+    finder, prior = LampFinder(build_even_ring(8, 0.07)), LampPrior()
     settings = DemodulationSettings()
     receiver = BeaconReceiver(settings, SAMPLE_RATE, SAMPLES)
 
     def work(block: np.ndarray) -> object:
         peaks = receiver.demodulate_next_block(block).peaks[0]
-        direction = finder.find(peaks, settings.threshold, prior)
-        if direction is None:
+        found = finder.find_lamp(peaks, settings.threshold, prior)
+        if found.lamp is None:
             raise AssertionError('the beacon is in every block')
-        return estimate_lamp_position(direction, prior)
+        return found
 
     return measure_blocks(build_blocks(8, (150.0,)), work)
 

@@ -16,8 +16,8 @@ from lta_graph.ros.stamps import from_stamp
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from lta_sim.world import World
-from lta_vlc.bearing import estimate_bearing
 from lta_vlc.diodes import build_diode_array
+from lta_vlc.lamp import estimate_bearing
 from lta_vlc.messages import to_block
 from lta_vlc.receiver import BeaconReceiver
 from lta_vlc.settings import DemodulationSettings

@@ -10,9 +10,9 @@ from lta_model.light.field import Ambient, LightField, PlaneIlluminance
 from lta_model.light.lamp import BeaconLamp, direct_illuminance, phase_in_cycles, SquareWave
 from lta_model.sensors.photodiode import DiodeRing, PhotodiodeArray, spread_azimuths
 from lta_model.sensors.photodiode_adc import PhotodiodeBoard
-from lta_vlc.bearing import estimate_bearing
 from lta_vlc.demodulation import demodulate_beacon, Peaks, plan_bins
 from lta_vlc.diodes import build_even_ring
+from lta_vlc.lamp import estimate_bearing
 from lta_vlc.settings import DemodulationSettings
 import numpy as np
 import pytest

@@ -45,10 +45,8 @@ from lta_graph.ros.stamps import from_stamp, to_stamp
 from lta_model.scenario import load_scenario, offset_start
 from lta_model.vehicle import load_vehicle
 from lta_sim.world import World
-from lta_vlc.bearing import estimate_bearing
 from lta_vlc.diodes import build_diode_array
-from lta_vlc.direction import DirectionFinder
-from lta_vlc.lamp import estimate_lamp_position, LampPrior
+from lta_vlc.lamp import LampFinder, LampPrior
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks, to_block
 from lta_vlc.receiver import BeaconReceiver
 from lta_vlc.settings import ANY_BEACON, DemodulationSettings
@@ -117,7 +115,7 @@ def answered(folder, demodulation=None, mission=None):
     )
     motions = dict(reckoning.history)
     land = ReserveResponseSettings().rule
-    state, plan, finder = Mission(), find_navigation_strategy('bag'), DirectionFinder(DIODES)
+    state, plan, finder = Mission(), find_navigation_strategy('bag'), LampFinder(DIODES)
     with BagWriter(folder, {}) as writer:
         for name in ANSWERS:
             writer.add_topic(f'/lta1/{name}', TABLE[name].type, QOS)
@@ -125,14 +123,12 @@ def answered(folder, demodulation=None, mission=None):
             block = to_block(message)
             hearing = listener.demodulate_next_block(block)
             peaks = hearing.peaks[0]
-            towards = estimate_bearing(peaks, DIODES.ring, settings.threshold)
-            found = finder.find(peaks, settings.threshold, prior)
+            towards, _, lamp = finder.find_lamp(peaks, settings.threshold, prior)
             begun = from_stamp(message.header.stamp)
             measured = to_cascade_measurement(
                 max((m for m in odometry if m[0] <= now), key=lambda m: m[0])[1]
             )
             known = [m.data for t, m in reserves if t <= now - TABLE.control_ns]
-            lamp = None if found is None else estimate_lamp_position(found, prior)
             sight = build_sight(
                 None if lamp is None else to_lamp_position(lamp),
                 round_axes(DIODES.ring),

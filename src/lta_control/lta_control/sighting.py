@@ -10,7 +10,7 @@ The lamp is a point with a covariance that is long along its bearing ray
 deviation along the ray and :math:`\sigma` that of the bearing, which is recovered from it.
 
 The strength is what a diode that faces the lamp would measure. With an even ring of N cosine
-diodes :math:`|\sum M_i n_i| = N M / 4` at every bearing (`lta_vlc.bearing`), and a pedestal that
+diodes :math:`|\sum M_i n_i| = N M / 4` at every bearing (`lta_vlc.lamp`), and a pedestal that
 is the same for all cancels.
 """
 

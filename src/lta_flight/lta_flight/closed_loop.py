@@ -41,11 +41,14 @@ from lta_model.sensors.photodiode import DiodeRing
 from lta_model.vehicle import Vehicle
 from lta_sim.readings import FlightOutcome, SensorReadings
 from lta_sim.world import World
-from lta_vlc.bearing import Bearing, estimate_bearing
 from lta_vlc.demodulation import DemodulatedBlock, Peaks
 from lta_vlc.diodes import build_diode_array
-from lta_vlc.direction import DirectionFinder
-from lta_vlc.lamp import Direction, estimate_lamp_position, LampEstimate
+from lta_vlc.lamp import (
+    Bearing,
+    Direction,
+    LampEstimate,
+    LampFinder,
+)
 from lta_vlc.receiver import BeaconReceiver
 import numpy as np
 from numpy.typing import NDArray
@@ -145,9 +148,8 @@ class ClosedLoop:
         self._sighting: LampSighting | None = None  # for the next step, as its messages would
         self._aboard = PowerSystem.from_entry(vehicle.file.energy)
         diodes = build_diode_array(vehicle.file.sensors.diodes)
-        self._ring = diodes.ring
-        self._finder = DirectionFinder(diodes)
-        self._axes = round_axes(self._ring)
+        self._finder = LampFinder(diodes)
+        self._axes = round_axes(diodes.ring)
         self._listener = BeaconReceiver(
             policy.demodulation,
             table.light.sample_rate.si,
@@ -277,16 +279,12 @@ class ClosedLoop:
         """Process a light block, and update the setpoint by strategy or course."""
         self._listener.prioritize_beacon(self.beacon)
         hearing = self._listener.demodulate_next_block(block)
-        peaks = hearing.peaks[0]
-        threshold, prior = self.policy.demodulation.threshold, self.policy.prior
-        direction = self._finder.find(peaks, threshold, prior)
-        where = None if direction is None else estimate_lamp_position(direction, prior)
-        self.light = LightObservation(
-            hearing, estimate_bearing(peaks, self._ring, threshold), direction, where
-        )
+        peaks, threshold = hearing.peaks[0], self.policy.demodulation.threshold
+        found = self._finder.find_lamp(peaks, threshold, self.policy.prior)
+        self.light = LightObservation(hearing, *found)
         # Message fields of type float32
         amplitudes = tuple(peaks.amplitude.astype(np.float32).tolist())
-        lamp = None if where is None else to_lamp_position(where)
+        lamp = None if found.lamp is None else to_lamp_position(found.lamp)
         frequencies = tuple(peaks.frequency.astype(np.float32).tolist())
         middle_ns = stamp_ns + self.table['photodiodes'].period_ns // 2
         # The estimator gets the block one control period after its end

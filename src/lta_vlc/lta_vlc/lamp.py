@@ -1,17 +1,145 @@
 # Copyright 2026 The LTA maintainers
 # SPDX-License-Identifier: Apache-2.0
-"""Estimate the lamp position in the body frame from one direction and a prior."""
+"""
+Find the lamp by what the photodiodes read: the paper's bearing, a fitted direction, a position.
 
+The paper's bearing is a weighted mean over a ring. Body frame FLU: azimuth 0 is forward and grows
+counter-clockwise. With diode axes n_i = (cos phi_i, sin phi_i) and peak amplitudes M_i,
+
+    v = sum(M'_i n_i) / sum(M'_i),  theta = atan2(v_y, v_x)
+
+The paper leaves M' undefined and uses the SNR to accept a reading: here M' is M where the SNR
+reaches a threshold, else 0; without any there is no bearing.
+
+An ideal diode reads max(0, cos) of the angle to the lamp. Then the weighted mean is exact at every
+angle for any even ring of four or more, 4, 8 and 16 among them: of each opposite pair exactly one
+diode sees the lamp and both have the same n n^T, so the sum of n n^T over the lit ones is half of
+that over the ring, (N/4) times the identity, and v points at the lamp. A common pedestal (diffuse
+light) cancels, as the axes sum to zero. Gating breaks both, and so do another response, unequal
+gains and reflections.
+
+The drone steers by the fit of `lta_vlc.direction_fit`, which allows for these: `lta light
+calibrate` measures gains and response, which it takes from the vehicle file. One direction does
+not determine the range: that is a prior, or follows from the strength.
+"""
+
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 import math
-from typing import final, NamedTuple
+from typing import Any, Final, final, NamedTuple
 
+from lta_config.compilation.compiler import compile_functions
 from lta_config.settings import setting, Settings
+from lta_model.sensors.photodiode import DiodeRing
+from lta_vlc.demodulation import Peaks
+from lta_vlc.diodes import DiodeArray
+from lta_vlc.direction_fit import DirectionFit, fit_direction
+from lta_vlc.reading_model import DiodeFitInputs, DirectionPrior, FIT_SCRATCH
 import numpy as np
 from numpy.typing import NDArray
 
+# Sensor noise is far above this; a shorter vector is rounding around a perfectly even ring.
+SHORTEST_VECTOR = 1e-9
+# White noise whose quiet bins have the mean magnitude m moves an amplitude by this much of m: the
+# quiet bins are Rayleigh distributed.
+RAYLEIGH_SHARE: Final = math.sqrt(2.0 / math.pi)
+LEAST_DEVIATION: Final = 1e-3  # smallest standard deviation of a prior [rad, 1/m]
 OFF_AXIS_COSINE = 0.8  # mean cosine at which a Lambertian beam leaves a lamp that is flown to
 OFF_AXIS_DEVIATION = 0.15  # relative, of a range by strength: the beam's angle is not known
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Bearing:
+    """The direction to a beacon in the body frame."""
+
+    # The paper's vector, not normalised; about 1/2 long in direct light with cosine diodes,
+    # shorter with diffuse light
+    x: float
+    y: float
+    # Counter-clockwise from forward, and its standard deviation by sensor noise [rad]
+    angle: float
+    deviation: float
+
+
+def weighted_mean_bearing(
+    amplitudes: tuple[float, ...],
+    snrs: tuple[float, ...],
+    cosines: tuple[float, ...],
+    sines: tuple[float, ...],
+    threshold: float,
+) -> tuple[bool, float, float, float, float]:
+    """
+    Return the paper's bearing vector, its direction and the direction's standard deviation.
+
+    Plain scalars and tuples, so that it compiles with numba unchanged.
+
+    Parameters
+    ----------
+    amplitudes, snrs : tuple of float
+        Peak and signal-to-noise ratio of each diode.
+    cosines, sines : tuple of float
+        Diode axes in the body frame.
+    threshold : float
+        SNR from which a diode is used.
+
+    Returns
+    -------
+    found : bool
+        Whether there is a bearing; everything else is zero without one.
+    x, y : float
+        The vector, in units of the weights.
+    angle, deviation : float
+        Its direction and standard deviation. [rad]
+
+    Notes
+    -----
+    d theta / d M_i = sin(phi_i - theta) / |sum M' n|. White noise whose quiet bins have the mean
+    magnitude m moves the peak by m sqrt(2/pi) along its own phase (the quiet bins are Rayleigh
+    distributed), and m = M_i / SNR_i. The error of a gated diode is its whole reading.
+
+    """
+    total = 0.0
+    forward = 0.0
+    left = 0.0
+    for i in range(len(amplitudes)):
+        # The paper's gate: M' is M above the threshold, else 0
+        if snrs[i] >= threshold:
+            total += amplitudes[i]
+            forward += amplitudes[i] * cosines[i]
+            left += amplitudes[i] * sines[i]
+    length = math.hypot(forward, left)
+    # Also true for NaN: evenly lit, or no diode above the threshold
+    if not length > SHORTEST_VECTOR * total:
+        return False, 0.0, 0.0, 0.0, 0.0
+    variance = 0.0
+    for i in range(len(amplitudes)):
+        error = amplitudes[i]
+        if snrs[i] >= threshold:
+            # Standard deviation of the peak, from the mean of Rayleigh distributed quiet bins
+            error *= math.sqrt(2.0 / math.pi) / snrs[i]
+        # sin(phi_i - theta)
+        across = (sines[i] * forward - cosines[i] * left) / length
+        variance += (error * across / length) ** 2
+    return True, forward / total, left / total, math.atan2(left, forward), math.sqrt(variance)
+
+
+def estimate_bearing(peaks: Peaks, ring: DiodeRing, threshold: float) -> Bearing | None:
+    """
+    Return the bearing to a beacon, or None if no diode detects it or the ring is evenly lit.
+
+    The deviation covers only noise that is independent between diodes; it is too small, since it
+    omits reflections, unequal gains, another response, tilt and rotation during the block. The fit
+    of `LampFinder` allows for the first three.
+    """
+    is_valid, x, y, angle, deviation = weighted_mean_bearing(
+        tuple(peaks.amplitude.tolist()),
+        tuple(peaks.snr.tolist()),
+        ring.cosines,
+        ring.sines,
+        threshold,
+    )
+    return Bearing(x, y, angle, deviation) if is_valid else None
 
 
 @final
@@ -79,6 +207,103 @@ class LampEstimate(NamedTuple):
     yy: float
     yz: float
     zz: float
+
+
+class LampDetection(NamedTuple):
+    """What a block shows of the lamp; None where nothing is detected."""
+
+    towards: Bearing | None = None  # the paper's vector
+    direction: Direction | None = None  # by the fit, with its strength
+    lamp: LampEstimate | None = None  # in the body frame
+
+
+@final
+class LampFinder:
+    """
+    Find the lamp with an array of diodes.
+
+    Attributes
+    ----------
+    diodes : DiodeArray
+        As given.
+
+    """
+
+    def __init__(self, diodes: DiodeArray) -> None:
+        self.diodes, self._ring = diodes, diodes.ring
+        self._inputs = build_fit_inputs(diodes, np.array)
+        self._fit = compile_functions(fit_direction)[0]
+        self._scratch = np.zeros(FIT_SCRATCH)
+
+    def prepare(self) -> None:
+        """Compile the fit, or load it from disk, before the first block waits for it."""
+        # Arguments of the types used later, so that the right signature is compiled
+        dark = np.zeros(len(self._inputs.gains))
+        self.find_direction(Peaks(dark, dark + 1.0, dark, dark), 1.0, LampPrior())
+
+    def find_lamp(self, peaks: Peaks, threshold: float, prior: LampPrior) -> LampDetection:
+        """Return what a block shows of the wanted beacon; `threshold` is an SNR."""
+        direction = self.find_direction(peaks, threshold, prior)
+        return LampDetection(
+            estimate_bearing(peaks, self._ring, threshold),
+            direction,
+            None if direction is None else estimate_lamp_position(direction, prior),
+        )
+
+    def find_direction(self, peaks: Peaks, threshold: float, prior: LampPrior) -> Direction | None:
+        """
+        Return the direction, or None if no diode detects the lamp or all read the same.
+
+        One diode at least must reach the SNR `threshold`; the others also constrain the direction.
+        Diodes with an SNR of 0 are spoilt and left out. `prior` is the prior on the lamp.
+        """
+        # One diode above the threshold suffices: dark diodes also constrain the direction
+        if not (peaks.snr >= threshold).any():
+            return None
+        # An infinite error leaves a spoilt diode out of the fit
+        errors = np.where(peaks.snr > 0.0, RAYLEIGH_SHARE * peaks.noise, math.inf)
+        fit: DirectionFit = self._fit(
+            self._inputs, build_direction_prior(prior), peaks.amplitude, errors, self._scratch
+        )
+        if not fit.found:
+            return None
+        return Direction(
+            fit.x,
+            fit.y,
+            fit.z,
+            fit.azimuth_variance,
+            fit.covariance,
+            fit.elevation_variance,
+            fit.strength,
+            math.sqrt(fit.strength_variance),
+            fit.pedestal,
+        )
+
+
+def build_fit_inputs(
+    diodes: DiodeArray, numbers: Callable[[Sequence[float]], Any] = tuple
+) -> DiodeFitInputs:
+    """Return the diodes as the fit takes them."""
+    nx, ny, nz = (numbers(column) for column in zip(*diodes.axes, strict=True))
+    rx, ry, rz = (numbers(column) for column in zip(*diodes.places, strict=True))
+    gains = numbers(diodes.gains)
+    deviation = max(diodes.response_deviation, LEAST_DEVIATION)
+    return DiodeFitInputs(nx, ny, nz, rx, ry, rz, gains, diodes.response, deviation, diodes.spread)
+
+
+def build_direction_prior(prior: LampPrior) -> DirectionPrior:
+    """Return the prior of the fit for a lamp at the drone's height, within its deviation."""
+    # The fit is linear in the inverse distance, not in the distance
+    near = 1.0 / prior.distance
+    return DirectionPrior(
+        elevation=0.0,
+        elevation_deviation=max(
+            math.atan2(prior.height_deviation, prior.distance), LEAST_DEVIATION
+        ),
+        nearness=near,
+        # d(1/r) = dr / r^2
+        nearness_deviation=max(prior.distance_deviation * near * near, LEAST_DEVIATION),
+    )
 
 
 def estimate_range(direction: Direction, prior: LampPrior) -> tuple[float, float]:

@@ -10,10 +10,9 @@ from geometry_msgs.msg import PoseWithCovarianceStamped, Vector3, Vector3Stamped
 from lta_config.covariances import UNKNOWN_VARIANCE
 from lta_graph.health import HealthFact, HealthLevel
 from lta_msgs.msg import BeaconPeaks, LampPeaks, LightBlock
-from lta_vlc.bearing import Bearing
 from lta_vlc.demodulation import DemodulatedBlock, DiodeFault, Peaks
 from lta_vlc.diodes import Axis
-from lta_vlc.lamp import LampEstimate
+from lta_vlc.lamp import Bearing, LampEstimate
 from lta_vlc.receiver import BeaconPresence
 import numpy as np
 from numpy.typing import NDArray

@@ -20,8 +20,7 @@ from lta_graph.health import HealthFact, HealthLevel
 from lta_graph.ros.stamps import to_stamp
 from lta_graph.ros.vehicle_messages import build_light_block_message
 from lta_vlc.diodes import build_diode_array
-from lta_vlc.direction import LampFinder
-from lta_vlc.lamp import LampPrior
+from lta_vlc.lamp import LampFinder, LampPrior
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks
 import numpy as np
 import pytest

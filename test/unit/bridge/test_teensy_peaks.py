@@ -8,8 +8,7 @@ from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.topics import load_topic_table
 from lta_emulation.teensy.emulated_board import EmulatedBoard
 from lta_vlc.diodes import build_diode_array
-from lta_vlc.direction import LampFinder
-from lta_vlc.lamp import LampPrior
+from lta_vlc.lamp import LampFinder, LampPrior
 from lta_vlc.receiver import BeaconReceiver
 from lta_vlc.settings import DemodulationSettings
 import numpy as np
@@ -83,7 +82,7 @@ def test_in_the_dark_no_diode_is_believed():
     (came,) = through(dark, LightBoard(LIGHT, 8, finds_peaks=True))
     assert (came.peaks.snr < DemodulationSettings().threshold).all()
     found = FINDER.find_lamp(came.peaks, DemodulationSettings().threshold, LampPrior())
-    assert found == (None, None)
+    assert found == (None, None, None)
 
 
 def test_peaks_that_nobody_asked_for_and_other_windows_are_one_sentence():

@@ -31,7 +31,7 @@ from lta_studies.light.bearing.bench import (
     STUDY_DISTANCE,
 )
 from lta_vlc.demodulation import Peaks
-from lta_vlc.direction import RAYLEIGH_SHARE
+from lta_vlc.lamp import RAYLEIGH_SHARE
 import numpy as np
 import pytest
 from scipy.optimize import least_squares

@@ -139,7 +139,7 @@ def test_bag_heads_for_the_lamp():
 
 
 def test_bag_heads_along_the_mean_of_the_paper_on_request():
-    """Cosine diodes of an even ring: their weighted mean is exact, `lta_vlc.bearing`."""
+    """Cosine diodes of an even ring: their weighted mean is exact, `lta_vlc.lamp`."""
     lamp = 0.7
     seen = tuple(max(math.cos(lamp - math.tau * k / 8), 0.0) for k in range(8))
     settings = StrategySettings(bag=BearingAngleSettings(mean=True))

@@ -18,9 +18,9 @@ from lta_model.vehicle import load_vehicle
 from lta_sim import compiled_sensors as counted
 from lta_sim.compiled_sensors import draw_normals, draw_uniforms, threefry
 from lta_sim.light_link import build_light_link, sample_magnitude, write_ring_light
-from lta_vlc.bearing import estimate_bearing
 from lta_vlc.demodulation import demodulate_beacon, demodulate_block, Peaks, plan_bins
 from lta_vlc.diodes import build_even_ring
+from lta_vlc.lamp import estimate_bearing
 from lta_vlc.settings import DemodulationSettings
 from lta_vlc.spectral.spectrum import plan_beacon_bins
 import numpy as np

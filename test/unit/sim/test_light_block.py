@@ -7,9 +7,9 @@ import math
 from lta_model.light.field import Albedo, Ambient, LightField, PlaneIlluminance, Room
 from lta_model.light.lamp import BeaconLamp, SquareWave
 from lta_model.sensors.photodiode import PhotodiodeArray
-from lta_vlc.bearing import estimate_bearing
 from lta_vlc.demodulation import demodulate_beacon, plan_bins
 from lta_vlc.diodes import build_even_ring
+from lta_vlc.lamp import estimate_bearing
 from lta_vlc.settings import DemodulationSettings
 import numpy as np
 import pytest

@@ -5,9 +5,9 @@
 import math
 
 from lta_model.sensors.photodiode import DiodeRing, spread_azimuths
-from lta_vlc.bearing import estimate_bearing, weighted_mean_bearing
 from lta_vlc.demodulation import demodulate_beacon, Peaks, plan_bins
 from lta_vlc.diodes import build_even_ring
+from lta_vlc.lamp import estimate_bearing, weighted_mean_bearing
 from lta_vlc.settings import DemodulationSettings
 import numba
 import numpy as np

@@ -8,8 +8,13 @@ import math
 from lta_config.errors import BadInput
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_vlc.diodes import build_diode_array, build_even_ring
-from lta_vlc.direction import build_direction_prior
-from lta_vlc.lamp import Direction, estimate_lamp_position, estimate_range, LampPrior
+from lta_vlc.lamp import (
+    build_direction_prior,
+    Direction,
+    estimate_lamp_position,
+    estimate_range,
+    LampPrior,
+)
 import numpy as np
 import pytest
 

@@ -10,14 +10,14 @@ from hypothesis import strategies as st
 from lta_config.compilation.compiler import compile_functions
 from lta_vlc.demodulation import Peaks
 from lta_vlc.diodes import build_even_ring, DiodeArray
-from lta_vlc.direction import (
+from lta_vlc.direction_fit import fit_direction
+from lta_vlc.lamp import (
     build_direction_prior,
     build_fit_inputs,
-    DirectionFinder,
+    LampFinder,
+    LampPrior,
     RAYLEIGH_SHARE,
 )
-from lta_vlc.direction_fit import fit_direction
-from lta_vlc.lamp import LampPrior
 from lta_vlc.reading_model import (
     BEND_DEVIATION,
     DirectionPrior,
@@ -84,14 +84,14 @@ def apart(a, b):
 def test_diodes_that_look_up_and_down_tell_the_elevation(azimuth, elevation):
     diodes = tetrahedral(8)
     amplitude = readings(diodes, ray(azimuth, elevation), pedestal=0.0)
-    found = DirectionFinder(diodes).find(heard(amplitude), 6.0, FAR)
+    found = LampFinder(diodes).find_direction(heard(amplitude), 6.0, FAR)
     assert apart(found.azimuth, azimuth) == pytest.approx(0.0, abs=EXACT)
     assert found.elevation == pytest.approx(elevation, abs=1e-4)
 
 
 def test_a_level_ring_leaves_the_elevation_to_what_was_expected():
     diodes, prior = build_even_ring(8), LampPrior(distance=4.0, height_deviation=1.0)
-    found = DirectionFinder(diodes).find(heard(readings(diodes, ray(0.2, 0.3))), 6.0, prior)
+    found = LampFinder(diodes).find_direction(heard(readings(diodes, ray(0.2, 0.3))), 6.0, prior)
     assert found.azimuth == pytest.approx(0.2, abs=3e-4)
     assert found.elevation == 0.0
     assert math.sqrt(found.elevation_variance) == pytest.approx(math.atan2(1.0, 4.0), rel=1e-6)
@@ -102,11 +102,10 @@ def test_a_lamp_close_by_is_seen_from_where_each_diode_is(distance):
     diodes = build_even_ring(8, SMALL, 1.2)
     amplitude = readings(diodes, ray(0.3), distance=distance)
     known = LampPrior(distance=distance, distance_deviation=0.0)
-    assert DirectionFinder(diodes).find(heard(amplitude), 6.0, known).azimuth == pytest.approx(
-        0.3, abs=EXACT
-    )
+    found = LampFinder(diodes).find_direction(heard(amplitude), 6.0, known)
+    assert found.azimuth == pytest.approx(0.3, abs=EXACT)
     blind = replace(diodes, places=((0.0, 0.0, 0.0),) * 8)
-    off = DirectionFinder(blind).find(heard(amplitude), 6.0, known).azimuth - 0.3
+    off = LampFinder(blind).find_direction(heard(amplitude), 6.0, known).azimuth - 0.3
     assert abs(off) > math.radians(0.2)
 
 
@@ -117,19 +116,19 @@ def test_a_spoilt_diode_is_left_out(spoilt):
     amplitude[spoilt] = 3000.0
     peaks = heard(amplitude)
     peaks.snr[spoilt] = 0.0
-    found = DirectionFinder(diodes).find(peaks, 6.0, FAR)
+    found = LampFinder(diodes).find_direction(peaks, 6.0, FAR)
     assert found.azimuth == pytest.approx(0.3, abs=1e-5)
 
 
 def test_nothing_is_found_below_the_gate_or_in_even_light():
-    finder = DirectionFinder(build_even_ring(8))
-    assert finder.find(heard(np.full(8, 40.0)), 6.0, FAR) is None
+    finder = LampFinder(build_even_ring(8))
+    assert finder.find_direction(heard(np.full(8, 40.0)), 6.0, FAR) is None
     dim = heard(readings(build_even_ring(8), ray(0.0)), noise=60.0)
     assert dim.snr.max() < 6.0
-    assert finder.find(dim, 6.0, FAR) is None
+    assert finder.find_direction(dim, 6.0, FAR) is None
     spoilt = heard(readings(build_even_ring(8), ray(0.0)))
     spoilt.snr[:] = 0.0
-    assert finder.find(spoilt, 6.0, FAR) is None
+    assert finder.find_direction(spoilt, 6.0, FAR) is None
 
 
 ANGLES = st.floats(-math.pi, math.pi)
@@ -138,10 +137,10 @@ NOISY = st.lists(st.floats(-1.0, 1.0), min_size=8, max_size=8).map(np.array)
 
 @given(azimuth=ANGLES, noise=NOISY, turns=st.integers(1, 7))
 def test_turning_the_readings_round_the_ring_turns_the_direction(azimuth, noise, turns):
-    finder = DirectionFinder(build_even_ring(8, SMALL, 1.2, 0.02))
+    finder = LampFinder(build_even_ring(8, SMALL, 1.2, 0.02))
     amplitude = readings(build_even_ring(8, SMALL, 1.2), ray(azimuth)) + noise
-    one = finder.find(heard(amplitude, 1.0), 6.0, LampPrior())
-    other = finder.find(heard(np.roll(amplitude, turns), 1.0), 6.0, LampPrior())
+    one = finder.find_direction(heard(amplitude, 1.0), 6.0, LampPrior())
+    other = finder.find_direction(heard(np.roll(amplitude, turns), 1.0), 6.0, LampPrior())
     turned = apart(other.azimuth - one.azimuth, turns * math.pi / 4.0)
     # Both stop within a step of 1e-5.
     assert turned == pytest.approx(0.0, abs=1e-5)
@@ -153,8 +152,8 @@ def test_the_order_of_the_diodes_does_not_matter(azimuth, noise, order):
     diodes = tetrahedral(8, 0.02)
     amplitude = readings(diodes, ray(azimuth, 0.2)) + noise
     other = replace(diodes, axes=tuple(diodes.axes[k] for k in order))
-    one = DirectionFinder(diodes).find(heard(amplitude, 1.0), 6.0, LampPrior())
-    two = DirectionFinder(other).find(heard(amplitude[list(order)], 1.0), 6.0, LampPrior())
+    one = LampFinder(diodes).find_direction(heard(amplitude, 1.0), 6.0, LampPrior())
+    two = LampFinder(other).find_direction(heard(amplitude[list(order)], 1.0), 6.0, LampPrior())
     assert apart(two.azimuth, one.azimuth) == pytest.approx(0.0, abs=1e-5)
     assert two.covariance == pytest.approx(one.covariance, rel=1e-3, abs=1e-7)
 
@@ -217,7 +216,7 @@ def test_another_solver_finds_the_same_minimum(diodes, wide):
         azimuth, elevation = generator.uniform(-3.0, 3.0), generator.normal(0.0, 0.2)
         amplitude = readings(diodes, ray(azimuth, elevation), distance=4.0)
         amplitude = amplitude * generator.normal(1.0, 0.02, 8) + generator.normal(0.0, 0.5, 8)
-        found = DirectionFinder(diodes).find(heard(amplitude, 0.5), 6.0, prior)
+        found = LampFinder(diodes).find_direction(heard(amplitude, 0.5), 6.0, prior)
         other = independent(diodes, amplitude, 0.5, prior, found)
         sigma = np.sqrt(np.diag(found.covariance))
         off = [apart(other[0], found.azimuth), other[1] - found.elevation]
@@ -234,7 +233,7 @@ def test_the_interval_holds_what_the_light_does_by_its_priors():
     diodes, prior = build_even_ring(8, SMALL, 1.2, 0.02), LampPrior()
     diodes = replace(diodes, response_deviation=0.3)
     expected, axes = build_direction_prior(prior), np.array(diodes.axes)
-    finder = DirectionFinder(diodes)
+    finder = LampFinder(diodes)
     inside, trials = 0, 2000
     for _ in range(trials):
         azimuth = generator.uniform(-math.pi, math.pi)
@@ -257,7 +256,7 @@ def test_the_interval_holds_what_the_light_does_by_its_priors():
         pattern = (slope * axis.conj()).real + (bend * axis.conj() ** 2).real
         pattern += PATTERN_DEVIATION * generator.standard_normal(8)
         amplitude = (amplitude + 40.0 + uneven * pattern) * generator.normal(1.0, 0.02, 8)
-        found = finder.find(
+        found = finder.find_direction(
             heard(np.abs(amplitude + generator.normal(0, 0.5, 8)), 0.5), 6.0, prior
         )
         inside += abs(apart(found.azimuth, azimuth)) < 1.96 * math.sqrt(found.azimuth_variance)
@@ -288,8 +287,8 @@ def test_readings_that_follow_no_model_widen_the_interval():
     """A lamp half behind the hull: a diode that should be lit reads as if it looked away."""
     diodes = build_even_ring(8, SMALL, 1.2, 0.02)
     amplitude = readings(diodes, ray(0.3), distance=4.0)
-    whole = DirectionFinder(diodes).find(heard(amplitude, 0.5), 6.0, LampPrior())
+    whole = LampFinder(diodes).find_direction(heard(amplitude, 0.5), 6.0, LampPrior())
     amplitude[0] = amplitude[4]
-    shaded = DirectionFinder(diodes).find(heard(amplitude, 0.5), 6.0, LampPrior())
+    shaded = LampFinder(diodes).find_direction(heard(amplitude, 0.5), 6.0, LampPrior())
     assert whole.azimuth == pytest.approx(0.3, abs=0.02)
     assert shaded.azimuth_variance > 4.0 * whole.azimuth_variance

@@ -26,7 +26,7 @@ from lta_graph.ros.stamps import to_stamp
 from lta_graph.ros.vehicle_messages import build_light_block_message
 from lta_vlc.demodulation import Peaks
 from lta_vlc.diodes import build_diode_array
-from lta_vlc.direction import LampFinder
+from lta_vlc.lamp import LampFinder
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from std_msgs.msg import Header

@@ -42,7 +42,7 @@ from lta_sim.supply import SupplyComponents, SupplyConstants
 from lta_sim.termination import build_goal, EndConditions, GoalProgress
 from lta_sim.wind_record import WindRecord
 from lta_vlc.diodes import build_diode_array
-from lta_vlc.direction import build_direction_prior, build_fit_inputs
+from lta_vlc.lamp import build_direction_prior, build_fit_inputs
 from lta_vlc.reading_model import DiodeFitInputs, DirectionPrior
 import numpy as np
 from numpy.typing import NDArray

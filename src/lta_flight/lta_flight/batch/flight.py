@@ -44,8 +44,8 @@ from lta_sim.termination import (
     GoalProgress,
     LIFT_OFF,
 )
-from lta_vlc.direction import RAYLEIGH_SHARE
 from lta_vlc.direction_fit import DirectionFit
+from lta_vlc.lamp import RAYLEIGH_SHARE
 
 State = tuple[float, ...]
 Pose = tuple[float, float, float, float, float, float, float]  # position [m], quaternion
@@ -188,7 +188,7 @@ def initial_tally(constants: FlightConstants) -> FlightTally:
 
 
 def amplitude_error(amplitude: float, snr: float) -> float:
-    """Return the standard deviation of a reading due to noise, as `lta_vlc.direction` [counts]."""
+    """Return the standard deviation of a reading due to noise, as `lta_vlc.lamp` [counts]."""
     return RAYLEIGH_SHARE * amplitude / snr if snr > 0.0 else math.inf
 
 

@@ -14,8 +14,7 @@ from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
 from lta_vlc.demodulation import DemodulatedBlock, Peaks
 from lta_vlc.diodes import build_diode_array
-from lta_vlc.direction import LampDetection, LampFinder
-from lta_vlc.lamp import LampPrior
+from lta_vlc.lamp import LampDetection, LampFinder, LampPrior
 from lta_vlc.messages import (
     describe_beacons,
     from_bearing,

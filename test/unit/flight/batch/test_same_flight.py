@@ -33,7 +33,7 @@ from lta_sim import compiled_sensors
 from lta_sim.compiled_sensors import ImuAxes, SensorErrors
 from lta_sim.simulated_vehicle import SimulatedVehicle
 from lta_sim.termination import REACHED
-from lta_vlc.direction import RAYLEIGH_SHARE
+from lta_vlc.lamp import RAYLEIGH_SHARE
 from lta_vlc.receiver import BeaconReceiver
 import numpy as np
 import pytest

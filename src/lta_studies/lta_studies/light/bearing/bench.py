@@ -13,10 +13,9 @@ from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec, loa
 from lta_model.light.view import LightView
 from lta_model.sensors.photodiode import PhotodiodeArray
 from lta_report.palette import GOOD, LAMP, TRUTH
-from lta_vlc.bearing import estimate_bearing
 from lta_vlc.demodulation import demodulate_beacon, Peaks, plan_bins
 from lta_vlc.diodes import build_diode_array
-from lta_vlc.direction import DirectionFinder
+from lta_vlc.lamp import LampFinder
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
@@ -101,11 +100,10 @@ class BearingBench:
         self._rate, self._samples = table.light.sample_rate.si, table.light.samples
         self._bins = plan_bins(self._policy.demodulation, self._rate, self._samples)
         self._believed = build_diode_array(self._vehicle.file.sensors.diodes)
-        self._ring = self._believed.ring
         if truth is not None:
             self._vehicle = build_vehicle_scenario_stack(truth)[0]
         # The compiled fit is the one that flies, and fast enough for thousands of poses.
-        self._finder = DirectionFinder(self._believed)
+        self._finder = LampFinder(self._believed)
         # Columns 0 to 2 are the positions of the diodes; bearings refer to their centre. [m, body]
         self._middle = self._vehicle.diodes.planes[:, :3].mean(axis=0)
         self._lamp = np.array(self.scenario.goal_lamp.position.vector)
@@ -148,8 +146,7 @@ class BearingBench:
         threshold, prior = self._policy.demodulation.threshold, self._policy.prior
         azimuth, elevation = self.true_direction(pose)
         # Both estimators get the same block.
-        paper = estimate_bearing(peaks, self._ring, threshold)
-        ours = self._finder.find(peaks, threshold, prior)
+        paper, ours, _ = self._finder.find_lamp(peaks, threshold, prior)
         nan = math.nan
         return BearingReading(
             float(peaks.snr.max()),

@@ -34,11 +34,9 @@ from lta_data.bag.recorded_flight import open_flight, RecordedFlight
 from lta_data.bag.table import get_column
 from lta_report.progress_bar import ProgressBar
 from lta_studies.light.bearing.bench import DIRECTION_COUNT, error_quantile
-from lta_vlc.bearing import estimate_bearing
 from lta_vlc.demodulation import demodulate_block, plan_bins
 from lta_vlc.diodes import build_diode_array, DiodeArray
-from lta_vlc.direction import DirectionFinder
-from lta_vlc.lamp import LampPrior
+from lta_vlc.lamp import LampFinder, LampPrior
 from lta_vlc.settings import DemodulationSettings
 import numpy as np
 from numpy.typing import NDArray
@@ -128,7 +126,7 @@ def evaluate_turn(
     """
     light = load_topic_table().light
     bins = plan_bins(demodulation, light.sample_rate.si, light.samples)
-    finder = DirectionFinder(diodes)
+    finder = LampFinder(diodes)
     # Half the duration of a block [s]; the truth is taken at its middle.
     half = 0.5 * light.samples / light.sample_rate.si
     lamp = _build_true_direction(flight, motion)
@@ -141,8 +139,7 @@ def evaluate_turn(
             if math.isnan(direction):
                 continue
             peaks = demodulate_block(block, (bins,), full_scale).peaks[0]
-            paper = estimate_bearing(peaks, diodes.ring, demodulation.threshold)
-            ours = finder.find(peaks, demodulation.threshold, LampPrior())
+            paper, ours, _ = finder.find_lamp(peaks, demodulation.threshold, LampPrior())
             samples.append((
                 direction, math.nan if paper is None else paper.angle,
                 math.nan if ours is None else ours.azimuth, float(peaks.snr.max()),
