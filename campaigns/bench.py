@@ -25,7 +25,7 @@ from typing import Any, Final
 import lta_analysis
 from lta_config.machine import count_cores
 from lta_config.topics import load_topic_table
-from lta_control.gains_file import load_gains
+from lta_control.laws import load_gains
 from lta_control.strategies import find_navigation_strategy
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight import fly_once

@@ -94,7 +94,7 @@ AREAS: Final = {
     ),
     'control': Area(
         'src/lta_control/lta_control',
-        ('[!g]*.py', 'laws/*.py', 'strategies/*.py'),
+        ('[!_]*.py', 'laws/*.py', 'strategies/*.py'),
         'test/unit/control',
         ('test/property/test_laws.py', 'test/property/test_control.py'),
     ),

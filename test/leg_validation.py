@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from lta_config.quantity import Quantity
 from lta_config.topics import load_topic_table
-from lta_control.phases import Phase
+from lta_control.mission import Phase
 from lta_energy.irradiance import NO_IRRADIANCE
 from lta_flight.closed_loop import ClosedLoop
 from lta_model.electrical.mppt_charger import resting_flow

@@ -15,7 +15,7 @@ from pathlib import Path
 import sys
 
 from lta_config.topics import load_topic_table
-from lta_control.gains_file import load_gains
+from lta_control.laws import load_gains
 from lta_control.strategies import find_navigation_strategy
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_stack import FlightStack

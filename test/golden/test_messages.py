@@ -44,7 +44,7 @@ from lta_config.schema.paper_file import PaperRow
 from lta_config.schema.spectrum_file import load_spectrum
 from lta_config.schema.sweep_file import load_sweep
 from lta_config.topics import TopicTable
-from lta_control.gains_file import load_gains
+from lta_control.laws import load_gains
 from lta_flight.sweep.plan import SweepPlan
 from lta_model.electrical.panel import fit_diode
 from lta_model.scenario import load_scenario

@@ -5,9 +5,9 @@
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from lta_control.cascade import Setpoint
 from lta_control.estimator import MotionEstimate
 from lta_control.messages import from_duties, from_setpoint
+from lta_control.motion import Setpoint
 from lta_control.odometry.ground_state import GroundSettings, start_ground_motion
 from lta_control.odometry.messages import from_airspeed, from_estimate
 from lta_graph.ros import vehicle_messages as messages

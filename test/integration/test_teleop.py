@@ -6,8 +6,8 @@ from random import random
 
 from geometry_msgs.msg import TwistStamped
 from lta_bridge.teleop.sticks import GamepadLayout
-from lta_control.cascade import Setpoint
 from lta_control.messages import from_setpoint
+from lta_control.motion import Setpoint
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Joy
 

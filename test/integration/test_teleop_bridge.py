@@ -6,8 +6,8 @@ from random import random
 import signal
 
 from bench_body import BenchBody
-from lta_control.cascade import Setpoint
 from lta_control.messages import from_setpoint
+from lta_control.motion import Setpoint
 from lta_emulation.crazyflie.firmware import Firmware
 from lta_emulation.crazyflie.parameters import AS_SOLD
 from lta_emulation.crazyflie.server import CrazyflieServer

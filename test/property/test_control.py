@@ -18,16 +18,16 @@ from lta_control.allocation import (
     thrusts_to_duties,
     WEIGHTS,
 )
-from lta_control.cascade import (
-    CascadeMeasurement,
+from lta_control.laws import load_gains
+from lta_control.laws.cascade import (
+    CascadeLawConstants,
+    CascadeLawMemory,
+    control_step,
     pid_step,
     PidGains,
-    Setpoint,
     steer_to_course,
-    wrap_angle,
 )
-from lta_control.gains_file import load_gains
-from lta_control.laws.cascade import CascadeLawConstants, CascadeLawMemory, control_step
+from lta_control.motion import CascadeMeasurement, Setpoint, wrap_angle
 from lta_control.vehicle_parameters import build_rotors
 from lta_model.vehicle import load_vehicle
 import numpy as np

@@ -10,11 +10,9 @@ from hypothesis import strategies as st
 from lta_config.compilation.flat import compile_core, TupleLayout
 from lta_config.files import list_shipped_names
 from lta_control.allocation import create_working_array, DUTY_SCRATCH
-from lta_control.attitude import quaternion_from_angles
-from lta_control.cascade import Setpoint
-from lta_control.gains_file import load_law_gains
-from lta_control.laws import find_control_law, LAWS
-from lta_control.laws.protocol import ControlMotion, LawInputs
+from lta_control.laws import find_control_law, LAWS, load_law_gains
+from lta_control.laws.protocol import LawInputs
+from lta_control.motion import ControlMotion, quaternion_from_angles, Setpoint
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest

@@ -19,7 +19,7 @@ from lta_bridge.teleop.steering import (
     TeleopState,
 )
 from lta_bridge.teleop.sticks import Sticks
-from lta_control.cascade import wrap_angle
+from lta_control.motion import wrap_angle
 
 PERIOD = 0.02
 RATES = TeleopRates()

@@ -23,16 +23,15 @@ from lta_bag.schemas import encode_message
 from lta_bag.writer import BagWriter
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.topics import load_topic_table
-from lta_control.gains_file import load_gains
+from lta_control.guidance import ReserveResponseSettings
+from lta_control.laws import load_gains
 from lta_control.messages import (
     from_setpoint,
     to_air_motions,
     to_cascade_measurement,
 )
-from lta_control.mission import mission_step, MissionSettings
-from lta_control.odometry.airspeed import AirReckoning
-from lta_control.phases import Mission
-from lta_control.reserve import FlightPermission, ReserveResponseSettings
+from lta_control.mission import FlightPermission, Mission, mission_step, MissionSettings
+from lta_control.motion import AirReckoning
 from lta_control.sighting import build_sight
 from lta_control.strategies import find_navigation_strategy
 from lta_data.bag.recorded_flight import open_flight

@@ -224,7 +224,7 @@ class VehicleSheetRequest(Action, command='vehicle show', json=True):
 
 def find_helium_limit(name: str, console: Console) -> float:
     """Return the loss of lift up to which the gains hold [kg]; print each step of the search."""
-    from lta_control.gains_file import load_gains
+    from lta_control.laws import load_gains
     from lta_studies.tune.helium_limit import find_tolerable_helium_loss
     from lta_studies.tune.run import select_start_gains
 

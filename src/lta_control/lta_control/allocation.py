@@ -28,6 +28,14 @@ PerRotor = tuple[float, float, float, float, float, float, float, float]
 NO_ROTORS: PerRotor = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
+def is_any_motor_turning(duties: PerRotor) -> bool:
+    """Return whether any motor is commanded to turn."""
+    total = 0.0
+    for j in range(len(duties)):
+        total += abs(duties[j])
+    return total > 0.0
+
+
 def pad_to_slots(values: Iterable[float]) -> PerRotor:
     """
     Return up to eight numbers, padded with zeros.

@@ -15,8 +15,6 @@ from typing import final
 from lta_config.compilation.flat import Array, compile_core, TupleLayout
 from lta_config.settings import Settings
 from lta_control.allocation import DUTY_SCRATCH
-from lta_control.attitude import Quaternion, rotate_level_to_world, Vector, yaw_from_quaternion
-from lta_control.cascade import CascadeMeasurement, Setpoint
 from lta_control.estimator import EstimatorSettings, MotionEstimate
 from lta_control.flight_step import (
     DroneConstants,
@@ -25,15 +23,24 @@ from lta_control.flight_step import (
     FlightRules,
     is_flying,
     is_stopped,
-    measure_motion,
     PilotMemory,
     SensorInputs,
     TILT_LIMIT,
 )
 from lta_control.laws import cascade
-from lta_control.laws.protocol import ControlLaw, ControlMotion
+from lta_control.laws.protocol import ControlLaw
+from lta_control.motion import (
+    CascadeMeasurement,
+    ControlMotion,
+    DeadReckonedMotion,
+    measure_motion,
+    Quaternion,
+    rotate_level_to_world,
+    Setpoint,
+    Vector,
+    yaw_from_quaternion,
+)
 from lta_control.odometry.ground_motion import is_on_ground, is_still, ModelledMotion
-from lta_control.sighting import DeadReckonedMotion
 from lta_control.vehicle_parameters import build_estimator_model
 from lta_model.vehicle import Vehicle
 import numpy as np

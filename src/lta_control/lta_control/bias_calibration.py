@@ -13,7 +13,7 @@ import math
 from typing import Final, NamedTuple
 
 from lta_config.constants import STANDARD_GRAVITY
-from lta_control.attitude import Vector
+from lta_control.motion import Vector
 
 MOVED_RATE: Final = math.radians(10.0)  # rad/s off the mean; a hand turns it faster
 MOVED_FORCE: Final = 0.1 * STANDARD_GRAVITY  # m/s2 off the mean

@@ -27,12 +27,19 @@ from lta_control.actions.tasks import (
     TaskResult,
     TO_PLACES,
 )
-from lta_control.cascade import CascadeMeasurement, FLOOR_SETPOINT, Setpoint
 from lta_control.flight_step import FOOT, has_landed, LandingWatch, watch_landing
-from lta_control.guidance import GuidanceInputs, refuse_failures
-from lta_control.mission import fly_phase, MissionSettings, select_light
+from lta_control.guidance import decide_permission, GuidanceInputs, refuse_failures
+from lta_control.mission import (
+    apply_reserve,
+    FlightPermission,
+    fly_phase,
+    Mission,
+    MissionSettings,
+    Phase,
+    select_light,
+)
+from lta_control.motion import CascadeMeasurement, FLOOR_SETPOINT, Setpoint
 from lta_control.odometry.tracked_motion import LocatedMotion
-from lta_control.phases import Mission, Phase
 from lta_control.place_hold import (
     begin_hold,
     find_route_fault,
@@ -41,7 +48,6 @@ from lta_control.place_hold import (
     Route,
     steer_to_place,
 )
-from lta_control.reserve import apply_reserve, decide_permission, FlightPermission
 from lta_control.strategies.protocol import NavigationStrategy
 from lta_vlc.settings import ANY_BEACON
 

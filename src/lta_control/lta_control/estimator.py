@@ -5,8 +5,8 @@ Estimate the drone's motion from its own sensors and commands.
 
 At rest on level ground the estimator first calibrates the IMU biases and the floor pressure
 (`rest_time`), and starts again if the drone is moved. It waits while the biases are larger than
-the sensor allows. After `PATIENCE` rest times it accepts a tilt, since an unbalanced drone stands
-tilted, but never a turn: a false yaw bias would turn the estimate for the rest of the flight.
+the sensor allows. After `REST_PATIENCE` rest times it accepts a tilt, since an unbalanced drone
+stands tilted, but never a turn: a false yaw bias would turn the estimate for the whole flight.
 Then it filters attitude, altitude and airspeed at each step. A range finder or barometer that
 repeats its reading to the bit is stuck and not used. The position here is dead reckoning through
 the air; that over ground is estimated from it (`ground_motion`).
@@ -17,17 +17,7 @@ from typing import NamedTuple
 
 from lta_config.constants import AIR_DENSITY, STANDARD_GRAVITY
 from lta_config.settings import setting, Settings
-from lta_control.allocation import Columns, NO_ROTORS, PerRotor
-from lta_control.altitude import (
-    AltitudeEstimate,
-    AltitudeSettings,
-    correct_altitude,
-    HeightSensors,
-    is_stuck,
-    predict_altitude,
-    watch_height_sensors,
-)
-from lta_control.attitude import attitude_step, Quaternion, up_in_body, Vector, yaw_from_quaternion
+from lta_control.allocation import Columns, is_any_motor_turning, NO_ROTORS, PerRotor
 from lta_control.bias_calibration import (
     compute_biases,
     is_tilted,
@@ -37,17 +27,29 @@ from lta_control.bias_calibration import (
     RestSums,
     SensorBiases,
 )
-from lta_control.odometry.airspeed import (
+from lta_control.motion import (
     advance_position,
+    Quaternion,
+    up_in_body,
+    Vector,
+    yaw_from_quaternion,
+)
+from lta_control.motion_filters import (
     airspeed_step,
     AirspeedEstimate,
+    AltitudeEstimate,
+    AltitudeSettings,
+    attitude_step,
+    correct_altitude,
     HullDragModel,
+    predict_altitude,
 )
 from lta_control.odometry.ground_state import GroundSettings
 
 GYRO_REACH = math.radians(3000.0)  # rad/s; the BMI088 measures 2000 deg/s
 HARDEST_PULL = 400.0  # m/s2; it measures 24 g
 UPRIGHT_COSINE = 0.1  # cosine of the tilt below which climb and heave are not separated
+STUCK = 2.0  # s of turning motors without a new reading, after which a sensor is not believed
 REST_PATIENCE = 5.0  # rest times without motion, after which a tilt is accepted and a turn refused
 
 
@@ -90,6 +92,20 @@ class EstimatorModel(NamedTuple):
     force_bias: Vector = (0.0, 0.0, 0.0)
 
 
+class SensorWatch(NamedTuple):
+    """The newest reading of a sensor, and how long motors have turned since it changed [s]."""
+
+    reading: float = 0.0
+    age: float = 0.0
+
+
+class HeightSensors(NamedTuple):
+    """The two sensors that measure the height."""
+
+    range: SensorWatch = SensorWatch()
+    pressure: SensorWatch = SensorWatch()
+
+
 class MotionEstimate(NamedTuple):
     """
     Full state of the estimator; before `ready`, only `rest` and the height are valid.
@@ -120,6 +136,39 @@ class EstimatorInputs(NamedTuple):
     duties: PerRotor  # the newest command
 
 
+def mask_out_of_range(reading: float, lowest: float, highest: float) -> float:
+    """Return a reading, or NaN outside the sensor's range (REP-117)."""
+    return reading if lowest <= reading <= highest else math.nan
+
+
+def watch_sensor(watch: SensorWatch, reading: float, turning: bool, dt: float) -> SensorWatch:
+    """
+    Return what is known about a sensor `dt` seconds later.
+
+    Noise changes every reading of a drone in flight, so one that repeats to the bit is no new
+    one; neither is NaN or infinity. At rest a sensor may be quiet: time counts while motors are
+    `turning`.
+    """
+    if math.isfinite(reading) and reading != watch.reading:
+        return SensorWatch(reading, 0.0)
+    return SensorWatch(watch.reading, watch.age + dt if turning else watch.age)
+
+
+def watch_height_sensors(
+    sensors: HeightSensors, distance: float, pressure: float, turning: bool, dt: float
+) -> HeightSensors:
+    """Return what is known about both sensors after readings [m, Pa]; see `watch_sensor`."""
+    return HeightSensors(
+        watch_sensor(sensors.range, distance, turning, dt),
+        watch_sensor(sensors.pressure, pressure, turning, dt),
+    )
+
+
+def is_stuck(watch: SensorWatch) -> bool:
+    """Return whether a sensor has given no new reading for too long."""
+    return watch.age > STUCK
+
+
 def has_height(estimate: MotionEstimate) -> bool:
     """Return whether range finder or barometer still measure the height."""
     return not (is_stuck(estimate.sensors.range) and is_stuck(estimate.sensors.pressure))
@@ -136,14 +185,6 @@ def air_relative_velocity(estimate: MotionEstimate) -> Vector:
         sway,
         (climb - (ux * surge + uy * sway)) / uz if uz > UPRIGHT_COSINE else climb,
     )
-
-
-def is_any_motor_turning(duties: PerRotor) -> bool:
-    """Return whether any motor is commanded to turn."""
-    total = 0.0
-    for j in range(len(duties)):
-        total += abs(duties[j])
-    return total > 0.0
 
 
 def is_plausible_imu_sample(rates: Vector, force: Vector) -> bool:

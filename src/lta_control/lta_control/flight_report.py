@@ -10,8 +10,7 @@ from lta_control.commanded_flight import CommandedFlight
 from lta_control.estimator import EstimatorModel, MotionEstimate
 from lta_control.flight_step import ControlInputs, FlightRules, FlightState, is_stopped
 from lta_control.guidance import Guidance
-from lta_control.phases import Mission, Phase
-from lta_control.reserve import FlightPermission
+from lta_control.mission import FlightPermission, Mission, Phase
 from lta_graph.health import HealthFact, HealthLevel
 
 REST_REASONS = {

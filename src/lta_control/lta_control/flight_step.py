@@ -21,10 +21,7 @@ from enum import IntEnum
 import math
 from typing import Any, NamedTuple
 
-from lta_control.allocation import Scratch
-from lta_control.altitude import is_stuck, SensorWatch, watch_sensor
-from lta_control.attitude import Quaternion, up_in_body, Vector, yaw_from_quaternion
-from lta_control.cascade import build_measurement, CascadeMeasurement, Setpoint
+from lta_control.allocation import is_any_motor_turning, Scratch
 from lta_control.estimator import (
     air_relative_velocity,
     estimator_step,
@@ -32,13 +29,25 @@ from lta_control.estimator import (
     EstimatorModel,
     EstimatorSettings,
     has_height,
-    is_any_motor_turning,
     is_plausible_imu_sample,
+    is_stuck,
     MotionEstimate,
+    SensorWatch,
+    watch_sensor,
 )
 from lta_control.laws.cascade import CascadeLawMemory
-from lta_control.laws.protocol import ControlLaw, ControlMotion, LawInputs, LawMemory
-from lta_control.sighting import DeadReckonedMotion
+from lta_control.laws.protocol import ControlLaw, LawInputs, LawMemory
+from lta_control.motion import (
+    CascadeMeasurement,
+    climb_rate,
+    ControlMotion,
+    DeadReckonedMotion,
+    has_overturned,
+    measure_motion,
+    Setpoint,
+    Vector,
+    yaw_from_quaternion,
+)
 
 TILT_LIMIT = 1.0  # rad; beyond it the drone counts as overturned
 # m below the drone: the setpoint of a slow descent that goes on until the floor
@@ -216,11 +225,6 @@ def motion_from_estimate(estimate: MotionEstimate) -> ControlMotion:
     )
 
 
-def measure_motion(motion: ControlMotion) -> CascadeMeasurement:
-    """Return the input of the cascade."""
-    return build_measurement(motion.attitude, motion.position[2], motion.velocity, motion.rates)
-
-
 def control_motors(
     law: ControlLaw,
     constants: Any,
@@ -313,15 +317,6 @@ def is_flying(state: int) -> bool:
     return FlightState.FLYING <= state <= FlightState.LANDING
 
 
-def has_overturned(attitude: Quaternion, uprightness: float) -> bool:
-    """
-    Return whether the drone tilts so far that its motors stop; False if its attitude is NaN.
-
-    `uprightness` is the cosine of the largest tilt.
-    """
-    return up_in_body(attitude)[2] < uprightness
-
-
 def is_control_input_finite(motion: ControlMotion, setpoint: Setpoint) -> bool:
     """Return whether all numbers that steer are finite."""
     x, y, z = motion.position
@@ -331,12 +326,6 @@ def is_control_input_finite(motion: ControlMotion, setpoint: Setpoint) -> bool:
     # A sum is finite only if every term is
     moving = x + y + z + a + b + c + d + u + v + w + p + q + r
     return math.isfinite(moving + setpoint.altitude + setpoint.heading + setpoint.speed)
-
-
-def climb_rate(motion: ControlMotion) -> float:
-    """Return the vertical velocity [m/s]."""
-    (x, y, z), (u, v, w) = up_in_body(motion.attitude), motion.velocity
-    return x * u + y * v + z * w
 
 
 def has_landed(altitude: float, climb: float, setpoint: Setpoint, standing_height: float) -> bool:

@@ -17,13 +17,22 @@ from geometry_msgs.msg import (
 )
 from lta_config.covariances import has_estimate
 from lta_config.topics import TopicTable
-from lta_control.attitude import level_quaternion, Quaternion, Vector, yaw_from_quaternion
-from lta_control.cascade import CascadeMeasurement, FLOOR_SETPOINT, Setpoint
-from lta_control.flight_step import ControlInputs, has_overturned, measure_motion, TILT_LIMIT
-from lta_control.guidance import GuidanceInputs
-from lta_control.laws.protocol import ControlMotion
+from lta_control.flight_step import ControlInputs, TILT_LIMIT
+from lta_control.guidance import GuidanceInputs, ReserveReport, ReserveResponseSettings
 from lta_control.mission import MissionSettings
-from lta_control.odometry.airspeed import AirReckoning
+from lta_control.motion import (
+    AirReckoning,
+    CascadeMeasurement,
+    ControlMotion,
+    FLOOR_SETPOINT,
+    has_overturned,
+    level_quaternion,
+    measure_motion,
+    Quaternion,
+    Setpoint,
+    Vector,
+    yaw_from_quaternion,
+)
 from lta_control.odometry.tracked_motion import (
     LocatedMotion,
     Locator,
@@ -31,7 +40,6 @@ from lta_control.odometry.tracked_motion import (
     rotate,
     TrackedMotion,
 )
-from lta_control.reserve import ReserveReport, ReserveResponseSettings
 from lta_control.sighting import build_sight, LampPosition
 from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy
 from lta_graph.health import HealthLevel, stamp_age

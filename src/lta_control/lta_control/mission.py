@@ -14,15 +14,73 @@ lamp, as set in `reserve`. On the ground it stays there, and an interrupted flig
 The received light belongs to the beacon requested one step earlier (`topics.yaml`, light/beacon).
 """
 
+from enum import IntEnum
 import math
+from typing import NamedTuple
 
 from lta_config.course import Course
 from lta_config.settings import setting
-from lta_control.cascade import Setpoint
-from lta_control.phases import Mission, Phase, SWITCHING
-from lta_control.reserve import apply_reserve, FlightPermission, heading_to_start, ReserveRule
-from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy
+from lta_control.motion import Setpoint
+from lta_control.strategies.protocol import LightMeasurement, Memory, NavigationStrategy
 from lta_control.strategies.settings import StrategySettings
+
+SWITCHING = 2  # light blocks from requesting a beacon until a block surely holds its light
+
+
+class Phase(IntEnum):
+    """What the drone is doing."""
+
+    REST = 0
+    CLIMB = 1
+    SEEK = 2
+    ARRIVED = 3
+    HOME = 4
+    LAND = 5
+    HOLD = 6  # between two commands, or at a place
+
+    def __str__(self) -> str:
+        """Return the name as diagnostics report it."""
+        return self.name.lower()
+
+
+class Mission(NamedTuple):
+    """State of a mission."""
+
+    phase: Phase = Phase.REST
+    memory: Memory = ()  # memory of the strategy, once it has begun
+    leg: int = 0  # index of the lamp that it seeks or holds at, from 0
+    target: int = 0  # index of the lamp that it listens for: `leg`, or the next
+    turns: int = SWITCHING  # light blocks since it began to listen for that one
+    receptions: int = 0  # latest consecutive blocks with that lamp in sight
+    refused: bool = False  # whether it stays because the next lamp was not received
+    start: tuple[float, float] = (0.0, 0.0)  # take-off position, by dead reckoning [m, odom]
+    left: float = 0.0  # remaining time for the flight back [s]
+    heading: float = 0.0  # last commanded heading, held while landing [rad, odom]
+
+
+class FlightPermission(IntEnum):
+    """What the energy allows; a larger value ends the flight sooner."""
+
+    FLY = 0
+    RESERVE = 1
+    DOWN = 2
+
+
+class ReserveAction(IntEnum):
+    """What to do at the energy reserve."""
+
+    LAND = 0
+    RETURN = 1
+    PERCH = 2
+
+
+class ReserveRule(NamedTuple):
+    """`ReserveResponseSettings` as the mission takes them: numbers alone."""
+
+    action: int
+    home: float  # [m]
+    patience: float
+    turning: float  # [s]
 
 
 class MissionSettings(StrategySettings):
@@ -105,6 +163,49 @@ def mission_step(
     if lamps > 1 and (mission.phase == Phase.SEEK or mission.phase == Phase.ARRIVED):
         mission = _listen_for_next(settings, strategy, mission, sight, lamps)
     return setpoint, mission
+
+
+def apply_reserve(
+    rule: ReserveRule,
+    speed: float,
+    mission: Mission,
+    sight: LightMeasurement,
+    order: FlightPermission,
+) -> Mission:
+    """
+    Return the mission after applying the energy reserve.
+
+    A flight back is never restarted and always ends in a landing, wherever it has led: it uses
+    dead reckoning, which drifts with the wind. `speed` is its airspeed. [m/s]
+    """
+    if mission.phase == Phase.HOME:
+        mission = mission._replace(left=mission.left - sight.interval)
+        near = distance_to_start(mission.start, sight.position) <= rule.home
+        over = near or mission.left <= 0.0 or order == FlightPermission.DOWN
+        return mission._replace(phase=Phase.LAND) if over else mission
+    if order == FlightPermission.FLY or mission.phase == Phase.LAND:
+        return mission
+    # During the climb the drone is still near its start, so it lands at once.
+    if order == FlightPermission.RESERVE and mission.phase != Phase.CLIMB:
+        # Continue to the lamp; the landing follows on arrival
+        if rule.action == ReserveAction.PERCH and mission.phase == Phase.SEEK:
+            return mission
+        if rule.action == ReserveAction.RETURN and speed > 0.0:
+            way = distance_to_start(mission.start, sight.position)
+            # A time limit, because a head wind may make the start unreachable
+            left = rule.turning + rule.patience * way / speed
+            return mission._replace(phase=Phase.HOME, left=left)
+    return mission._replace(phase=Phase.LAND)
+
+
+def heading_to_start(start: tuple[float, float], place: tuple[float, float]) -> float:
+    """Return the heading to the start [rad, odom]."""
+    return math.atan2(start[1] - place[1], start[0] - place[0])
+
+
+def distance_to_start(start: tuple[float, float], place: tuple[float, float]) -> float:
+    """Return the distance from the start [m]."""
+    return math.hypot(start[0] - place[0], start[1] - place[1])
 
 
 def fly_phase(

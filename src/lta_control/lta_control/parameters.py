@@ -4,12 +4,12 @@
 
 from lta_config.settings import setting, Settings
 from lta_control.actions.tasks import TaskLimits
-from lta_control.cascade import CascadeGains
 from lta_control.estimator import EstimatorSettings
 from lta_control.flight_step import TILT_LIMIT
-from lta_control.gains_file import load_gains
+from lta_control.guidance import ReserveResponseSettings
+from lta_control.laws import load_gains
+from lta_control.laws.cascade import CascadeGains
 from lta_control.mission import MissionSettings
-from lta_control.reserve import ReserveResponseSettings
 
 
 class EstimatorParameters(EstimatorSettings):

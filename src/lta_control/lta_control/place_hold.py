@@ -13,7 +13,7 @@ without turning, until it has drifted too far.
 import math
 from typing import NamedTuple
 
-from lta_control.cascade import wrap_angle
+from lta_control.motion import wrap_angle
 from lta_control.odometry.tracked_motion import LocatedMotion, Pair
 from lta_control.strategies.homing import LARGEST_TURN, limit_turn, stopping_speed
 from lta_control.strategies.settings import StrategySettings

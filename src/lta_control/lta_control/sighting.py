@@ -17,19 +17,10 @@ is the same for all cancels.
 import math
 from typing import NamedTuple
 
+from lta_control.motion import DeadReckonedMotion
 from lta_control.strategies.protocol import LightMeasurement
 
 Spread = tuple[float, float, float]
-
-
-class DeadReckonedMotion(NamedTuple):
-    """Dead-reckoned motion of the drone at one instant."""
-
-    heading: float  # [rad, odom]
-    x: float  # dead reckoned through the air [m, odom]
-    y: float
-    forward: float  # airspeed [m/s, body]
-    left: float
 
 
 class LampPosition(NamedTuple):

@@ -17,9 +17,9 @@ from lta_control.allocation import (
     WEIGHTS,
     Wrench,
 )
-from lta_control.attitude import Vector
 from lta_control.estimator import EstimatorModel
-from lta_control.odometry.airspeed import HullDragModel
+from lta_control.motion import Vector
+from lta_control.motion_filters import HullDragModel
 from lta_model.propulsion import RotorModel
 from lta_model.vehicle import Vehicle
 

@@ -23,7 +23,7 @@ from lta_bag.writer import BagWriter
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.files import find_file
 from lta_config.topics import load_topic_table
-from lta_control.cascade import Setpoint
+from lta_control.motion import Setpoint
 from lta_discovery.changed_quantities import format_hypothesis
 from lta_discovery.discovery.forecast_comparison import compare_forecasts, ComparedModel
 from lta_discovery.discovery.run import discover_effects, DiscoveryRequest, Tell

@@ -16,22 +16,19 @@ import math
 from typing import final
 
 from lta_config.topics import TopicTable
-from lta_control.altitude import mask_out_of_range
-from lta_control.attitude import level_quaternion, yaw_from_quaternion
-from lta_control.cascade import CascadeMeasurement, Setpoint
-from lta_control.estimator import is_plausible_imu_sample, MotionEstimate
-from lta_control.guidance import Guidance, GuidanceInputs
+from lta_control.estimator import is_plausible_imu_sample, mask_out_of_range, MotionEstimate
+from lta_control.guidance import Guidance, GuidanceInputs, ReserveReport
+from lta_control.mission import Mission
+from lta_control.motion import (
+    CascadeMeasurement,
+    DeadReckonedMotion,
+    level_quaternion,
+    Setpoint,
+    yaw_from_quaternion,
+)
 from lta_control.odometry.ground_motion import ground_step
 from lta_control.odometry.ground_state import GroundMotion
-from lta_control.phases import Mission
-from lta_control.reserve import ReserveReport
-from lta_control.sighting import (
-    build_sight,
-    build_sighting,
-    DeadReckonedMotion,
-    LampPosition,
-    LampSighting,
-)
+from lta_control.sighting import build_sight, build_sighting, LampPosition, LampSighting
 from lta_control.vehicle_parameters import build_estimator_model
 from lta_energy.monitoring.meters import MeterReading, PowerSystem, TravelState
 from lta_energy.monitoring.monitor import EnergyEstimate as Known

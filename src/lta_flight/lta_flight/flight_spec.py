@@ -25,9 +25,9 @@ from lta_config.quantity import SI_UNITS
 from lta_config.schema.vehicle_file import load_vehicle_content, VehicleFile
 from lta_config.settings import Settings
 from lta_config.topics import load_topic_table
-from lta_control.cascade import CascadeGains
+from lta_control.guidance import check_reserve
 from lta_control.laws import CASCADE, find_control_law
-from lta_control.reserve import check_reserve
+from lta_control.laws.cascade import CascadeGains
 from lta_control.strategies import check_route, find_navigation_strategy
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_stack import FlightStack

@@ -8,13 +8,13 @@ from typing import final, TYPE_CHECKING
 
 from lta_config.settings import Settings
 from lta_control.autopilot import Autopilot, build_drone_constants
-from lta_control.cascade import Setpoint
 from lta_control.estimator import EstimatorSettings
 from lta_control.flight_step import TILT_LIMIT
+from lta_control.guidance import ReserveResponseSettings
 from lta_control.laws import LAWS
 from lta_control.laws.protocol import ControlLaw
 from lta_control.mission import MissionSettings
-from lta_control.reserve import ReserveResponseSettings
+from lta_control.motion import Setpoint
 from lta_control.strategies.protocol import NavigationStrategy
 from lta_energy.monitoring.monitor import MonitorSettings
 from lta_model.vehicle import Vehicle

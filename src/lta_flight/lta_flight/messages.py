@@ -11,8 +11,8 @@ from lta_bag.writer import BagWriter
 from lta_bridge.description.messages import iterate_descriptions
 from lta_bridge.log_time_assigner import LogTimeAssigner
 from lta_config.topics import robot_topic, TopicTable
-from lta_control.cascade import Setpoint
 from lta_control.messages import from_duties, from_setpoint
+from lta_control.motion import Setpoint
 from lta_control.odometry.messages import from_airspeed, from_estimate
 from lta_energy.messages import from_charge, from_energy_balance, from_reserve
 from lta_energy.monitoring.meters import PowerSystem

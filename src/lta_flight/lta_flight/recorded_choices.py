@@ -16,8 +16,8 @@ from lta_config.files import KIND_FOLDERS, list_shipped_names, validate_content
 from lta_config.parameter_override import get_parameter, parse_assignment, replace_parameter
 from lta_config.settings import Settings
 from lta_control.estimator import EstimatorSettings
+from lta_control.guidance import ReserveResponseSettings
 from lta_control.mission import MissionSettings
-from lta_control.reserve import ReserveResponseSettings
 from lta_control.strategies import STRATEGIES
 from lta_energy.monitoring.monitor import MonitorSettings
 from lta_vlc.lamp import LampPrior

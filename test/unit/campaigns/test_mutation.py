@@ -92,7 +92,7 @@ def test_every_area_has_sources_and_the_likeliest_tests_come_first():
     for area in mutation.AREAS.values():
         assert all(list(Path(mutation.ROOT, area.package).glob(one)) for one in area.modules)
         assert all((mutation.ROOT / name).is_file() for name in area.tests)
-    path = Path('src/lta_control/lta_control/cascade.py')
+    path = Path('src/lta_control/lta_control/laws/cascade.py')
     tests = mutation.select_tests(
         path, mutation.AREAS['control'], mutation.read_tree(), mutation.ROOT
     )

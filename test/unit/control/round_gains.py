@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Gains in round numbers, for calculations by hand; no vehicle's."""
 
-from lta_control.cascade import CascadeGains, PidGains
+from lta_control.laws.cascade import CascadeGains, PidGains
 
 GAINS = CascadeGains(
     altitude_kp=0.6,

@@ -4,7 +4,7 @@
 
 import math
 
-from lta_control.odometry.airspeed import airspeed_step, AirspeedEstimate, HullDragModel
+from lta_control.motion_filters import airspeed_step, AirspeedEstimate, HullDragModel
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp

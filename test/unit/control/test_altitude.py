@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The altitude filter against matrices, and its honesty against noise that is what it believes."""
 
-from lta_control.altitude import AltitudeEstimate, correct_altitude, predict_altitude
+from lta_control.motion_filters import AltitudeEstimate, correct_altitude, predict_altitude
 import numpy as np
 
 DT = 0.01

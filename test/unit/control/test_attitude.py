@@ -5,7 +5,6 @@
 import math
 import warnings
 
-from lta_control.attitude import attitude_step, up_in_body, yaw_from_quaternion
 from lta_control.bias_calibration import (
     is_tilted,
     is_turning,
@@ -13,6 +12,8 @@ from lta_control.bias_calibration import (
     RestSums,
     SensorBiases,
 )
+from lta_control.motion import up_in_body, yaw_from_quaternion
+from lta_control.motion_filters import attitude_step
 from lta_model.attitude import to_euler_angles
 import numpy as np
 import pytest

@@ -4,17 +4,15 @@
 
 import math
 
-from lta_control.cascade import (
+from lta_control.laws.cascade import (
     cascade_step,
-    CascadeMeasurement,
     CascadeMemory,
-    Setpoint,
     slope_step,
     SlopeEstimate,
     steer_to_course,
-    wrap_angle,
     WrenchDemand,
 )
+from lta_control.motion import CascadeMeasurement, Setpoint, wrap_angle
 import numpy as np
 import pytest
 

@@ -14,14 +14,12 @@ from lta_control.actions.tasks import (
     TaskProgress,
     TaskResult,
 )
-from lta_control.cascade import CascadeMeasurement, Setpoint
 from lta_control.commanded_flight import check_commanded, CommandedFlight
-from lta_control.guidance import GuidanceInputs
-from lta_control.mission import MissionSettings
+from lta_control.guidance import GuidanceInputs, ReserveReport, ReserveResponseSettings
+from lta_control.mission import MissionSettings, Phase
+from lta_control.motion import CascadeMeasurement, Setpoint
 from lta_control.odometry.tracked_motion import LocatedMotion
-from lta_control.phases import Phase
 from lta_control.place_hold import Place, Route
-from lta_control.reserve import ReserveReport, ReserveResponseSettings
 from lta_control.strategies import find_navigation_strategy
 from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy, SteeringCommand
 import pytest

@@ -14,9 +14,7 @@ import sys
 
 from lta_config.compilation.extract import SourceExtract
 from lta_config.settings import to_named_tuple
-from lta_control.cascade import (
-    CascadeGains,
-)
+from lta_control.laws.cascade import CascadeGains
 from lta_control.strategies import find_navigation_strategy, STRATEGIES
 from lta_control.strategies.protocol import LightMeasurement
 from lta_control.strategies.settings import StrategySettings

@@ -3,10 +3,9 @@
 """One step of control: cascade, allocation and duty in a chain, and the shortfall back."""
 
 from lta_control.allocation import create_working_array
-from lta_control.cascade import CascadeMeasurement, PidGains, Setpoint
 from lta_control.flight_step import has_landed
-from lta_control.laws.cascade import CascadeLawConstants, CascadeLawMemory, control_step
-from lta_control.odometry.airspeed import step_duration
+from lta_control.laws.cascade import CascadeLawConstants, CascadeLawMemory, control_step, PidGains
+from lta_control.motion import CascadeMeasurement, Setpoint, step_duration
 from lta_control.vehicle_parameters import build_rotors
 from lta_model.vehicle import load_vehicle
 import numpy as np

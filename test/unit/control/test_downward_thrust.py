@@ -4,10 +4,10 @@
 
 from lta_config.files import list_shipped_names
 from lta_control.allocation import create_working_array, NO_ROTORS
-from lta_control.cascade import CascadeMeasurement, Setpoint
 from lta_control.flight_step import has_landed, LandingWatch, STANDSTILL, watch_landing
-from lta_control.gains_file import load_gains
+from lta_control.laws import load_gains
 from lta_control.laws.cascade import CascadeLawConstants, CascadeLawMemory, control_step
+from lta_control.motion import CascadeMeasurement, Setpoint
 from lta_control.vehicle_parameters import build_rotors
 from lta_model.vehicle import load_vehicle, Vehicle
 import pytest

@@ -6,7 +6,6 @@ import math
 
 from lta_config.files import find_file, load_yaml
 from lta_control.allocation import NO_ROTORS, pad_to_slots
-from lta_control.altitude import STUCK
 from lta_control.bias_calibration import is_tilted, is_turning, SensorBiases
 from lta_control.estimator import (
     estimator_step,
@@ -15,9 +14,10 @@ from lta_control.estimator import (
     EstimatorSettings,
     has_height,
     MotionEstimate,
+    STUCK,
 )
 from lta_control.flight_report import describe_calibration
-from lta_control.odometry.airspeed import HullDragModel
+from lta_control.motion_filters import HullDragModel
 from lta_control.vehicle_parameters import build_estimator_model
 from lta_graph.health import HealthLevel
 from lta_model.sensors.imu import error_bounds, ImuSettings

@@ -6,7 +6,6 @@ import math
 
 from lta_control.allocation import create_working_array, NO_ROTORS
 from lta_control.autopilot import Autopilot, build_drone_constants, ESTIMATE_LAYOUT, MEMORY_LAYOUT
-from lta_control.cascade import FLOOR_SETPOINT, Setpoint
 from lta_control.estimator import EstimatorSettings
 from lta_control.flight_step import (
     control_motors,
@@ -18,10 +17,9 @@ from lta_control.flight_step import (
     PilotMemory,
     SensorInputs,
 )
-from lta_control.gains_file import load_gains
+from lta_control.laws import load_gains
 from lta_control.laws.cascade import CASCADE_LAW, CascadeLawMemory
-from lta_control.laws.protocol import ControlMotion
-from lta_control.sighting import DeadReckonedMotion
+from lta_control.motion import ControlMotion, DeadReckonedMotion, FLOOR_SETPOINT, Setpoint
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest

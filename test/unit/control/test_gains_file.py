@@ -3,8 +3,8 @@
 """The shipped gains say everything."""
 
 from lta_config.files import find_file, load_yaml
-from lta_control.cascade import CascadeGains, PidGains
-from lta_control.gains_file import load_gains
+from lta_control.laws import load_gains
+from lta_control.laws.cascade import CascadeGains, PidGains
 import pytest
 
 HEAD = '/**/controller'

@@ -4,10 +4,9 @@
 
 import math
 
-from lta_control.altitude import AltitudeEstimate
 from lta_control.estimator import MotionEstimate
+from lta_control.motion_filters import AltitudeEstimate, HullDragModel
 from lta_control.odometry import ground_filter
-from lta_control.odometry.airspeed import HullDragModel
 from lta_control.odometry.ground_motion import (
     ground_step,
     ModelledMotion,

@@ -3,11 +3,9 @@
 """Guidance after each light block: mission or course, by what is known of motion and energy."""
 
 from lta_config.course import Course
-from lta_control.cascade import CascadeMeasurement, Setpoint
-from lta_control.guidance import Guidance, GuidanceInputs
-from lta_control.mission import MissionSettings
-from lta_control.phases import Phase
-from lta_control.reserve import FlightPermission, ReserveReport, ReserveResponseSettings
+from lta_control.guidance import Guidance, GuidanceInputs, ReserveReport, ReserveResponseSettings
+from lta_control.mission import FlightPermission, MissionSettings, Phase
+from lta_control.motion import CascadeMeasurement, Setpoint
 from lta_control.strategies import find_navigation_strategy
 from lta_control.strategies.protocol import LightMeasurement
 

@@ -11,10 +11,9 @@ import math
 from lta_config.constants import STANDARD_GRAVITY
 from lta_control import allocation
 from lta_control.allocation import create_working_array, thrusts_to_duties
-from lta_control.cascade import Setpoint
-from lta_control.gains_file import load_law_gains
-from lta_control.laws import find_control_law, glide, lateral
-from lta_control.laws.protocol import ControlMotion, LawInputs
+from lta_control.laws import find_control_law, glide, lateral, load_law_gains
+from lta_control.laws.protocol import LawInputs
+from lta_control.motion import ControlMotion, Setpoint
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest

@@ -8,26 +8,26 @@ from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
 from lta_config.files import list_shipped_names
 from lta_control.allocation import create_working_array
-from lta_control.attitude import (
-    quaternion_from_angles,
-    rotate_level_to_world,
-    rotation_between,
-    to_body,
-    to_world,
-)
-from lta_control.cascade import (
-    Setpoint,
-)
-from lta_control.gains_file import load_gains, load_law_gains
 from lta_control.laws import (
     check_onboard_law,
     find_control_law,
     LAWS,
+    load_gains,
+    load_law_gains,
     load_onboard_law,
     vehicle_law_name,
 )
 from lta_control.laws.lateral import mix_thrusts
-from lta_control.laws.protocol import ControlMotion, Feedback, LawInputs
+from lta_control.laws.protocol import Feedback, LawInputs
+from lta_control.motion import (
+    ControlMotion,
+    quaternion_from_angles,
+    rotate_level_to_world,
+    rotation_between,
+    Setpoint,
+    to_body,
+    to_world,
+)
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest

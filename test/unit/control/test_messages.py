@@ -6,11 +6,13 @@ import math
 
 from lta_config.covariances import UNKNOWN_VARIANCE
 from lta_control.allocation import NO_ROTORS, pad_to_slots
-from lta_control.altitude import AltitudeEstimate, mask_out_of_range
-from lta_control.attitude import yaw_from_quaternion
-from lta_control.cascade import Setpoint
-from lta_control.estimator import air_relative_velocity, MotionEstimate
-from lta_control.flight_step import has_overturned
+from lta_control.estimator import air_relative_velocity, mask_out_of_range, MotionEstimate
+from lta_control.guidance import (
+    decide_permission,
+    explain_restriction,
+    ReserveReport,
+    ReserveResponseSettings,
+)
 from lta_control.messages import (
     from_duties,
     from_setpoint,
@@ -22,16 +24,11 @@ from lta_control.messages import (
     to_setpoint,
     update_reserve_report,
 )
-from lta_control.odometry.airspeed import AirspeedEstimate
+from lta_control.mission import FlightPermission
+from lta_control.motion import has_overturned, Setpoint, yaw_from_quaternion
+from lta_control.motion_filters import AirspeedEstimate, AltitudeEstimate
 from lta_control.odometry.ground_state import GroundMotion
 from lta_control.odometry.messages import from_airspeed, from_estimate, to_distance, to_duties
-from lta_control.reserve import (
-    decide_permission,
-    explain_restriction,
-    FlightPermission,
-    ReserveReport,
-    ReserveResponseSettings,
-)
 from lta_graph.lockstep import InboxStep
 from lta_msgs.msg import ActuatorDuty, EnergyStatus
 from lta_vlc.demodulation import Peaks

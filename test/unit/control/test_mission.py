@@ -6,10 +6,16 @@ import itertools
 import math
 
 from lta_config.course import Course
-from lta_control.cascade import Setpoint
-from lta_control.mission import course_step, mission_step, MissionSettings
-from lta_control.phases import Mission, Phase
-from lta_control.reserve import FlightPermission, ReserveResponseSettings
+from lta_control.guidance import ReserveResponseSettings
+from lta_control.mission import (
+    course_step,
+    FlightPermission,
+    Mission,
+    mission_step,
+    MissionSettings,
+    Phase,
+)
+from lta_control.motion import Setpoint
 from lta_control.strategies import find_navigation_strategy
 from lta_control.strategies.protocol import LightMeasurement
 import pytest

@@ -4,7 +4,7 @@
 
 from typing import NamedTuple
 
-from lta_control.cascade import pid_step
+from lta_control.laws.cascade import pid_step
 import pytest
 
 WIDE = 1e9

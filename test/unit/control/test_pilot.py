@@ -4,13 +4,10 @@
 
 import math
 
-from lta_control.attitude import quaternion_from_angles
 from lta_control.autopilot import Autopilot, build_drone_constants
-from lta_control.cascade import Setpoint
 from lta_control.estimator import EstimatorSettings
-from lta_control.gains_file import load_law_gains
-from lta_control.laws import find_control_law
-from lta_control.sighting import DeadReckonedMotion
+from lta_control.laws import find_control_law, load_law_gains
+from lta_control.motion import DeadReckonedMotion, quaternion_from_angles, Setpoint
 from lta_model.vehicle import load_vehicle
 import pytest
 

@@ -5,17 +5,15 @@
 import math
 
 from lta_config.errors import BadInput
-from lta_control.cascade import Setpoint
-from lta_control.mission import mission_step, MissionSettings
-from lta_control.phases import Mission, Phase
-from lta_control.reserve import (
+from lta_control.guidance import (
     check_reserve,
     decide_permission,
     explain_restriction,
-    FlightPermission,
     ReserveReport,
     ReserveResponseSettings,
 )
+from lta_control.mission import FlightPermission, Mission, mission_step, MissionSettings, Phase
+from lta_control.motion import Setpoint
 from lta_control.strategies import find_navigation_strategy
 from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy, SteeringCommand
 import pytest

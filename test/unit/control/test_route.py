@@ -3,9 +3,15 @@
 """A mission along a route: it hands over when the next lamp is heard, and stays when it is not."""
 
 from lta_config.errors import BadInput
-from lta_control.mission import mission_step, MissionSettings
-from lta_control.phases import Mission, Phase, SWITCHING
-from lta_control.reserve import FlightPermission, ReserveResponseSettings
+from lta_control.guidance import ReserveResponseSettings
+from lta_control.mission import (
+    FlightPermission,
+    Mission,
+    mission_step,
+    MissionSettings,
+    Phase,
+    SWITCHING,
+)
 from lta_control.strategies import check_route, find_navigation_strategy
 from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy, SteeringCommand
 import pytest

@@ -4,12 +4,8 @@
 
 import math
 
-from lta_control.sighting import (
-    bearing_deviation,
-    build_sight,
-    DeadReckonedMotion,
-    LampPosition,
-)
+from lta_control.motion import DeadReckonedMotion
+from lta_control.sighting import bearing_deviation, build_sight, LampPosition
 import pytest
 
 STILL = DeadReckonedMotion(0.3, 1.0, 2.0, 0.4, -0.1)

@@ -8,12 +8,10 @@ from pathlib import Path
 
 from lta_config.errors import BadInput
 from lta_control.actions.tasks import TaskLimits
-from lta_control.cascade import CascadeMeasurement
 from lta_control.commanded_flight import CommandedFlight
-from lta_control.guidance import Guidance, GuidanceInputs
-from lta_control.mission import MissionSettings
-from lta_control.phases import Mission, Phase
-from lta_control.reserve import ReserveReport, ReserveResponseSettings
+from lta_control.guidance import Guidance, GuidanceInputs, ReserveReport, ReserveResponseSettings
+from lta_control.mission import Mission, MissionSettings, Phase
+from lta_control.motion import CascadeMeasurement
 from lta_control.strategies import find_navigation_strategy, STRATEGIES
 from lta_control.strategies.bearing_angle import (
     BEARING_ANGLE_STRATEGY,

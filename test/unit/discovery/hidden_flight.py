@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from lta_config.topics import load_topic_table
-from lta_control.cascade import Setpoint
+from lta_control.motion import Setpoint
 from lta_discovery.flights.measured_flight import FlightStreams, Stream
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter, list_free_parameters

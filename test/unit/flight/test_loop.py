@@ -9,15 +9,13 @@ import math
 from lta_config.files import find_file, load_yaml
 from lta_config.topics import load_topic_table
 from lta_control.allocation import create_working_array
-from lta_control.attitude import level_quaternion, yaw_from_quaternion
 from lta_control.autopilot import build_drone_constants, MEMORY_LAYOUT
-from lta_control.cascade import Setpoint, wrap_angle
 from lta_control.estimator import EstimatorSettings
 from lta_control.flight_step import DroneMemory, flight_step, SensorInputs
-from lta_control.gains_file import load_gains
+from lta_control.laws import load_gains
 from lta_control.laws.cascade import CASCADE_LAW
-from lta_control.mission import MissionSettings
-from lta_control.phases import Phase
+from lta_control.mission import MissionSettings, Phase
+from lta_control.motion import level_quaternion, Setpoint, wrap_angle, yaw_from_quaternion
 from lta_control.strategies import find_navigation_strategy
 from lta_control.strategies.bearing_angle import BEARING_ANGLE_STRATEGY
 from lta_flight.closed_loop import ClosedLoop, newest_range, round_heading, round_to_float32

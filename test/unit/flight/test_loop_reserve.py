@@ -5,7 +5,7 @@
 from dataclasses import replace
 import math
 
-from lta_control.phases import Phase
+from lta_control.mission import Phase
 from lta_flight.flight_spec import build_loop, load_spec
 import pytest
 

@@ -18,7 +18,7 @@ from lta_bridge.crazyflie.link import CrazyflieLink, LogPacket
 from lta_bridge.crazyflie.safety import SafetyStage
 from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 from lta_config.schema.crazyflie_file import CrazyflieFile
-from lta_control.altitude import (
+from lta_control.estimator import (
     HeightSensors,
     is_stuck,
     SensorWatch,

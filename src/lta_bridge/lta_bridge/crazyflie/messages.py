@@ -17,9 +17,8 @@ from lta_bridge.crazyflie.bridge_core import (
 from lta_bridge.crazyflie.readings import AirReading, ImuReading, PowerReading
 from lta_config.covariances import has_estimate
 from lta_config.schema.vehicle_energy import EnergyBlock
-from lta_control.attitude import yaw_from_quaternion
-from lta_control.cascade import wrap_angle
 from lta_control.messages import is_height_lost, to_attitude, to_setpoint
+from lta_control.motion import wrap_angle, yaw_from_quaternion
 from lta_graph.health import HealthLevel
 from lta_graph.ros import vehicle_messages
 from lta_graph.ros.command_mux import CommandMux

@@ -18,7 +18,7 @@ from typing import Final, NamedTuple
 from lta_bridge.teleop.sticks import Sticks
 from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
-from lta_control.cascade import Setpoint, wrap_angle
+from lta_control.motion import Setpoint, wrap_angle
 from lta_graph.health import HealthFact, HealthLevel
 
 STOP_REQUESTS: Final = 10  # emergency stops sent in direct succession

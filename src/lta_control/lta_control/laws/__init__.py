@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Registry of the control laws, and the one that a drone flies by its own sensors."""
 
-from typing import Any
+from typing import Any, TypeVar
 
 from lta_config.errors import BadInput, unknown_name_error
-from lta_control.cascade import CascadeGains
-from lta_control.gains_file import load_law_gains
+from lta_config.files import find_file, format_error, load_yaml
+from lta_config.settings import Settings
 from lta_control.laws import (
     cascade,
     glide,
@@ -16,8 +16,12 @@ from lta_control.laws import (
     quadrotor,
     velocity,
 )
+from lta_control.laws.cascade import CascadeGains
 from lta_control.laws.protocol import ControlLaw
 from lta_model.vehicle import Vehicle
+from pydantic import ValidationError
+
+Gains = TypeVar('Gains', bound=Settings)
 
 LAWS: dict[str, ControlLaw] = {
     'cascade': cascade.CASCADE_LAW,
@@ -78,3 +82,29 @@ def load_onboard_law(
             '"gains: NAME" to the control block of the vehicle file.'
         )
     return law, law.build_constants(load_law_gains(law.gains, control.gains), vehicle)
+
+
+def load_gains(name: str) -> CascadeGains:
+    """Load the gains of the cascade, see `load_law_gains`."""
+    return load_law_gains(CascadeGains, name)
+
+
+def load_law_gains(kind: type[Gains], name: str) -> Gains:
+    """
+    Load the gains of a shipped vehicle or of a parameter file.
+
+    `kind`: gains class of the control law. `name`: a shipped name or a path. Raise `BadInput` if
+    there is no such file, or it holds no valid gains for a controller.
+    """
+    path = find_file('gains', name)
+    content = load_yaml(path)
+    try:
+        # The file has the layout of a ROS parameter file for the controller node
+        return kind.model_validate(content['/**/controller']['ros__parameters']['gains'])
+    except ValidationError as error:
+        raise BadInput(f'{path}: {format_error(error)}') from None
+    except (KeyError, TypeError):
+        raise BadInput(
+            f'{path} has no gains under /**/controller, ros__parameters, gains; compare it '
+            'with a file in config/control.'
+        ) from None

@@ -19,9 +19,9 @@ from typing import NamedTuple
 from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
 from lta_control.allocation import Rotors, Scratch, thrusts_to_duties
-from lta_control.attitude import clamp_symmetric, to_world, up_in_body, Vector, yaw_from_quaternion
-from lta_control.cascade import pid_step, PidGains, wrap_angle
+from lta_control.laws.cascade import clamp_symmetric, pid_step, PidGains
 from lta_control.laws.protocol import ControlLaw, Feedback, LawCommand, LawInputs
+from lta_control.motion import to_world, up_in_body, Vector, wrap_angle, yaw_from_quaternion
 from lta_control.vehicle_parameters import build_rotors
 from lta_model.vehicle import Vehicle
 

@@ -27,14 +27,9 @@ from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
 from lta_config.settings import setting
 from lta_control.allocation import PerRotor, Rotors, Scratch, thrusts_to_duties
-from lta_control.attitude import (
-    clamp_symmetric,
-    rotate_level_to_world,
-    to_world,
-    yaw_from_quaternion,
-)
-from lta_control.cascade import ClimbGains, lift_step, pid_step, PidGains, wrap_angle
+from lta_control.laws.cascade import clamp_symmetric, ClimbGains, lift_step, pid_step, PidGains
 from lta_control.laws.protocol import ControlLaw, Feedback, LawCommand, LawInputs, UNMOVED
+from lta_control.motion import rotate_level_to_world, to_world, wrap_angle, yaw_from_quaternion
 from lta_control.vehicle_parameters import build_rotors
 from lta_model.vehicle import Vehicle
 import numpy as np

@@ -15,8 +15,10 @@ from typing import NamedTuple
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.settings import setting, Settings
 from lta_control.allocation import deliver_wrench, NO_ROTORS, PerRotor, Rotors, Scratch
-from lta_control.attitude import (
-    clamp_symmetric,
+from lta_control.laws.cascade import clamp_symmetric
+from lta_control.laws.protocol import ControlLaw, Feedback, LawCommand, LawInputs, UNMOVED
+from lta_control.motion import (
+    drag_force,
     quaternion_from_angles,
     rotate_level_to_world,
     rotation_between,
@@ -24,8 +26,6 @@ from lta_control.attitude import (
     to_world,
     Vector,
 )
-from lta_control.cascade import drag_force
-from lta_control.laws.protocol import ControlLaw, Feedback, LawCommand, LawInputs, UNMOVED
 from lta_control.vehicle_parameters import build_rotors, surge_drag_coefficients
 from lta_model.vehicle import Vehicle
 

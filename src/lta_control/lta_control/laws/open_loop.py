@@ -18,9 +18,9 @@ from typing import NamedTuple
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.settings import setting, Settings
 from lta_control.allocation import deliver_wrench, NO_ROTORS, PerRotor, Rotors, Scratch
-from lta_control.attitude import clamp_symmetric
-from lta_control.cascade import drag_force, wrap_angle
+from lta_control.laws.cascade import clamp_symmetric
 from lta_control.laws.protocol import ControlLaw, Feedback, LawCommand, LawInputs, UNMOVED
+from lta_control.motion import drag_force, wrap_angle
 from lta_control.vehicle_parameters import build_rotors
 from lta_model.vehicle import Vehicle
 

@@ -14,8 +14,7 @@ from typing import Any, final, NamedTuple, Protocol
 
 from lta_config.settings import Settings
 from lta_control.allocation import NO_ROTORS, PerRotor
-from lta_control.attitude import Quaternion, Vector
-from lta_control.cascade import Setpoint
+from lta_control.motion import ControlMotion, Setpoint, Vector
 from lta_model.vehicle import Vehicle
 
 UNMOVED: Vector = (0.0, 0.0, 0.0)
@@ -26,17 +25,6 @@ class Feedback(StrEnum):
 
     ESTIMATOR = 'estimator'  # onboard sensors
     TRACKER = 'tracker'  # pose and velocity of an external tracker, rates of the onboard gyroscope
-
-
-class ControlMotion(NamedTuple):
-    """Motion of the vehicle as input of a law; the frame begins at the vehicle's start."""
-
-    # Of the hull centre; z above the floor. Without a tracker, x and y are dead reckoning [m]
-    position: Vector = (0.0, 0.0, 0.0)
-    attitude: Quaternion = (0.0, 0.0, 0.0, 1.0)  # body to that frame, x y z w
-    # Body frame: over ground from a tracker, through the air from the estimator [m/s]
-    velocity: Vector = (0.0, 0.0, 0.0)
-    rates: Vector = (0.0, 0.0, 0.0)  # body frame [rad/s]
 
 
 class LawInputs(NamedTuple):

@@ -16,18 +16,18 @@ from typing import NamedTuple
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.settings import setting
 from lta_control.allocation import deliver_wrench, NO_ROTORS, PerRotor, Rotors, Scratch
-from lta_control.attitude import (
-    clamp_symmetric,
+from lta_control.laws.cascade import clamp_symmetric, ClimbGains, lift_step, pid_step, PidGains
+from lta_control.laws.protocol import ControlLaw, Feedback, LawCommand, LawInputs, UNMOVED
+from lta_control.motion import (
     quaternion_from_angles,
     rotate_level_to_world,
     rotation_between,
     to_world,
     up_in_body,
     Vector,
+    wrap_angle,
     yaw_from_quaternion,
 )
-from lta_control.cascade import ClimbGains, lift_step, pid_step, PidGains, wrap_angle
-from lta_control.laws.protocol import ControlLaw, Feedback, LawCommand, LawInputs, UNMOVED
 from lta_control.vehicle_parameters import build_rotors
 from lta_model.vehicle import Vehicle
 

@@ -18,9 +18,9 @@ from typing import NamedTuple
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.settings import setting
 from lta_control.allocation import deliver_wrench, NO_ROTORS, PerRotor, Rotors, Scratch
-from lta_control.attitude import rotate_level_to_world, to_body, to_world, Vector
-from lta_control.cascade import ClimbGains, drag_force, lift_step, pid_step, PidGains
+from lta_control.laws.cascade import ClimbGains, lift_step, pid_step, PidGains
 from lta_control.laws.protocol import ControlLaw, Feedback, LawCommand, LawInputs, UNMOVED
+from lta_control.motion import drag_force, rotate_level_to_world, to_body, to_world, Vector
 from lta_control.vehicle_parameters import build_rotors, surge_drag_coefficients
 from lta_model.vehicle import Vehicle
 

@@ -14,7 +14,6 @@ from typing import Unpack
 from geometry_msgs.msg import TwistWithCovarianceStamped
 from lta_control import flight_report
 from lta_control.allocation import create_working_array
-from lta_control.cascade import CascadeGains
 from lta_control.flight_step import (
     control_motors,
     FlightRules,
@@ -23,8 +22,9 @@ from lta_control.flight_step import (
     PilotMemory,
 )
 from lta_control.laws import load_onboard_law
+from lta_control.laws.cascade import CascadeGains
 from lta_control.messages import from_duties, to_control_inputs
-from lta_control.odometry.airspeed import step_duration
+from lta_control.motion import step_duration
 from lta_control.parameters import ControllerSettings
 from lta_graph.health import HealthLevel
 from lta_graph.lockstep import InboxStep

@@ -12,7 +12,7 @@ from lta_control.estimator import MotionEstimate
 from lta_control.flight_report import describe_calibration
 from lta_control.flight_step import estimate_motion
 from lta_control.messages import to_tracked
-from lta_control.odometry.airspeed import step_duration
+from lta_control.motion import step_duration
 from lta_control.odometry.ground_motion import (
     build_odom_motion,
     ground_step,

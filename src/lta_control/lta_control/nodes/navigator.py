@@ -8,13 +8,12 @@ from typing import Unpack
 from lta_config.errors import BadInput
 from lta_control.actions.messages import serve_tasks
 from lta_control.actions.tasks import FlightTask
-from lta_control.cascade import Setpoint
 from lta_control.commanded_flight import check_commanded, CommandedFlight
 from lta_control.flight_report import describe_guidance, describe_tracking
-from lta_control.guidance import Guidance, GuidanceInputs
+from lta_control.guidance import check_reserve, Guidance, GuidanceInputs
 from lta_control.messages import from_setpoint, GuidanceReader, to_tracked
+from lta_control.motion import Setpoint
 from lta_control.parameters import NavigatorParameters
-from lta_control.reserve import check_reserve
 from lta_control.strategies import check_route, find_navigation_strategy
 from lta_graph.health import HealthLevel
 from lta_graph.lockstep import InboxStep

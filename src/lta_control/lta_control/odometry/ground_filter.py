@@ -9,7 +9,7 @@ A Kalman filter combines them. Its nine states, in the odom frame, are
 
 - the position p;
 - the drift d: the velocity over ground, less the airspeed u of the drag model
-  (`lta_control.odometry.airspeed`), which begins at rest as the drone does;
+  (`lta_control.motion_filters`), which begins at rest as the drone does;
 - the wind w, a random walk from a prior of zero mean (`GroundSettings.wind`);
 - the lamp: bearing :math:`\varphi` and logarithm of the distance :math:`\rho` from the drone, and
   brightness c. Log-polar coordinates keep the filter consistent while the distance is hardly
@@ -38,8 +38,8 @@ filtering, IEEE Trans. Autom. Control 17, 1972).
 import math
 from typing import NamedTuple
 
-from lta_control.cascade import wrap_angle
-from lta_control.odometry.airspeed import HullDragModel
+from lta_control.motion import wrap_angle
+from lta_control.motion_filters import HullDragModel
 from lta_control.odometry.ground_state import (
     BEARING,
     BRIGHTNESS,

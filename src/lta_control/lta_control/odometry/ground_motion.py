@@ -11,8 +11,8 @@ from collections.abc import Iterable
 import math
 from typing import NamedTuple, TYPE_CHECKING
 
-from lta_control.attitude import Vector, yaw_from_quaternion
-from lta_control.odometry.airspeed import HullDragModel
+from lta_control.motion import Vector, yaw_from_quaternion
+from lta_control.motion_filters import HullDragModel
 from lta_control.odometry.ground_filter import (
     correct_motion,
     correct_place,

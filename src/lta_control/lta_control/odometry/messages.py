@@ -8,15 +8,15 @@ from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseWithCovarianceStamped, TwistWithCovarianceStamped
 from lta_config.covariances import UNKNOWN_VARIANCE
 from lta_control.allocation import pad_to_slots, PerRotor
-from lta_control.altitude import mask_out_of_range
-from lta_control.attitude import up_in_body, yaw_from_quaternion
 from lta_control.estimator import (
     air_relative_velocity,
     EstimatorInputs,
     has_height,
+    mask_out_of_range,
     MotionEstimate,
 )
 from lta_control.messages import to_diodes, to_lamp
+from lta_control.motion import up_in_body, yaw_from_quaternion
 from lta_control.odometry.ground_motion import ground_velocity
 from lta_control.odometry.ground_state import GroundMotion, rotate_covariance
 from lta_control.sighting import build_sighting, LampSighting

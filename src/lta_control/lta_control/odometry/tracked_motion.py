@@ -12,7 +12,7 @@ that odom stays continuous. A drone that flies to places in the map wants its mo
 import math
 from typing import final, NamedTuple
 
-from lta_control.cascade import wrap_angle
+from lta_control.motion import wrap_angle
 
 Pair = tuple[float, float]
 

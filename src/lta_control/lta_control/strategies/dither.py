@@ -25,7 +25,7 @@ see the effect of the other.
 import math
 from typing import NamedTuple
 
-from lta_control.cascade import wrap_angle
+from lta_control.motion import wrap_angle
 from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy, SteeringCommand
 from lta_control.strategies.settings import StrategySettings
 

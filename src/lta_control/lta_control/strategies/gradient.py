@@ -25,7 +25,7 @@ it is within `go_within`.
 import math
 from typing import NamedTuple
 
-from lta_control.cascade import wrap_angle
+from lta_control.motion import wrap_angle
 from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy, SteeringCommand
 from lta_control.strategies.settings import GradientSettings, MAP_SAMPLES, StrategySettings
 

@@ -32,7 +32,7 @@ drone stays by dead reckoning.
 import math
 from typing import NamedTuple
 
-from lta_control.cascade import wrap_angle
+from lta_control.motion import wrap_angle
 from lta_control.strategies.lamp_ekf import (
     bearing_deviation,
     expected_strength,

@@ -24,7 +24,7 @@ in advance within a factor (`LampFilterPrior`).
 import math
 from typing import NamedTuple
 
-from lta_control.cascade import wrap_angle
+from lta_control.motion import wrap_angle
 
 Row = tuple[float, float, float, float, float]
 

@@ -12,11 +12,9 @@ from lta_config.errors import BadInput
 from lta_config.schema.crazyflie_file import CrazyflieFile, hash_airframe
 from lta_config.topics import TopicTable
 from lta_control.allocation import create_working_array
-from lta_control.attitude import yaw_from_quaternion
-from lta_control.cascade import Setpoint
-from lta_control.gains_file import load_law_gains
-from lta_control.laws import find_control_law
-from lta_control.laws.protocol import ControlMotion, LawInputs
+from lta_control.laws import find_control_law, load_law_gains
+from lta_control.laws.protocol import LawInputs
+from lta_control.motion import ControlMotion, Setpoint, yaw_from_quaternion
 from lta_emulation.crazyflie.commander import BodyCommand, HoverSetpoint
 from lta_emulation.crazyflie.parameters import select_build
 from lta_model.vehicle import Vehicle

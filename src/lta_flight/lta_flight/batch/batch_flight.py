@@ -14,11 +14,10 @@ from lta_config.errors import BadInput
 from lta_config.topics import TopicTable
 from lta_control.allocation import pad_to_slots, PerRotor
 from lta_control.autopilot import build_drone_constants
-from lta_control.cascade import CascadeGains
 from lta_control.flight_step import DroneConstants
 from lta_control.laws import CASCADE, LAWS
-from lta_control.mission import MissionSettings
-from lta_control.reserve import ReserveRule
+from lta_control.laws.cascade import CascadeGains
+from lta_control.mission import MissionSettings, ReserveRule
 from lta_control.strategies.protocol import NavigationStrategy
 from lta_flight.batch.targets import BatchSchedule, SENSOR_STEP
 from lta_flight.flight_stack import FlightStack

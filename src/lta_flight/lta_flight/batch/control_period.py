@@ -15,13 +15,11 @@ from typing import NamedTuple
 
 from lta_config.compilation.extract import GeneratedFunction
 from lta_control.allocation import NO_ROTORS, PerRotor
-from lta_control.cascade import Setpoint
 from lta_control.flight_step import DroneMemory, flight_step, guidance_altitude, reckon_motion
+from lta_control.guidance import permission_at_reserve
 from lta_control.laws.protocol import ControlLaw
-from lta_control.mission import initial_mission, mission_step
-from lta_control.phases import Mission
-from lta_control.reserve import permission_at_reserve
-from lta_control.sighting import DeadReckonedMotion
+from lta_control.mission import initial_mission, Mission, mission_step
+from lta_control.motion import DeadReckonedMotion, Setpoint
 from lta_control.strategies.protocol import NavigationStrategy
 from lta_flight.batch.batch_flight import FlightConstants
 from lta_flight.batch.flight import (

@@ -12,10 +12,9 @@ import math
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_control.allocation import PerRotor
-from lta_control.attitude import yaw_from_quaternion
-from lta_control.cascade import Setpoint, wrap_angle
 from lta_control.flight_step import DroneMemory, SensorInputs, UNTRACKED
-from lta_control.sighting import DeadReckonedMotion, LampDirection, sight_from_direction
+from lta_control.motion import DeadReckonedMotion, Setpoint, wrap_angle, yaw_from_quaternion
+from lta_control.sighting import LampDirection, sight_from_direction
 from lta_control.strategies.protocol import LightMeasurement
 from lta_flight.batch.batch_flight import (
     FlightConstants,

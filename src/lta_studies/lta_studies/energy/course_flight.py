@@ -8,8 +8,7 @@ import math
 from typing import final
 
 from lta_config.topics import load_topic_table
-from lta_control.attitude import to_world, up_in_body
-from lta_control.cascade import Setpoint
+from lta_control.motion import Setpoint, to_world, up_in_body
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec
 from lta_model.electrical.loads import rotor_power

@@ -14,7 +14,7 @@ import math
 from typing import Final, final
 
 from lta_config.schema.mission_file import LightDay, MissionFile
-from lta_control.phases import Phase
+from lta_control.mission import Phase
 from lta_control.strategies.homing import HOMING_STRATEGY
 from lta_energy.circuit import EnergyTotals
 from lta_energy.harvest import HarvestCurve

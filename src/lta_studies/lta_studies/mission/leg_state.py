@@ -15,7 +15,7 @@ from typing import NamedTuple
 from lta_control.allocation import NO_ROTORS
 from lta_control.flight_step import is_stopped
 from lta_control.laws.protocol import ControlLaw
-from lta_control.phases import Phase
+from lta_control.mission import Phase
 from lta_control.strategies.protocol import NavigationStrategy
 from lta_flight.batch.batch_flight import FlightConstants
 from lta_flight.batch.control_period import (

@@ -16,7 +16,7 @@ from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table
 from lta_control.autopilot import begin_memory
 from lta_control.laws import cascade
-from lta_control.phases import Phase
+from lta_control.mission import Phase
 from lta_control.strategies.homing import HOMING_STRATEGY
 from lta_flight.batch.batch_flight import BatchFlight, build_schedule
 from lta_flight.batch.codegen import build_kernel, initial_effect_memory, write_flight_source

@@ -15,7 +15,7 @@ from lta_config.errors import BadInput, unknown_name_error
 from lta_config.schema.mission_file import InspectionPayload, MissionFile
 from lta_config.schema.spectrum_file import luminous_efficacy
 from lta_config.topics import load_topic_table
-from lta_control.cascade import CascadeGains
+from lta_control.laws.cascade import CascadeGains
 from lta_control.strategies.homing import HOMING_STRATEGY
 from lta_energy.harvest import WHITE_LED
 from lta_energy.irradiance import PanelIrradiance

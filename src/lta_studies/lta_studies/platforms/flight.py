@@ -26,11 +26,9 @@ from lta_config.schema.comparison_file import Contestant, EntryChange, ManeuverF
 from lta_config.schema.vehicle_file import load_vehicle_content, VehicleFile
 from lta_config.settings import Settings
 from lta_config.topics import load_topic_table
-from lta_control.attitude import to_world, up_in_body, yaw_from_quaternion
-from lta_control.cascade import Setpoint, wrap_angle
-from lta_control.gains_file import load_law_gains
-from lta_control.laws import find_control_law
+from lta_control.laws import find_control_law, load_law_gains
 from lta_control.laws.protocol import ControlLaw
+from lta_control.motion import Setpoint, to_world, up_in_body, wrap_angle, yaw_from_quaternion
 from lta_control.strategies import find_navigation_strategy
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_stack import FlightStack

@@ -8,8 +8,8 @@ from itertools import pairwise
 import math
 from typing import Final, final
 
-from lta_control.attitude import yaw_from_quaternion
-from lta_control.cascade import CascadeGains
+from lta_control.laws.cascade import CascadeGains
+from lta_control.motion import yaw_from_quaternion
 from lta_control.strategies.protocol import (
     LightMeasurement,
     Memory,

@@ -22,7 +22,8 @@ from typing import Final, final, NamedTuple, TypeVar
 
 from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table
-from lta_control.cascade import CascadeGains, Setpoint
+from lta_control.laws.cascade import CascadeGains
+from lta_control.motion import Setpoint
 from lta_control.strategies import find_navigation_strategy
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_stack import FlightStack

@@ -20,7 +20,7 @@ from typing import final
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
-from lta_control.cascade import CascadeGains
+from lta_control.laws.cascade import CascadeGains
 from lta_model.propulsion import select_lifting_rotors
 from lta_model.vehicle import Vehicle
 from lta_studies.tune.compare import compute_response_metrics

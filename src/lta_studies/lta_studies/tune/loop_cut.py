@@ -24,19 +24,23 @@ from typing import final
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.topics import load_topic_table
 from lta_control.allocation import create_working_array, pad_to_slots, SLOTS
-from lta_control.attitude import up_in_body
 from lta_control.autopilot import Autopilot, build_drone_constants, MEMORY_LAYOUT
-from lta_control.cascade import CascadeGains, Setpoint, WrenchDemand
 from lta_control.estimator import EstimatorInputs, EstimatorSettings
 from lta_control.flight_step import (
     DroneConstants,
     DroneMemory,
     estimate_motion,
-    measure_motion,
     motion_from_estimate,
     SensorInputs,
 )
-from lta_control.laws.cascade import CascadeLawMemory, compute_demand, deliver_demand
+from lta_control.laws.cascade import (
+    CascadeGains,
+    CascadeLawMemory,
+    compute_demand,
+    deliver_demand,
+    WrenchDemand,
+)
+from lta_control.motion import measure_motion, Setpoint, up_in_body
 from lta_model.effects import initial_memory
 from lta_model.model import STEP_NS, VehicleModel
 from lta_model.rigid_body import height_and_tilt

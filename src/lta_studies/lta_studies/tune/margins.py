@@ -26,7 +26,8 @@ from dataclasses import dataclass
 import math
 from typing import Final, final, Literal
 
-from lta_control.cascade import CascadeGains, Setpoint
+from lta_control.laws.cascade import CascadeGains
+from lta_control.motion import Setpoint
 from lta_studies.tune.loop_cut import linearize_loop, LinearLoop, LoopCut
 from lta_studies.tune.step_response import TuningScene
 import numpy as np

@@ -12,8 +12,8 @@ from lta_config.command_line import relative_path
 from lta_config.errors import BadInput, format_count
 from lta_config.files import find_file as find_file
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_control.cascade import CascadeGains
-from lta_control.gains_file import load_gains
+from lta_control.laws import load_gains
+from lta_control.laws.cascade import CascadeGains
 from lta_report.report import Report
 from lta_report.request import argument, Mass, option, StudyRequest, StudyRun
 from lta_report.study import hash_inputs, StudyProgress

@@ -17,7 +17,8 @@ from lta_config.files import find_file, load_yaml, validate_content
 from lta_config.parameter_override import parse_quantity, replace_parameter
 from lta_config.schema.vehicle_file import VehicleFile
 from lta_config.topics import load_topic_table
-from lta_control.cascade import CascadeGains, Setpoint
+from lta_control.laws.cascade import CascadeGains
+from lta_control.motion import Setpoint
 from lta_control.strategies import find_navigation_strategy
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_stack import FlightStack

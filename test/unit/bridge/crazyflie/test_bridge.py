@@ -15,7 +15,7 @@ from lta_bridge.crazyflie.safety import LOW_VOLTAGE_TIME, SafetyInputs, SafetySt
 from lta_bridge.crazyflie.safety import SafetyRequest as AskedBy
 from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 from lta_config.schema.crazyflie_file import load_crazyflie
-from lta_control.altitude import STUCK
+from lta_control.estimator import STUCK
 from lta_graph.health import HealthLevel
 from lta_model.electrical.loads import BENCH
 from lta_model.vehicle import load_vehicle

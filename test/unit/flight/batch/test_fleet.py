@@ -14,7 +14,7 @@ import textwrap
 from lta_config.errors import BadInput
 from lta_config.parameter_override import parse_assignment
 from lta_config.topics import load_topic_table
-from lta_control.cascade import Setpoint
+from lta_control.motion import Setpoint
 from lta_flight.batch import batch_flight, flight
 from lta_flight.batch.batch_flight import build_flight
 from lta_flight.batch.flight_loop import FIGURES

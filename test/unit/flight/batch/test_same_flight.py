@@ -17,7 +17,7 @@ from lta_config.topics import load_topic_table
 from lta_control.allocation import NO_ROTORS, pad_to_slots
 from lta_control.flight_step import DroneMemory
 from lta_control.laws.cascade import CASCADE_LAW
-from lta_control.phases import Phase
+from lta_control.mission import Phase
 from lta_flight.batch import control_period, flight_loop
 from lta_flight.batch.batch_flight import BatchFlight, build_flight, build_schedule
 from lta_flight.batch.control_period import begin_flight, FlightInputs, FlightKernel, WorkArrays

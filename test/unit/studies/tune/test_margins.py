@@ -8,9 +8,9 @@ import math
 from lta_config.files import find_file, load_yaml
 from lta_config.topics import load_topic_table
 from lta_control.autopilot import Autopilot, build_drone_constants
-from lta_control.cascade import Setpoint
 from lta_control.estimator import EstimatorSettings
-from lta_control.gains_file import load_gains
+from lta_control.laws import load_gains
+from lta_control.motion import Setpoint
 from lta_model.sensors.pressure import PressureErrors, PressureSettings
 from lta_model.sensors.range import RangeErrors, RangeSettings
 from lta_sim.world import World

@@ -9,7 +9,7 @@ import math
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
-from lta_control.gains_file import load_gains
+from lta_control.laws import load_gains
 from lta_report.study_store import StudyStore
 from lta_report.workers import ItemFailure, LocalWorkers
 from lta_studies.tune import compare, helium_limit

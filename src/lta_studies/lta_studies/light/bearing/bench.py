@@ -8,7 +8,7 @@ import math
 from typing import Final, final, NamedTuple
 
 from lta_config.topics import load_topic_table
-from lta_control.cascade import wrap_angle
+from lta_control.motion import wrap_angle
 from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec, load_spec
 from lta_model.light.view import LightView
 from lta_model.sensors.photodiode import PhotodiodeArray

@@ -29,7 +29,7 @@ from typing import Final, final, NamedTuple
 from lta_config.errors import BadInput
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.topics import load_topic_table
-from lta_control.cascade import wrap_angle
+from lta_control.motion import wrap_angle
 from lta_data.bag.recorded_flight import open_flight, RecordedFlight
 from lta_data.bag.table import get_column
 from lta_report.progress_bar import ProgressBar
