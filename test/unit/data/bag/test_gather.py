@@ -107,7 +107,9 @@ def gathered(kind, messages):
 def same(found, expected):
     assert list(found) == list(expected)
     for path, values in expected.items():
-        assert found[path].dtype == values.dtype, path
+        # numpy drops NUL at the end of a text, but may keep its room
+        kinds = {found[path].dtype.kind, values.dtype.kind}
+        assert found[path].dtype == values.dtype or kinds == {'U'}, path
         np.testing.assert_array_equal(found[path], values, path)
 
 
