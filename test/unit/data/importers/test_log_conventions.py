@@ -345,14 +345,29 @@ def drift() -> Flight:
     return {'t': t, 'p': p, 'q': Rotation.from_euler('ZYX', rpy[:, ::-1]).as_quat(), 'rpy': rpy}
 
 
+def turn_late() -> Flight:
+    """Return a flight along its heading, 180 degrees, that then drifts on while it turns."""
+    f = drift()
+    t = f['t']
+    p = np.column_stack([-0.4 * t, 0.1 * np.sin(0.2 * t), f['p'][:, 2]])
+    yaw = np.pi - 2.0 / (1.0 + np.exp(-2.0 * (t - 20.0)))
+    rpy = np.column_stack([f['rpy'][:, :2], yaw])
+    return {'t': t, 'p': p, 'q': Rotation.from_euler('ZYX', rpy[:, ::-1]).as_quat(), 'rpy': rpy}
+
+
 @pytest.mark.parametrize(
-    'columns', [quaternion(drift()), angles(drift(), scale=1.0)], ids=['quaternion', 'radians']
+    ('f', 'columns'),
+    [
+        (drift(), quaternion(drift())),
+        (drift(), angles(drift(), scale=1.0)),
+        (turn_late(), quaternion(turn_late())),
+    ],
+    ids=['quaternion', 'radians', 'late turn'],
 )
-def test_a_flight_that_drifts_sideways_contradicts_no_names(
-    columns: dict[str, Array], tmp_path: Path
+def test_a_flight_that_drifts_contradicts_no_names(
+    f: Flight, columns: dict[str, Array], tmp_path: Path
 ) -> None:
     """Another order of the elements, or degrees, would let it move straight ahead."""
-    f = drift()
     source = write_csv(tmp_path / 'log.csv', timed(f) | place(f) | columns)
     draft = draft_mapping(source, {})
     assert draft.choices.questions == []
