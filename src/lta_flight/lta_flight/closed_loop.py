@@ -277,11 +277,11 @@ class ClosedLoop:
         self._listener.prioritize_beacon(self.beacon)
         hearing = self._listener.demodulate_next_block(block)
         peaks, threshold = hearing.peaks[0], self.policy.demodulation.threshold
-        found = self._finder.find_lamp(peaks, threshold, self.policy.prior)
-        self.light = LightObservation(hearing, *found)
+        detection = self._finder.find_lamp(peaks, threshold, self.policy.prior)
+        self.light = LightObservation(hearing, *detection)
         # Message fields of type float32
         amplitudes = tuple(peaks.amplitude.astype(np.float32).tolist())
-        lamp = None if found.lamp is None else to_lamp_position(found.lamp)
+        lamp = None if detection.lamp is None else to_lamp_position(detection.lamp)
         frequencies = tuple(peaks.frequency.astype(np.float32).tolist())
         middle_ns = stamp_ns + self.table['photodiodes'].period_ns // 2
         # The estimator gets the block one control period after its end
