@@ -116,8 +116,7 @@ def weighted_mean_bearing(
     for i in range(len(amplitudes)):
         error = amplitudes[i]
         if snrs[i] >= threshold:
-            # Standard deviation of the peak, from the mean of Rayleigh distributed quiet bins
-            error *= math.sqrt(2.0 / math.pi) / snrs[i]
+            error *= RAYLEIGH_SHARE / snrs[i]
         # sin(phi_i - theta)
         across = (sines[i] * forward - cosines[i] * left) / length
         variance += (error * across / length) ** 2

@@ -371,7 +371,7 @@ def choose_reading(
         # vertical in no convention, but in quaternions that are read in a wrong order
         upright = [_measure_uprightness(one) for one in readings]
         there = [i for i, up in enumerate(upright) if up > UPRIGHT] or [*range(len(readings))]
-        # A way of some metres does not overrule names by which the vehicle stays level
+        # A way overrules names only where others keep the vehicle level, and these do not
         if any(not readings[i].cost for i in level):
             there = [i for i in there if not readings[i].cost] or level
         most = max(forward[i] for i in there)
